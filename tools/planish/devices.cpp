@@ -1,10 +1,10 @@
 #include "devices.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 #include "planish/core/error.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/core/visible_text.h"
 #if PLANISH_HAS_VULKAN
@@ -17,12 +17,6 @@ namespace {
 bool is_vulkan(const ListedDevice& device) { return device.selector != "cpu"; }
 bool is_usable(const ListedDevice& device) { return device.unusable_because.empty(); }
 bool is_hardware(const ListedDevice& device) { return device.description.kind == "gpu"; }
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string selectors(const std::vector<ListedDevice>& devices) {
   std::string text;
@@ -70,17 +64,17 @@ std::size_t find_index(const std::vector<ListedDevice>& devices, const std::stri
 
 // Exactly by index, UUID or name, else by a part of the name that only one device has; any case.
 std::size_t find_named(const std::vector<ListedDevice>& devices, const std::string& name) {
-  const std::string wanted = lower(name);
+  const std::string wanted = lower_case(name);
   std::int64_t index = 0;
   if (parse_integer(name, index)) return find_index(devices, name);
   std::vector<std::size_t> matches;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceDescription& description = devices[i].description;
-    if (devices[i].selector == wanted || lower(description.uuid) == wanted ||
-        lower(description.name) == wanted) {
+    if (devices[i].selector == wanted || lower_case(description.uuid) == wanted ||
+        lower_case(description.name) == wanted) {
       return i;
     }
-    if (lower(description.name).find(wanted) != std::string::npos) matches.push_back(i);
+    if (lower_case(description.name).find(wanted) != std::string::npos) matches.push_back(i);
   }
   if (matches.size() == 1) return matches.front();
   throw Error(ErrorCode::NoDevice, "--device " + visible(name) +

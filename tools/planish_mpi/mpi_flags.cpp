@@ -2,13 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 
 #include "build_info.h"
 #include "help/manual.h"
 #include "job/input.h"
 #include "mpi_options.h"
 #include "options/fit_flags.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
 #include "planish/core/version.h"
@@ -92,8 +92,7 @@ std::string name_of(const CLI::Option& option) {
   std::string name = flag_of(option);
   name.erase(0, name.find_first_not_of('-'));
   std::ranges::replace(name, '-', '_');
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name;
+  return lower_case(name);
 }
 
 // What ranks have not is not shown, and refused where it is given.

@@ -1,11 +1,10 @@
 #include "device.h"
 
-#include <algorithm>
-#include <cctype>
 #include <optional>
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/lower_case.h"
 
 namespace planish::viewer {
 namespace {
@@ -46,11 +45,6 @@ std::vector<Candidate> find_candidates(VkInstance instance, VkSurfaceKHR surface
                           vulkan::query_capabilities(vkGetInstanceProcAddr, instance, handle),
                           find_family(handle, surface)});
   return candidates;
-}
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 /// Why the device does not serve; empty if it does.

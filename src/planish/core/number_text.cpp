@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "planish/core/lower_case.h"
+
 namespace planish {
 namespace {
 
@@ -92,10 +94,7 @@ namespace {
 // Without its sign, in lower case.
 std::string plain_word(std::string_view word) {
   if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
-  std::string plain(word.substr(0, 16));
-  for (char& c : plain)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return plain;
+  return lower_case(word.substr(0, 16));
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
 #include "planish/files/formats.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <vector>
 
 #include "planish/core/assert.h"
+#include "planish/core/lower_case.h"
 #include "planish/files/gltf/read_gltf.h"
 #include "planish/files/las/read_las.h"
 #include "planish/files/mesh_file.h"
@@ -180,9 +179,7 @@ const FormatInfo& info_of(FileFormat format) {
 }
 
 std::optional<FileFormat> format_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case(path.extension().string());
   if (extension.size() < 2) return std::nullopt;
   const std::string_view named = std::string_view(extension).substr(1);
   for (const FormatInfo& info : kFormats)

@@ -6,6 +6,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/first_where.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/core/visible_text.h"
 
@@ -20,11 +21,6 @@ bool is_name(const std::string& name) {
   const auto is_of_name = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
   return !name.empty() && std::ranges::all_of(name, is_of_name) &&
          std::isdigit(static_cast<unsigned char>(name[0])) == 0;
-}
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 }  // namespace

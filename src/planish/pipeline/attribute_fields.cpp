@@ -1,7 +1,6 @@
 #include "planish/pipeline/attribute_fields.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec4.hpp>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/parallel.h"
 #include "planish/surface/memory_need.h"
 
@@ -16,8 +16,7 @@ namespace planish {
 namespace {
 
 bool is_same_name(const std::string& a, const std::string& b) {
-  return std::ranges::equal(
-      a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+  return lower_case(a) == lower_case(b);
 }
 
 void require_memory_of(std::uint64_t count, std::int64_t rows) {

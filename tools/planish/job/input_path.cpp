@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/nearest.h"
 #include "planish/core/visible_text.h"
 
@@ -50,11 +50,9 @@ constexpr std::array kForeign{ForeignFormat{"step", "STEP", "FreeCAD or gmsh"},
                               ForeignFormat{"blend", "a Blender scene", "Blender"}};
 
 const ForeignFormat* foreign_format(const fs::path& path) {
-  std::string extension = path.extension().string();
+  std::string extension = lower_case(path.extension().string());
   if (extension.empty()) return nullptr;
   extension.erase(0, 1);
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto found = std::ranges::find(kForeign, extension, &ForeignFormat::extension);
   return found == kForeign.end() ? nullptr : &*found;
 }
@@ -67,12 +65,6 @@ std::string conversion(const ForeignFormat& format, const fs::path& from, const 
     return std::string(format.converter) + " converts it";
   return "\"" + std::string(format.converter) + " " + visible(from) + " " + visible(to) +
          "\" converts it";
-}
-
-std::string case_folded(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 // A readable file of nearly that name beside it.
@@ -90,7 +82,7 @@ std::string nearest_file(const fs::path& path) {
   std::ranges::sort(names);
   const std::string wanted = path.filename().string();
   for (const std::string& name : names)
-    if (case_folded(name) == case_folded(wanted)) return (path.parent_path() / name).string();
+    if (lower_case(name) == lower_case(wanted)) return (path.parent_path() / name).string();
   const std::vector<std::string_view> known(names.begin(), names.end());
   const auto found = nearest(wanted, known);
   return found ? (path.parent_path() / *found).string() : std::string();

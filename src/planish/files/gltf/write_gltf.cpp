@@ -4,10 +4,10 @@
 #include "planish/files/gltf/write_gltf.h"
 
 #include <algorithm>
-#include <cctype>
 #include <memory>
 
 #include "planish/core/host_scope.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
@@ -131,9 +131,7 @@ std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOption
 
 GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surface,
                     const GltfOptions& options) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case(path.extension().string());
   if (extension != ".glb" && extension != ".gltf") {
     throw Error(ErrorCode::InvalidArgument,
                 visible(path) + ": extension is neither .glb nor .gltf");

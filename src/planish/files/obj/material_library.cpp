@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <fstream>
 
+#include "planish/core/lower_case.h"
 #include "planish/core/visible_text.h"
 
 namespace planish {
@@ -46,13 +46,6 @@ double number_of(std::string_view word) {
   return value;
 }
 
-std::string lower_of(std::string_view word) {
-  std::string lower(word);
-  std::ranges::transform(lower, lower.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
 // Behind the options of a texture, such as -s 1 1 1 and -clamp on, comes its name with its blanks.
 std::string_view texture_of(std::string_view rest, MaterialTexture* texture = nullptr) {
   constexpr std::array<std::string_view, 3> kVectors = {"-s", "-o", "-t"};
@@ -80,7 +73,7 @@ std::string_view texture_of(std::string_view rest, MaterialTexture* texture = nu
 // A line with its texture as it is named from another folder.
 std::string moved_line(const std::string& line, const fs::path& from, const fs::path& to) {
   std::string_view rest = line;
-  if (!names_a_texture(lower_of(take_word(rest)))) return line;
+  if (!names_a_texture(lower_case(take_word(rest)))) return line;
   const std::string_view texture = texture_of(rest);
   std::string name(texture);
   std::ranges::replace(name, '\\', '/');
@@ -149,7 +142,7 @@ std::vector<MaterialStatement> MaterialLibrary::parsed(const std::string& name) 
   for (const std::string& line : material.lines) {
     std::string_view rest = line;
     MaterialStatement& statement = all.emplace_back();
-    statement.keyword = lower_of(take_word(rest));
+    statement.keyword = lower_case(take_word(rest));
     if (names_a_texture(statement.keyword)) {
       std::string file(texture_of(rest, &statement.texture));
       std::ranges::replace(file, '\\', '/');

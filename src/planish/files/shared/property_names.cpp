@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/identifier.h"
 #include "planish/files/shared/text_lines.h"
@@ -13,12 +14,6 @@ constexpr std::size_t kMostNameBytes = 64;
 // Names of USD, which knows the others apart by their case.
 constexpr std::array<std::string_view, 3> kTakenNames = {"st", "displaycolor", "displayopacity"};
 
-std::string lower(std::string name) {
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return name;
-}
-
 }  // namespace
 
 PropertyNames::PropertyNames() : taken_(kTakenNames.begin(), kTakenNames.end()) {
@@ -28,7 +23,7 @@ PropertyNames::PropertyNames() : taken_(kTakenNames.begin(), kTakenNames.end()) 
 bool PropertyNames::add(const std::string& given) {
   std::string name = identifier_of(given);
   if (names_.size() < kMaxProperties && name.size() <= kMostNameBytes &&
-      taken_.insert(lower(name)).second) {
+      taken_.insert(lower_case(name)).second) {
     names_.push_back(std::move(name));
     return true;
   }

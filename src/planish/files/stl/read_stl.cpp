@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
@@ -30,8 +30,7 @@ constexpr std::size_t kTriangleBytes = 50;
 constexpr std::size_t kNormalBytes = 12;
 
 bool is_word(std::string_view word, std::string_view expected) {
-  return std::ranges::equal(word, expected,
-                            [](unsigned char a, unsigned char b) { return std::tolower(a) == b; });
+  return std::ranges::equal(word, expected, {}, [](char c) { return lower_case(c); });
 }
 
 // Many binary files begin with `solid`, too: their first triangle has a byte that no text has.

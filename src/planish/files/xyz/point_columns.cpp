@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "planish/core/counted.h"
+#include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/property_names.h"
 #include "planish/files/shared/srgb.h"
@@ -20,9 +21,8 @@ constexpr std::size_t kNoColumn = kMaxPointColumns;
 bool is_separator(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';'; }
 
 std::string small_letters(std::string_view word) {
-  std::string small;
-  for (const char c : word)
-    if (c != '"') small += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  std::string small = lower_case(word);
+  std::erase(small, '"');
   return small;
 }
 

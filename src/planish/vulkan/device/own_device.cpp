@@ -1,20 +1,14 @@
 #include "planish/vulkan/device/own_device.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "planish/core/error.h"
+#include "planish/core/lower_case.h"
 #include "planish/vulkan/device/result.h"
 
 namespace planish::vulkan {
 
 namespace {
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char letter) { return std::tolower(letter); });
-  return text;
-}
 
 /// Higher is better; negative: not usable.
 int rank_of(const Capabilities& device) {

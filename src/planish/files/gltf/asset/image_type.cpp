@@ -1,7 +1,8 @@
 #include "planish/files/gltf/asset/image_type.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "planish/core/lower_case.h"
 
 namespace planish {
 namespace {
@@ -25,9 +26,7 @@ std::string image_type(std::span<const std::byte> bytes, std::string_view name) 
                                std::min<std::size_t>(bytes.size(), 16));
   for (const ImageFormat& format : kImageFormats)
     if (!format.start.empty() && start.starts_with(format.start)) return std::string(format.type);
-  std::string lower(name);
-  std::ranges::transform(lower, lower.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(name);
   for (const ImageFormat& format : kImageFormats)
     if (lower.ends_with(format.extension)) return std::string(format.type);
   return "application/octet-stream";
