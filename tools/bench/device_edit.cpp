@@ -1,14 +1,11 @@
 #include "bench/device_edit.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <glm/geometric.hpp>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <stdexcept>
 
+#include "bench/edit_moves.h"
 #include "planish/core/error.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/embed.h"
@@ -19,9 +16,6 @@ namespace planish::bench {
 namespace {
 
 using namespace vulkan;
-
-constexpr std::uint32_t kManyMoves = 1000;
-constexpr float kWayOfEdit = 0.01f;  // of the diagonal
 
 /// A host of one mesh. Each run moves the listed vertices there, the next one back.
 class DeviceEdits {
@@ -50,7 +44,7 @@ class DeviceEdits {
     solve_all(false);
   }
 
-  void list(std::vector<std::uint32_t> vertices) { listed_ = std::move(vertices); }
+  void list(std::vector<std::int32_t> vertices) { listed_ = std::move(vertices); }
   void edit() {
     move_listed();
     const auto count = static_cast<std::uint32_t>(listed_.size());
@@ -88,9 +82,9 @@ class DeviceEdits {
   }
   void move_listed() {
     is_there_ = !is_there_;
-    const auto way = is_there_ ? kWayOfEdit * static_cast<float>(system_.diagonal()) : 0;
-    for (const std::uint32_t v : listed_) {
-      const glm::vec3 to = rest_[v] + glm::vec3(way, 0, 0);
+    const double way = is_there_ ? kWayOfEdit * system_.diagonal() : 0;
+    for (const std::int32_t v : listed_) {
+      const glm::vec3 to = rest_[v] + glm::vec3(way_of(v, way));
       std::memcpy(points_.mapped().data() + v * sizeof to, &to, sizeof to);
     }
     points_.flush();
@@ -115,7 +109,7 @@ class DeviceEdits {
   Buffer points_, vertices_, moves_, report_;
   vulkan::Solve solve_;
   float stop_error_;
-  std::vector<std::uint32_t> listed_;
+  std::vector<std::int32_t> listed_;
   bool is_there_ = false;
 };
 
@@ -137,23 +131,9 @@ std::vector<Row> bench_device_edits(const Options& options, const PolygonMesh& m
     row.refused = error.what();
     return {row};
   }
-  const auto count = static_cast<std::uint32_t>(mesh.vertex_count());
-  const std::uint32_t middle = count / 2;
-  std::vector<std::uint32_t> near(mesh.positions.size());
-  std::iota(near.begin(), near.end(), 0u);
-  const auto distance = [&](std::uint32_t v) {
-    return glm::distance(mesh.positions[v], mesh.positions[middle]);
-  };
-  const std::size_t many = std::min<std::size_t>(kManyMoves, near.size());
-  std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(many) - 1, near.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return distance(a) < distance(b); });
-  near.resize(many);
-  std::vector<std::uint32_t> scattered(many);
-  for (std::size_t i = 0; i < many; ++i)
-    scattered[i] = static_cast<std::uint32_t>(i * count / many);
-
+  const std::int32_t middle = mesh.vertex_count() / 2;
   std::map<std::string, std::vector<std::pair<std::string, double>>> figures;
-  const auto add = [&](const std::string& peer, std::vector<std::uint32_t> vertices) {
+  const auto add = [&](const std::string& peer, std::vector<std::int32_t> vertices) {
     group.peers.push_back({peer, [&, peer, vertices] {
                              host->list(vertices);
                              host->edit();
@@ -169,8 +149,8 @@ std::vector<Row> bench_device_edits(const Options& options, const PolygonMesh& m
                          }});
   add("vulkan-none", {});
   add("vulkan-one", {middle});
-  add("vulkan-near-1000", near);
-  add("vulkan-scattered-1000", scattered);
+  add("vulkan-near-1000", near_vertices(mesh, middle));
+  add("vulkan-scattered-1000", scattered_vertices(mesh));
   std::vector<Row> rows = run_group(group, options.repetitions);
   for (Row& row : rows) row.figures = figures[row.peer];
   return rows;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <random>
@@ -12,6 +11,7 @@
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
 #include "bench/device_edit.h"
+#include "bench/edit_moves.h"
 #include "planish/edit/editor.h"
 
 namespace planish::bench {
@@ -20,14 +20,11 @@ namespace {
 
 // As many moves as a mesh has time for between two looks at the clock.
 constexpr int kMoves = 64;
-constexpr std::size_t kMany = 1000;
-constexpr double kWay = 0.01;  // of the diagonal
 
 class EditBench {
  public:
-  // Within `radius` of a vertex there are about kMany others.
-  EditBench(const PolygonMesh& mesh, std::string size, double radius)
-      : mesh_(mesh), size_(std::move(size)), fit_(fit(mesh, *make_cpu_backend())), radius_(radius) {
+  EditBench(const PolygonMesh& mesh, std::string size)
+      : mesh_(mesh), size_(std::move(size)), fit_(fit(mesh, *make_cpu_backend())) {
     editor_ = std::make_unique<Editor>(mesh_, fit_);
   }
 
@@ -40,17 +37,10 @@ class EditBench {
     rows.push_back(timed(group, "whole", few, 1, [&](int) { return all; }));
     rows.push_back(timed(group, "one", repetitions, kMoves,
                          [&](int i) { return std::vector<std::int32_t>{any(i)}; }));
-    rows.push_back(timed(group, "near-1000", few, 4, [&](int i) {
-      Selection near = editor_->select(std::vector<std::int32_t>{any(i)}, radius_);
-      near.vertices.resize(std::min(near.vertices.size(), kMany));
-      return near.vertices;
-    }));
-    rows.push_back(timed(group, "scattered-1000", few, 1, [&](int i) {
-      std::vector<std::int32_t> vertices(kMany);
-      for (std::size_t k = 0; k < kMany; ++k)
-        vertices[k] = any(i * static_cast<int>(kMany) + static_cast<int>(k));
-      return vertices;
-    }));
+    rows.push_back(
+        timed(group, "near-1000", few, 4, [&](int i) { return near_vertices(mesh_, any(i)); }));
+    rows.push_back(
+        timed(group, "scattered-1000", few, 1, [&](int) { return scattered_vertices(mesh_); }));
     (void)editor_->queries();  // from here on moves keep their tree right
     rows.push_back(timed(group, "one-picked", repetitions, kMoves,
                          [&](int i) { return std::vector<std::int32_t>{any(i)}; }));
@@ -69,12 +59,6 @@ class EditBench {
     if (error <= FitOptions{}.tolerance) return;
     throw std::runtime_error("after its moves an edited surface is off by " +
                              std::to_string(error) + " of the diagonal");
-  }
-
-  // This way or the other by lot: all vertices by one way would leave nothing to solve.
-  [[nodiscard]] static glm::dvec3 way_of(std::int32_t vertex, double way) {
-    const std::uint32_t lot = static_cast<std::uint32_t>(vertex) * 2'654'435'761u;
-    return {lot >> 31 == 0 ? way : -way, 0, 0};
   }
 
   [[nodiscard]] std::int32_t any(int i) const {
@@ -96,7 +80,7 @@ class EditBench {
       const auto before = std::chrono::steady_clock::now();
       for (const auto& chosen : vertices) {
         to.clear();
-        const double way = r % 2 == 0 ? 0 : kWay * fit_.placement.diagonal;
+        const double way = r % 2 == 0 ? 0 : kWayOfEdit * fit_.placement.diagonal;
         for (const std::int32_t v : chosen)
           to.push_back(mesh_.positions[static_cast<std::size_t>(v)] + way_of(v, way));
         const EditChange change = editor_->move(chosen, to);
@@ -125,7 +109,6 @@ class EditBench {
   std::string size_;
   Fit fit_;
   std::unique_ptr<Editor> editor_;
-  double radius_;
 };
 
 }  // namespace
@@ -136,9 +119,7 @@ std::vector<Row> bench_edit(const Options& options) {
   if (options.quad_count >= 1'000'000) counts.push_back(4 * options.quad_count);
   for (const std::int32_t count : counts) {
     const PolygonMesh mesh = torus_grid(count);
-    // Edges along are 2 pi / side long, those around the tube 0.4 times that.
-    const double edge = 6.3 / std::sqrt(static_cast<double>(mesh.vertex_count()));
-    EditBench bench(mesh, "torus, " + std::to_string(mesh.vertex_count()) + " vertices", 25 * edge);
+    EditBench bench(mesh, "torus, " + std::to_string(mesh.vertex_count()) + " vertices");
     const std::vector<Row> measured = bench.run(options.repetitions);
     rows.insert(rows.end(), measured.begin(), measured.end());
 #ifdef PLANISH_HAS_VULKAN
