@@ -14,6 +14,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/core/stop.h"
 
 namespace planish {
 

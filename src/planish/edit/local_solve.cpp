@@ -15,6 +15,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
+#include "planish/core/stop.h"
 
 namespace planish {
 

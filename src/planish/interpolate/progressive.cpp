@@ -17,6 +17,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/core/stop.h"
 
 namespace planish {
 

@@ -10,6 +10,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/stop.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/triangle_edges.h"
 #include "planish/reconstruct/fill_hole.h"

@@ -8,6 +8,7 @@
 
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
+#include "planish/core/stop.h"
 
 namespace planish {
 namespace {

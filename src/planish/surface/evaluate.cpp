@@ -11,6 +11,7 @@
 #include "planish/backend/initial_residual.h"
 #include "planish/core/assert.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/stop.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/placement.h"

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <oneapi/tbb/parallel_pipeline.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -13,8 +10,8 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/core/ordered_pipeline.h"
 #include "planish/core/range.h"
-#include "planish/core/stop.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_surface.h"
 #include "planish/surface/surface_mesh.h"
@@ -170,34 +167,13 @@ void warn_of(const DegenerateRows& rows, const Callbacks& callbacks);
 /// a time: for writing what has no fixed size. `make(range, piece)` fills a Piece, which is used
 /// again; `take(range, piece)` has it. As many pieces as threads exist at once.
 template <class Piece, class Make, class Take>
-void in_order(std::span<const RowRange> ranges, const Make& make, const Take& take);
-
-template <class Piece, class Make, class Take>
 void in_order(std::span<const RowRange> ranges, const Make& make, const Take& take) {
-  namespace tbb = oneapi::tbb;
   // Two pieces a thread, so that none waits while one is taken.
-  const auto slots = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  std::vector<Piece> pieces(slots);
-  std::size_t next = 0;
-  const StopScope* const stop = AdoptedStop::current();
-  tbb::parallel_pipeline(
-      slots, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
-                                                 [&](tbb::flow_control& control) -> std::size_t {
-                                                   if (next == ranges.size()) control.stop();
-                                                   return next++;
-                                                 }) &
-                 tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel,
-                                                            [&](std::size_t i) {
-                                                              const AdoptedStop adopted(stop);
-                                                              check_stop();
-                                                              make(ranges[i], pieces[i % slots]);
-                                                              return i;
-                                                            }) &
-                 tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order,
-                                                     [&](std::size_t i) {
-                                                       const AdoptedStop adopted(stop);
-                                                       take(ranges[i], pieces[i % slots]);
-                                                     }));
+  std::vector<Piece> pieces(2 * pipeline_threads());
+  const PieceStep taker = [&](std::size_t i, std::size_t slot) { take(ranges[i], pieces[slot]); };
+  ordered_pipeline(ranges.size(), pieces.size(),
+                   [&](std::size_t i, std::size_t slot) { make(ranges[i], pieces[slot]); },
+                   {&taker, 1});
 }
 
 }  // namespace planish

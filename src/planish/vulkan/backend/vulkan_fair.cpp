@@ -5,6 +5,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/stop.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 
 namespace planish::vulkan {

@@ -1,0 +1,30 @@
+#include "planish/core/parallel.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "planish/core/stop.h"
+
+namespace planish {
+
+void run_loop(std::size_t count, std::size_t grain, LoopBody body) {
+  if (count <= grain) {
+    check_stop();
+    if (count > 0) body.call(body.object, 0, count);
+    return;
+  }
+  const StopScope* const stop = AdoptedStop::current();
+  oneapi::tbb::parallel_for(
+      oneapi::tbb::blocked_range<std::size_t>(0, count, grain),
+      [&](const auto& range) {
+        const AdoptedStop adopted(stop);
+        const std::size_t piece = stop == nullptr ? range.size() : std::max<std::size_t>(grain, 1);
+        for (std::size_t begin = range.begin(); begin < range.end(); begin += piece) {
+          check_stop();
+          body.call(body.object, begin, std::min(begin + piece, range.end()));
+        }
+      },
+      oneapi::tbb::auto_partitioner());
+}
+
+}  // namespace planish
