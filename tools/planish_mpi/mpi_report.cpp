@@ -52,15 +52,7 @@ FittedMesh fitted_of(const MpiJob& job, const DistributedFit& fit) {
   result.iterations = fit.solution.iterations;
   result.error = fit.solution.error;
   result.history = fit.solution.history;
-  if (fit.fair) {
-    FairFit& fair = all.fit.fair.emplace();
-    fair.shrunk_vertices = fit.fair->shrunk_vertices;
-    fair.reversed_vertices = fit.fair->reversed_vertices;
-    fair.cured_vertices = fit.fair->cured_vertices;
-    fair.flagged_edges = fit.fair->flagged_edges;
-    fair.flagged_faces = fit.fair->flagged_faces;
-    fair.rounds = fit.fair->rounds;
-  }
+  if (fit.fair) all.fit.fair.emplace(FairFit{*fit.fair, {}, {}});
   return all;
 }
 

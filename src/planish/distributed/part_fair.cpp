@@ -123,16 +123,10 @@ PartFair make_part_fair(const Ranks& ranks, const MeshPart& part, const PartFair
   agree(ranks, [&] { mesh = std::make_unique<PartMesh>(part, options); });
   PartHalo halo(ranks, part, mesh->sub, mesh->keys, options.block_vertices, options.after_exchange);
   FairNet net = make_net(*mesh, halo, options);
-  PartFair fair;
+  PartFair fair{net};
   fair.state = std::move(net.state);
   fair.placement = options.placement;
   measure(ranks, *mesh, halo, options.fit.tolerance, fair);
-  fair.shrunk_vertices = net.shrunk_vertices;
-  fair.reversed_vertices = net.reversed_vertices;
-  fair.cured_vertices = net.cured_vertices;
-  fair.flagged_edges = net.flagged_edges;
-  fair.flagged_faces = net.flagged_faces;
-  fair.rounds = net.rounds;
   fair.concave_faces = count_concave(mesh->sub, halo);
   fair.keys = std::move(mesh->keys);
   return fair;

@@ -25,15 +25,12 @@ struct PartFairOptions {
 
 /// The fair surface of a rank's part: control points of level 1 at all corners of its faces, and on
 /// curves. Figures are of the whole mesh.
-struct PartFair {
+struct PartFair : FairFigures {
   std::vector<glm::dvec3> state;  ///< per corner of the part, then by `keys`
   std::vector<CurveKey> keys;     ///< sorted; those at the part's rim say nothing
   Placement placement;            ///< in whose coordinates the state is
   ErrorNorms error;
   bool converged = false;
-  std::int64_t shrunk_vertices = 0, reversed_vertices = 0, cured_vertices = 0;
-  std::int64_t flagged_edges = 0, flagged_faces = 0;  ///< as FairNet has them
-  FairRounds rounds;
   std::int64_t concave_faces = 0;
 };
 

@@ -55,18 +55,22 @@ struct FairRounds {
   std::optional<std::int32_t> repair, cure;
 };
 
-/// A Doo-Sabin net of level 1 whose surface passes through the given vertices: the polygon around
-/// every smooth vertex has its centroid there, the two curve points beside a crease or boundary
-/// vertex their middle.
-struct FairNet {
-  /// The state of level 1 as Subdivision documents it, in the coordinates of `given`.
-  std::vector<glm::dvec3> state;
+/// What the construction of a net came to.
+struct FairFigures {
   std::int64_t shrunk_vertices = 0;    ///< whose polygons were drawn in to undo overlaps
   std::int64_t reversed_vertices = 0;  ///< whose polygons came out turned over and were replaced
   std::int64_t cured_vertices = 0;     ///< whose polygons were replaced by perpendicular ones
   std::int64_t flagged_edges = 0;      ///< smooth edges still turned over in the end
   std::int64_t flagged_faces = 0;      ///< faces still turned over in the end
   FairRounds rounds;
+};
+
+/// A Doo-Sabin net of level 1 whose surface passes through the given vertices: the polygon around
+/// every smooth vertex has its centroid there, the two curve points beside a crease or boundary
+/// vertex their middle.
+struct FairNet : FairFigures {
+  /// The state of level 1 as Subdivision documents it, in the coordinates of `given`.
+  std::vector<glm::dvec3> state;
   FairDecisions decisions;
 };
 

@@ -53,12 +53,8 @@ struct FitTiming {
 };
 
 /// What the fair method makes.
-struct FairFit {
+struct FairFit : FairFigures {
   LevelOne level_one;
-  std::int64_t shrunk_vertices = 0, reversed_vertices = 0;  ///< see FairNet
-  std::int64_t cured_vertices = 0;
-  std::int64_t flagged_edges = 0, flagged_faces = 0;
-  FairRounds rounds;
   FairDecisions decisions;
 };
 

@@ -140,15 +140,8 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
   FairNet net = make_cured_net(result, mesh, subdivision, given, backend, options);
   result.interpolation = measured(subdivision, net.state, given, options.tolerance);
-  FairFit& fair = result.fair.emplace();
-  fair.level_one = {std::move(net.state), result.placement};
-  fair.shrunk_vertices = net.shrunk_vertices;
-  fair.reversed_vertices = net.reversed_vertices;
-  fair.cured_vertices = net.cured_vertices;
-  fair.flagged_edges = net.flagged_edges;
-  fair.flagged_faces = net.flagged_faces;
-  fair.rounds = net.rounds;
-  fair.decisions = std::move(net.decisions);
+  FairFit& fair = result.fair.emplace(
+      FairFit{net, {std::move(net.state), result.placement}, std::move(net.decisions)});
   if (fair.flagged_edges + fair.flagged_faces > 0)
     options.callbacks.warn(folds_left_warning(fair.flagged_edges, fair.flagged_faces));
   const auto concave = std::ssize(concave_faces(mesh));

@@ -36,11 +36,7 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   report.timing.stencils += result.timing.stencils;
   report.timing.upload += result.timing.upload;
   report.timing.solve += result.timing.solve;
-  if (result.fair) {
-    report.fair = FairFigures{result.fair->shrunk_vertices, result.fair->reversed_vertices,
-                              result.fair->cured_vertices, result.fair->flagged_edges,
-                              result.fair->flagged_faces};
-  }
+  if (result.fair) report.fair = *result.fair;
   report.solve = solve_json(fitted);
   report.interpolation = std::move(result.interpolation);
   report.interpolation.displacement.clear();

@@ -62,12 +62,6 @@ struct InputFacts {
   std::int64_t file_vertices = 0, file_faces = 0;
 };
 
-/// The fair method's own figures, see FairNet.
-struct FairFigures {
-  std::int64_t shrunk_vertices = 0, reversed_vertices = 0, cured_vertices = 0, flagged_edges = 0,
-               flagged_faces = 0;
-};
-
 /// What a job's moves did to its mesh.
 struct MovedFigures {
   std::int64_t moves = 0;
