@@ -18,14 +18,12 @@ void turn_back(const SaveOptions& options, PolygonMesh& mesh) {
 FileFormat format_for(const std::filesystem::path& path, SavedPart part) {
   const auto format = format_of(path);
   const bool is_surface = part == SavedPart::Surface;
-  const bool is_gltf = format == FileFormat::Glb || format == FileFormat::Gltf;
-  const bool is_mesh = format == FileFormat::Obj || format == FileFormat::Ply ||
-                       format == FileFormat::Off || format == FileFormat::Usda;
-  if (format && (is_surface ? is_gltf : is_mesh)) return *format;
+  if (format && (is_surface ? info_of(*format).is_gltf : serves(*format, FormatUse::WriteCage)))
+    return *format;
   throw Error(ErrorCode::InvalidArgument,
               path.string() + (is_surface ? ": surfaces are saved as .glb or .gltf"
-                                          : ": meshes and cages are saved as .obj, .ply, .off or "
-                                            ".usda"));
+                                          : ": meshes and cages are saved as " +
+                                                extensions_in_words(FormatUse::WriteCage)));
 }
 
 void save_surface(const EditSession& session, const std::filesystem::path& path,
