@@ -63,11 +63,11 @@ class SeveralBuffers {
     warn_of(degenerate, options_.callbacks);
     document_.shares_materials = true;
     document_.translation = StoredPosition(options_).translation();
-    const std::string json = gltf_json(document_, options_, gltf_buffer_path(path_, 0).string());
-    write_observed(file, std::as_bytes(std::span(json)), options_);
+    const std::string text = gltf_json(document_, options_, gltf_buffer_path(path_, 0).string());
+    write_observed(file, std::as_bytes(std::span(text)), options_);
     for (const auto& buffer : buffers_) buffer->commit();
     file.commit();
-    written_.byte_count = json.size() + document_.buffer_bytes;
+    written_.byte_count = text.size() + document_.buffer_bytes;
     written_.buffer_count = buffers_.size();
     return written_;
   }

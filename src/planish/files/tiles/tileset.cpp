@@ -67,11 +67,11 @@ class TilesetWriter {
     double error = 0;
     ordered_json children = ordered_json::array();
 
-    void add(const TileBox& child, double child_error, ordered_json&& json) {
+    void add(const TileBox& child, double child_error, ordered_json&& made) {
       if (children.empty()) box = child;
       box.add(child);
       error = std::max(error, child_error);
-      children.push_back(std::move(json));
+      children.push_back(std::move(made));
     }
     // Nothing at all is as wrong as the model is large.
     void finish() { error = std::max(error, 2 * glm::length(box.half())); }
@@ -81,23 +81,23 @@ class TilesetWriter {
     Node node;
     for (const std::size_t tile : blocks) {
       const glm::dvec3& origin = origins_[plan_.tiles[tile].block];
-      ordered_json json = tile_json(tile, folder);
+      ordered_json made = tile_json(tile, folder);
       const glm::dvec3 at = frame_.point(origin);
-      json["transform"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, at.x, at.y, at.z, 1};
+      made["transform"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, at.x, at.y, at.z, 1};
       const TileBox box{tiles_[tile].box.lower + origin, tiles_[tile].box.upper + origin};
-      node.add(box, tiles_[tile].error, std::move(json));
+      node.add(box, tiles_[tile].error, std::move(made));
     }
     node.finish();
     return node;
   }
 
   [[nodiscard]] ordered_json tile_json(std::size_t tile, const std::string& folder) const {
-    ordered_json json{{"boundingVolume", volume_of(tiles_[tile].box)},
+    ordered_json made{{"boundingVolume", volume_of(tiles_[tile].box)},
                       {"geometricError", tiles_[tile].error}};
-    json["content"] = {{"uri", folder + tile_path(plan_.tiles[tile], tile)}};
+    made["content"] = {{"uri", folder + tile_path(plan_.tiles[tile], tile)}};
     for (const std::size_t child : children_[tile])
-      json["children"].push_back(tile_json(child, folder));
-    return json;
+      made["children"].push_back(tile_json(child, folder));
+    return made;
   }
 
   [[nodiscard]] ordered_json volume_of(const TileBox& box) const {
@@ -106,15 +106,15 @@ class TilesetWriter {
   }
 
   [[nodiscard]] std::string text_of(const Node& node) const {
-    ordered_json json;
-    json["asset"] = {{"version", "1.1"}};
-    if (!options_.extras.empty()) json["asset"]["extras"] = ordered_json::parse(options_.extras);
-    json["geometricError"] = node.error;
-    json["root"] = {{"boundingVolume", volume_of(node.box)},
+    ordered_json made;
+    made["asset"] = {{"version", "1.1"}};
+    if (!options_.extras.empty()) made["asset"]["extras"] = ordered_json::parse(options_.extras);
+    made["geometricError"] = node.error;
+    made["root"] = {{"boundingVolume", volume_of(node.box)},
                     {"geometricError", node.error},
                     {"refine", "REPLACE"},
                     {"children", node.children}};
-    return json.dump() + "\n";
+    return made.dump() + "\n";
   }
 
   const TilePlan& plan_;

@@ -48,9 +48,9 @@ std::string tuple_text(const Numbers& values) {
 }
 
 const char* wrap_of(const json& sampler, const char* key) {
-  constexpr int kClampToEdge = 33071, kMirroredRepeat = 33648;
+  constexpr int kClamped = 33071, kMirrored = 33648;
   const json& value = at(sampler, key);
-  return value == kClampToEdge ? "clamp" : value == kMirroredRepeat ? "mirror" : "repeat";
+  return value == kClamped ? "clamp" : value == kMirrored ? "mirror" : "repeat";
 }
 
 // As USD names a file; empty where it cannot.
