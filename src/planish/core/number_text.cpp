@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <utility>
 
 #include "planish/core/lower_case.h"
@@ -127,6 +128,12 @@ std::string shortest(double value) {
   std::array<char, 32> digits;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);
   return {digits.data(), end.ptr};
+}
+
+std::string short_number(double number) {
+  std::array<char, 32> digits;
+  std::snprintf(digits.data(), digits.size(), "%.3g", number);
+  return digits.data();
 }
 
 }  // namespace planish

@@ -24,4 +24,7 @@ namespace planish {
 /// The shortest text that is read back as the same number.
 [[nodiscard]] std::string shortest(double value);
 
+/// Three significant digits, as short as they go: 4.12e-07, 0.00123.
+[[nodiscard]] std::string short_number(double number);
+
 }  // namespace planish

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
@@ -358,13 +357,11 @@ void Tessellation::warn_of_turns(const SurfaceMesh& result) const {
   if (options_.angle == 0) return;
   const TriangleTurns turns = turns_beyond(result, options_.angle);
   if (turns.count == 0) return;
-  char largest[32];
-  std::snprintf(largest, sizeof largest, "%.3g", turns.largest);
   options_.callbacks.warn(
       {.code = "angle-not-kept",
        .message =
            "the surface turns by more than " + shortest(options_.angle) + " degrees, by up to " +
-           largest + ", beneath " + std::to_string(turns.count) + " of " +
+           short_number(turns.largest) + ", beneath " + std::to_string(turns.count) + " of " +
            std::to_string(triangle_count()) +
            " triangles: it folds or bends so tightly there that parts of 2^-6 of half an edge "
            "do not do; allow a larger angle, or take a chord error too, which splits on",

@@ -1,12 +1,12 @@
 #include "planish/pipeline/write_fitted_step.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "planish/brep/catmull_clark_splines.h"
 #include "planish/brep/doo_sabin_splines.h"
 #include "planish/core/counted.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/refuse.h"
 #include "planish/core/safe_length.h"
@@ -20,22 +20,15 @@
 namespace planish {
 namespace {
 
-// Three digits.
-std::string few_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
   std::string text;
   if (brep.max_angle > wanted.angle)
-    text = "normals jump by up to " + few_digits(brep.max_angle) + " degrees at edges, above the " +
-           few_digits(wanted.angle) + " asked for";
+    text = "normals jump by up to " + short_number(brep.max_angle) +
+           " degrees at edges, above the " + short_number(wanted.angle) + " asked for";
   if (brep.max_deviation > wanted.deviation)
     text += (text.empty() ? "" : "; ") + std::string("faces leave the surface by up to ") +
-            few_digits(brep.max_deviation) + " of the diagonal, above the " +
-            few_digits(wanted.deviation) + " asked for";
+            short_number(brep.max_deviation) + " of the diagonal, above the " +
+            short_number(wanted.deviation) + " asked for";
   return text;
 }
 
@@ -43,7 +36,7 @@ std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
 std::string description_of(const Interpolation& fit, const std::string& limits) {
   std::string text = limits;
   if (!fit.converged)
-    text = "not converged: vertices are off by up to " + few_digits(fit.error.max) +
+    text = "not converged: vertices are off by up to " + short_number(fit.error.max) +
            " of the diagonal" + (limits.empty() ? "" : "; ") + limits;
   return text;
 }
@@ -112,7 +105,7 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, d
   };
   if (folded >= kSoundFoldedArea)
     say("step-folds",
-        few_digits(100 * folded) +
+        short_number(100 * folded) +
             " % of the surface is folded, where its shell crosses itself and CAD programs may fail "
             "to cut it; the fair method, or a finer mesh there, avoids that");
   const auto inside_out = std::ranges::count_if(
@@ -133,8 +126,8 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, d
         faces);
   const double span = shortest_span(brep) * millimetres_of(options.settings.unit);
   if (span < kShortStepSpan)
-    say("step-spans", "the shortest spans of edges are " + few_digits(span) +
-                          " mm, where CAD programs may take " + few_digits(kShortStepSpan) +
+    say("step-spans", "the shortest spans of edges are " + short_number(span) +
+                          " mm, where CAD programs may take " + short_number(kShortStepSpan) +
                           " mm for nothing; allow a larger angle, or say in which larger unit the "
                           "coordinates are");
   if (const std::string limits = limits_text(brep, options.settings.faces); !limits.empty())

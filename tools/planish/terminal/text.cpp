@@ -40,8 +40,6 @@ std::string byte_size(std::uint64_t bytes) {
   return formatted("%.1f ", size) + unit;
 }
 
-std::string short_number(double number) { return formatted("%.3g", number); }
-
 std::string duration(double milliseconds) {
   if (milliseconds >= 1000) return formatted("%.2f s", milliseconds / 1000);
   return formatted(milliseconds >= 10 ? "%.0f ms" : "%.1f ms", milliseconds);

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "planish/core/number_text.h"
+
 namespace planish::command {
 
 /// 1234567 -> "1,234,567".
@@ -12,8 +14,7 @@ namespace planish::command {
 /// 2202009 -> "2.1 MiB"; below 1 KiB in bytes.
 [[nodiscard]] std::string byte_size(std::uint64_t bytes);
 
-/// Three significant digits, as short as they go: 4.12e-07, 0.00123.
-[[nodiscard]] std::string short_number(double number);
+using planish::short_number;
 
 /// 0.41 s or 12 ms or 0.3 ms.
 [[nodiscard]] std::string duration(double milliseconds);
