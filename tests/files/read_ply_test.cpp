@@ -201,6 +201,35 @@ void expect_binary(std::string_view position_type, std::string_view index_type) 
   }
 }
 
+// As depth cameras write where they saw nothing: all that such a point has goes.
+TEST(ReadPly, PointsWithoutCoordinatesAreCountedAndLeftOut) {
+  const std::string elements = std::string("element vertex 4\n") + std::string(kPositions) +
+                               "property float nx\nproperty float ny\nproperty float nz\n"
+                               "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                               "property float quality\n";
+  const std::string body =
+      "0 0 0 0 0 1 255 0 0 1\nnan nan nan 0 1 0 0 255 0 2\n1 0 0 1 0 0 0 0 255 3\n"
+      "0 1 -nan(ind) 0 0 1 0 0 0 4\n";
+  const MeshFile file = ply_of(header("ascii", elements) + body);
+  EXPECT_EQ(file.missing_count, 2);
+  EXPECT_THAT(file.mesh.positions, ElementsAre(glm::dvec3(0), glm::dvec3(1, 0, 0)));
+  EXPECT_THAT(file.normals, ElementsAre(glm::vec3(0, 0, 1), glm::vec3(1, 0, 0)));
+  EXPECT_THAT(file.mesh.colors, ElementsAre(glm::vec4(1, 0, 0, 1), glm::vec4(0, 0, 1, 1)));
+  EXPECT_THAT(file.mesh.attributes.at(0).values, ElementsAre(1, 3));
+
+  const std::string text = header("ascii", elements) + body;
+  const FileBytes strict = test::file_of(text, "a.ply", true);
+  EXPECT_THAT(test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_ply(strict); }),
+              testing::HasSubstr("a.ply:16: vertex 1 of 4: "));
+  std::string infinite = body;
+  infinite.replace(infinite.find("nan"), 3, "inf");
+  EXPECT_THAT(ply_error(header("ascii", elements) + infinite),
+              testing::HasSubstr("vertex 1 of 4: x is inf"));
+  // A face may name it.
+  EXPECT_THAT(ply_error(ply_text_of(3, 1, "0 0 0\n1 0 0\nnan 1 0\n3 0 1 2\n")),
+              testing::HasSubstr("vertex 2 of 3: "));
+}
+
 TEST(ReadPly, ReadsEveryScalarTypeInBothByteOrders) {
   expect_binary<std::int8_t, std::uint8_t>("char", "uchar");
   expect_binary<std::uint8_t, std::int8_t>("uint8", "int8");
@@ -251,7 +280,7 @@ TEST(ReadPly, RefusesWrongHeaders) {
 }
 
 TEST(ReadPly, RefusesWrongText) {
-  EXPECT_EQ(ply_error(ply_text_of(1, 0, "0 nan 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 1, "0 nan 0\n")),
             "a.ply:10: vertex 0 of 1: `nan` is no finite number");
   EXPECT_EQ(ply_error(ply_text_of(1, 0, "0,5 0 0\n")),
             "a.ply:10: vertex 0 of 1: `0,5` is no finite number");

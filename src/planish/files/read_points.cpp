@@ -22,6 +22,7 @@ PointCloud read_points(const FileBytes& file, FileFormat format, const Callbacks
 
 PointCloud points_of(const MeshFile& file, std::string_view name) {
   PointCloud cloud = cloud_of(file.mesh.positions, name);
+  cloud.missing_count = file.missing_count;
   cloud.normals = file.normals;
   cloud.colors = file.mesh.colors;
   cloud.attributes = file.mesh.attributes;

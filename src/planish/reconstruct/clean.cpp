@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "planish/core/drop_marked.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
@@ -85,14 +86,6 @@ Distances measure(std::span<const glm::dvec3> points, const CleanOptions& option
   return distances;
 }
 
-template <class Value>
-void drop(std::vector<Value>& values, const std::vector<std::uint8_t>& is_dropped) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!is_dropped[i]) values[kept++] = values[i];
-  values.resize(kept);
-}
-
 // Which of the points named by `looked_at` are off the surface around them.
 std::vector<std::int32_t> strays_among(std::span<const std::int32_t> looked_at,
                                        std::span<const glm::dvec3> points, const PointTree& tree,
@@ -143,8 +136,8 @@ void drop_strays(std::vector<glm::dvec3> points, const Callbacks& callbacks, Cle
     const std::vector<glm::dvec3> removed = chosen(points, strays);
     std::vector<std::uint8_t> strayed(points.size(), 0);
     for (const std::int32_t stray : strays) strayed[stray] = 1;
-    drop(kept, strayed);
-    drop(points, strayed);
+    drop_marked(kept, strayed);
+    drop_marked(points, strayed);
     tree = PointTree(points);
     looked_at = points_around(removed, tree);
   }
@@ -180,9 +173,9 @@ CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& option
     if (options.outliers == OutlierRule::Auto)
       spare_sparse(
           is_far, [&](std::size_t i) { return distinct[i]; }, options.callbacks);
-    drop(result.kept, is_far);
-    drop(distinct, is_far);
-    drop(distances.close, is_far);
+    drop_marked(result.kept, is_far);
+    drop_marked(distinct, is_far);
+    drop_marked(distances.close, is_far);
     result.outlier_count = std::ranges::count(is_far, 1);
   }
   result.spacing = median_of(std::move(distances.close));

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "planish/core/drop_marked.h"
 #include "planish/core/parallel.h"
 #include "planish/reconstruct/spatial_order.h"
 
@@ -19,14 +20,6 @@ bool are_single(std::span<const glm::dvec3> points) {
       if (glm::dvec3(glm::vec3(points[i])) != points[i]) all = false;
   });
   return all;
-}
-
-template <class Value>
-void drop_marked(std::vector<Value>& values, std::span<const std::uint8_t> is_dropped) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!is_dropped[i]) values[kept++] = values[i];
-  values.resize(kept);
 }
 
 }  // namespace

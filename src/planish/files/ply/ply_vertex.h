@@ -61,8 +61,10 @@ PlyVertex read_ply_vertex(Cursor& cursor, const PlyElement& element, const PlyVe
     if (slot < 0) {
       skip_ply_value(cursor, property, element, vertex);
     } else if (slot < 3) {
-      values[slot] = cursor.number(property.type, element, vertex);
-      if (!std::isfinite(values[slot])) cursor.fail(fault(i), vertex);
+      values[slot] = layout.takes_missing ? cursor.any_number(property.type, element, vertex)
+                                          : cursor.number(property.type, element, vertex);
+      const bool is_missing = layout.takes_missing && std::isnan(values[slot]);
+      if (!std::isfinite(values[slot]) && !is_missing) cursor.fail(fault(i), vertex);
     } else if (slot > 8) {
       values[slot] = cursor.number_or_nan(property.type, element, vertex);
       const bool is_property = slot >= static_cast<int>(kPlyFirstProperty);

@@ -17,8 +17,9 @@ struct PlyVertexLayout {
   /// to 11 the normal, from 12 on further properties; -1 for what is passed over.
   std::vector<int> slots;
   bool has_uvs = false, has_colors = false, has_normals = false;
-  char missing_axis = 0;     ///< a coordinate that the element lacks, as x
-  PropertyNames properties;  ///< further ones
+  bool takes_missing = false;  ///< coordinates may be NaN
+  char missing_axis = 0;       ///< a coordinate that the element lacks, as x
+  PropertyNames properties;    ///< further ones
 };
 
 [[nodiscard]] PlyVertexLayout ply_vertex_layout(const PlyElement& element);

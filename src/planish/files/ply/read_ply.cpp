@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "planish/core/drop_marked.h"
 #include "planish/core/number_text.h"
 #include "planish/files/ply/ply_body.h"
 #include "planish/files/ply/ply_texture_corners.h"
@@ -23,6 +25,7 @@ struct Reading {
   std::size_t part_bytes = kTextPartBytes;
   bool wants_normals = false;  // of a mesh; those of a cloud are always read
   bool wants_properties = false;
+  bool is_strict = false;
 };
 
 template <class Body>
@@ -59,6 +62,7 @@ class PlyReader {
   PlyVertexLayout layout_of(const PlyElement& element) const;
   void make_room(const PlyVertexLayout& layout, std::int64_t count);
   void read_vertices(const PlyElement& element);
+  void drop_missing();
   void read_vertex(Cursor& cursor, const PlyElement& element, const PlyVertexLayout& layout,
                    std::int64_t vertex, PlyNotes& notes);
   void read_faces(const PlyElement& element);
@@ -134,6 +138,7 @@ PlyVertexLayout PlyReader<Body>::layout_of(const PlyElement& element) const {
   const bool has_faces = std::ranges::any_of(header_.elements, [](const PlyElement& other) {
     return other.name == "face" && other.count > 0;
   });
+  layout.takes_missing = !has_faces && !reading_.is_strict;
   if (has_faces && !reading_.wants_normals) {
     layout.has_normals = false;
     std::ranges::replace_if(
@@ -168,6 +173,25 @@ void PlyReader<Body>::read_vertices(const PlyElement& element) {
              [&](std::size_t, Cursor& cursor, std::int64_t vertex, PlyNotes& notes) {
                read_vertex(cursor, element, layout, vertex, notes);
              });
+  if (layout.takes_missing) drop_missing();
+}
+
+// Points that a depth camera did not see.
+template <class Body>
+void PlyReader<Body>::drop_missing() {
+  PolygonMesh& mesh = file_.mesh;
+  std::vector<std::uint8_t> is_missing(mesh.positions.size());
+  for (std::size_t i = 0; i < is_missing.size(); ++i) {
+    const glm::dvec3& p = mesh.positions[i];
+    is_missing[i] = std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z);
+    file_.missing_count += is_missing[i];
+  }
+  if (file_.missing_count == 0) return;
+  drop_marked(mesh.positions, is_missing);
+  if (!mesh.uvs.empty()) drop_marked(mesh.uvs, is_missing);
+  if (!mesh.colors.empty()) drop_marked(mesh.colors, is_missing);
+  if (!file_.normals.empty()) drop_marked(file_.normals, is_missing);
+  for (VertexAttribute& attribute : mesh.attributes) drop_marked(attribute.values, is_missing);
 }
 
 template <class Body>
@@ -288,7 +312,8 @@ MeshFile read_binary_ply_body(const FileBytes& file, const PlyHeader& header) {
 MeshFile read_ply(const FileBytes& file, std::size_t part_bytes) {
   MeshFile found = read_as(file, {.part_bytes = part_bytes,
                                   .wants_normals = file.split_normals_crease,
-                                  .wants_properties = true});
+                                  .wants_properties = true,
+                                  .is_strict = file.is_strict});
   if (!file.split_normals_crease || found.mesh.face_count() == 0) return found;
   const CornerNormals normals{.values = std::exchange(found.normals, {}),
                               .of_corners = found.mesh.face_vertices};

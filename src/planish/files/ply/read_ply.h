@@ -19,8 +19,9 @@ namespace planish {
 ///
 /// Read with a warning, unless the file is strict: values behind the last of a line, lines of the
 /// header that begin with other words and look like no element or property, colours and texture
-/// coordinates that are not finite. The result does not depend on `part_bytes`, of which a thread
-/// reads about so many at a time of text.
+/// coordinates that are not finite. Points without faces whose coordinates are NaN are counted and
+/// left out, unless the file is strict. The result does not depend on `part_bytes`, of which a
+/// thread reads about so many at a time of text.
 [[nodiscard]] MeshFile read_ply(const FileBytes& file, std::size_t part_bytes = kTextPartBytes);
 
 /// The elements behind the header of a binary file of another format, up to its end.
