@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
 
 #include "reconstruct/test_clouds.h"
 #include "support/expect_error.h"
@@ -107,6 +108,45 @@ TEST(Reconstruct, WarnsOfATolerancesBelowTheNoise) {
   EXPECT_THAT(codes_of(cloud, mesher, {.tolerance = 1e-3}),
               testing::ElementsAre("tolerance-below-noise"));
   EXPECT_THAT(codes_of(cloud, mesher, {.tolerance = 0.02, .smooth_rounds = 0}), testing::IsEmpty());
+}
+
+// Their Delaunay triangulation takes the square of their number: no mesher is asked.
+TEST(Reconstruct, RefusesPointsAlongALine) {
+  const Mesher unasked = [](std::span<const glm::dvec3>,
+                            const Callbacks&) -> std::vector<Triangle> {
+    throw std::logic_error("asked");
+  };
+  for (const std::int64_t coarse_from : {std::int64_t{1} << 40, std::int64_t{1000}}) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> along(0, 1);
+    PointCloud line;
+    for (int i = 0; i < 20'000; ++i)
+      line.points.emplace_back(glm::vec3(along(random) * glm::dvec3(1, 2, 3)));
+    const auto refusal = [&](std::optional<double> tolerance) {
+      return test::message_of(ErrorCode::UnusableMesh, [&] {
+        (void)reconstruct(line, unasked, {.tolerance = tolerance, .coarse_from = coarse_from});
+      });
+    };
+    EXPECT_THAT(
+        refusal({}),
+        HasSubstr("points lie on a line, but for 0.0001 of its length, and span no surface; "
+                  "a smaller --tolerance-mesh keeps what is thinner"));
+    EXPECT_THAT(refusal(1e-9), HasSubstr("but for 1e-06 of its length, and span no surface"));
+  }
+}
+
+TEST(Reconstruct, WarnsOfPartsThatTheToleranceSwallows) {
+  test::TriangleMesh torus = test::torus_mesh(60, 30);
+  const std::size_t count = torus.positions.size();
+  for (const glm::dvec3 off : {glm::dvec3(3e6, 0, 0), glm::dvec3(0, 3e6, 0)})
+    for (std::size_t i = 0; i < count; ++i) torus.positions.push_back(torus.positions[i] + off);
+  std::vector<Warning> warnings;
+  ReconstructOptions options{.clean = {.outliers = OutlierRule::Off}, .measure_noise = false};
+  options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };
+  (void)reconstruct({.points = torus.positions}, given(torus.triangles), options);
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_EQ(warnings.front().code, "coarse-tolerance");
+  EXPECT_THAT(warnings.front().message, HasSubstr("--tolerance-mesh "));
 }
 
 TEST(Reconstruct, RefusesWhatIsNoSurface) {

@@ -12,6 +12,7 @@
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/number_text.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/triangle_edges.h"
@@ -22,6 +23,7 @@
 #include "planish/reconstruct/ordered_points.h"
 #include "planish/reconstruct/point_critic.h"
 #include "planish/reconstruct/smooth_points.h"
+#include "planish/reconstruct/straight_points.h"
 #include "planish/reconstruct/turn_by_normals.h"
 #include "planish/reconstruct/witnesses.h"
 
@@ -30,6 +32,10 @@ namespace {
 
 constexpr std::int32_t kMostSmoothRounds = 100;
 constexpr std::size_t kFewestPoints = 4;
+// Of the diagonal: single precision rounds to a tenth of it.
+constexpr double kLeastWidth = 1e-6;
+// A tolerance of more spacings than 10^12 points of one surface have.
+constexpr double kMostSpacings = 300;
 // Degrees at a corner of a quad where even spacing is asked for: it halves what is folded, and
 // pairs 68 % of the triangles instead of 82 %.
 constexpr double kEvenLargestAngle = 130;
@@ -133,6 +139,34 @@ void require_points(std::size_t count) {
                                              std::to_string(kFewestPoints));
 }
 
+// Of points along a line a Delaunay triangulation is as good as endless, and no surface is in them.
+template <class Points>
+void require_width(const Points& points, const Reconstruction& result) {
+  const double width = distance_from_line(points) / result.diagonal;
+  const double least = std::max(result.tolerance, kLeastWidth);
+  if (width > least) return;
+  throw Error(
+      ErrorCode::UnusableMesh,
+      counted(std::ssize(points), "point") + " lie on a line, but for " + short_number(least) +
+          " of its length, and span no surface" +
+          (least > kLeastWidth ? "; a smaller --tolerance-mesh keeps what is thinner" : ""));
+}
+
+// Such parts vanish without being points that are left out.
+void warn_of_scale(const Work& work) {
+  const Reconstruction& result = work.result;
+  const double spacing = result.spacing / result.diagonal;
+  if (!(result.tolerance > kMostSpacings * spacing)) return;
+  work.options.callbacks.warn(
+      {.code = "coarse-tolerance",
+       .message = "points lie " + short_number(spacing) +
+                  " of the diagonal apart, and the mesh may be off by " +
+                  short_number(result.tolerance) +
+                  " of it: smaller parts lose their shape, as those of a "
+                  "cloud do whose parts lie far from each other; --tolerance-mesh " +
+                  short_number(spacing / 2) + " keeps them, or each in a file of its own"});
+}
+
 void tell_outliers(const Callbacks& callbacks, std::int64_t outliers, std::int64_t strays) {
   const auto tell = [&](std::int64_t count, std::string_view one, std::string_view many) {
     if (count == 0) return;
@@ -177,6 +211,8 @@ std::vector<glm::dvec3> clean_points(Work& work) {
   result.diagonal = diagonal_of(points);
   if (work.options.measure_noise) result.noise = measure_noise(points);
   choose_by_noise(work.options, result);
+  require_width(points, result);
+  warn_of_scale(work);
   result.timing.clean = work.watch.lap();
   return points;
 }
@@ -268,6 +304,8 @@ MeshedCloud mesh_coarse_first(Work& work) {
   result.diagonal = diagonal_of(points);
   if (options.measure_noise) result.noise = critic->noise();
   choose_by_noise(options, result);
+  require_width(points, result);
+  warn_of_scale(work);
   std::int64_t stray_count = 0;
   const std::int64_t outlier_count = critic->outlier_count();
   const CleanOptions no_cleaning{.outliers = OutlierRule::Off};

@@ -78,8 +78,8 @@ struct Reconstruction {
 /// Points to mesh, in the order of the paper's first step: clean, smooth on request, mesh through
 /// all points, repair, simplify within the tolerance, pair triangles to quads, measure.
 /// Warns "outliers-removed", "open-mesh", "several-components", "points-left-out",
-/// "target-not-reached", "tolerance-below-noise". Throws Error{InvalidArgument} for
-/// options, Error{UnusableMesh} for points that span no surface, Error{Cancelled}, and what
+/// "target-not-reached", "tolerance-below-noise", "coarse-tolerance". Throws Error{InvalidArgument}
+/// for options, Error{UnusableMesh} for points that span no surface, Error{Cancelled}, and what
 /// `mesher` throws.
 [[nodiscard]] Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
                                          const ReconstructOptions& options = {});
