@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "help/help_text.h"
+#include "memory/large_arrays.h"
 #include "options/arguments.h"
 #include "planish/core/error.h"
 #include "terminal/faults.h"
@@ -122,8 +123,8 @@ ExitCode run_command_line(const std::vector<std::string>& arguments) {
     if (cancelled) claim_end();
     say_error(cancelled ? "interrupted; no partial file is left" : error.what());
     return exit_code_of(error.code());
-  } catch (const std::bad_alloc&) {
-    say_error("out of memory; a lower --levels or a smaller mesh needs less");
+  } catch (const std::bad_alloc& error) {
+    say_error(out_of_memory_text(error));
     return ExitCode::NoDevice;
   } catch (const std::exception& error) {
     say_error(std::string("internal error: ") + error.what() +

@@ -162,6 +162,7 @@ ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& consol
 ExitCode run_fit_command(const FitFlags& flags, const std::vector<std::string>& arguments) {
   Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
   const FitPlan plan = plan_fit(flags);
+  flags.memory.apply(flags.outputs.empty() ? flags.cage : flags.outputs.front());
   if (flags.dry_run)
     return describe_jobs(plan.jobs, plan.devices, plan.claims,
                          {flags.report, flags.page, plan.page.limit_bytes});

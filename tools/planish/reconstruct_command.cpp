@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "job/point_input.h"
 #include "options/input_list.h"
+#include "options/memory_flags.h"
 #include "options/option_flags.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
@@ -27,6 +28,7 @@ struct ReconstructFlags {
   std::vector<std::string> outputs;
   OptionTexts options;
   bool force = false;
+  MemoryFlags memory;
   MessageFlags messages;
 };
 
@@ -109,6 +111,7 @@ void check_files(const ReconstructFlags& flags) {
 ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::string>& arguments) {
   Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
   check_files(flags);
+  flags.memory.apply(flags.outputs.empty() ? flags.report : flags.outputs.front());
   ReconstructOptions options = reconstruct_options(flags);
   Progress all(console, flags.messages.progress_mode());
   JobProgress progress(all, job_name_of(flags.input));
@@ -168,6 +171,7 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
   for (const PointOption& option : point_option_table())
     add_option_flag(*command, flags->options, option, "Points");
   add_option_flag(*command, flags->options, fit_option("quads"), "Points");
+  flags->memory.add_to(*command);
   flags->messages.add_to(*command, true);
   invocation.texts["reconstruct"] = {
       .examples =

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 
 #include "planish/mesh/triangles.h"
 
 namespace planish {
+
+/// Memory that the program takes of each point that it meshes, at most.
+inline constexpr std::uint64_t kMesherPointBytes = 2400;
 
 /// The program that meshes points: $PLANISH_RECONSTRUCT if set, else `planish-reconstruct` beside
 /// the running program, else on $PATH. Empty if it is not there.

@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -18,6 +19,8 @@
 namespace planish {
 
 namespace {
+
+std::atomic<std::uint64_t> memory_elsewhere = 0;
 
 // OpenSubdiv's tables for one quad with its share of edges and vertices: both directions of all
 // incidences.
@@ -159,8 +162,11 @@ std::uint64_t available_memory_bytes() {
       group_used != std::numeric_limits<std::uint64_t>::max()) {
     available = std::min(available, group_limit - std::min(group_limit, group_used));
   }
-  return available;
+  const std::uint64_t elsewhere = memory_elsewhere;
+  return available + std::min(elsewhere, std::numeric_limits<std::uint64_t>::max() - available);
 }
+
+void set_memory_elsewhere(std::uint64_t bytes) { memory_elsewhere = bytes; }
 
 void require_indices(std::span<const LevelCounts> levels) {
   // Four corners a face are indexed by int32.

@@ -36,6 +36,10 @@ struct RefinedAttributes {
 /// value where none can be read.
 [[nodiscard]] std::uint64_t available_memory_bytes();
 
+/// For a program whose operator new takes large arrays from elsewhere, a disk say:
+/// available_memory_bytes() counts so many bytes more from now on. Any thread.
+void set_memory_elsewhere(std::uint64_t bytes);
+
 /// Throws Error{OutOfMemory} where 32-bit indices do not reach all corners of the last level.
 void require_indices(std::span<const LevelCounts> levels);
 

@@ -12,6 +12,7 @@
 
 #include "build_info.h"
 #include "job/threads.h"
+#include "memory/large_arrays.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
@@ -57,8 +58,8 @@ JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, const JobC
   } catch (const Error& error) {
     if (error.code() == ErrorCode::Cancelled) throw;
     return failure(planned, context.console, exit_code_of(error.code()), error.what());
-  } catch (const std::bad_alloc&) {
-    return failure(planned, context.console, ExitCode::NoDevice, "out of memory");
+  } catch (const std::bad_alloc& error) {
+    return failure(planned, context.console, ExitCode::NoDevice, out_of_memory_text(error));
   }
 }
 

@@ -5,6 +5,7 @@
 #include "job/input.h"
 #include "job/job_input.h"
 #include "job/point_input.h"
+#include "memory/large_arrays.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -42,11 +43,18 @@ std::string device_line(const DeviceDescription& device) {
   return "  device       " + device.kind + ", " + device.name + "\n";
 }
 
+std::string memory_text(std::uint64_t need) {
+  if (need == 0) return "known once there is a mesh";
+  const auto budget = array_budget();
+  if (!budget || need <= budget->bytes) return "at most about " + byte_size(need);
+  return byte_size(budget->bytes) + ", and at most about " + byte_size(need - budget->bytes) +
+         " in a temporary file in " + visible(budget->folder) + ", which has " +
+         byte_size(budget->free_bytes) + " free";
+}
+
 std::string needs_text(const Forecast& forecast) {
-  return "  memory       " +
-         (forecast.peak_bytes > 0 ? "at most about " + byte_size(forecast.peak_bytes)
-                                  : std::string("known once there is a mesh")) +
-         "\n  time         " + rough_duration(forecast.seconds) + "\n";
+  return "  memory       " + memory_text(forecast.peak_bytes) + "\n  time         " +
+         rough_duration(forecast.seconds) + "\n";
 }
 
 // How large the mesh of points will be is not known before it is made.

@@ -12,6 +12,7 @@
 #include "page/page.h"
 #include "page/page_still.h"
 #include "planish/core/error.h"
+#include "planish/reconstruct/mesher_process.h"
 #include "planish/surface/memory_need.h"
 #include "terminal/text.h"
 
@@ -35,8 +36,7 @@ constexpr std::uint64_t kPageVertexBytes = 210 + 36, kBendBytes = 48, kBendUvByt
 constexpr std::uint64_t kTileVertexBytes = 180;
 // Of a page's still picture: four samples of 8 bytes and a pixel of 4.
 constexpr std::uint64_t kStillBytes = std::uint64_t{36} * kStillWidth * kStillHeight;
-constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400,
-                        kCarriedPointBytes = 130;
+constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCarriedPointBytes = 130;
 // Copies of what points have besides their places: the reader's and the cloud's.
 constexpr std::uint64_t kRiderCopies = 2;
 // Samples may be so many times more than asked for.
@@ -265,7 +265,7 @@ Forecast forecast_of_points(const PointCloud& cloud, const Settings& settings,
   forecast.outputs.assign(outputs.size(), {});
   const auto carried = few ? static_cast<std::uint64_t>(point_count) : 0;
   const std::uint64_t meshing =
-      kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(meshed);
+      kCloudFixedBytes + kMesherPointBytes * static_cast<std::uint64_t>(meshed);
   forecast.peak_bytes = std::max(forecast.peak_bytes + held.peak(), meshing) +
                         kCarriedPointBytes * carried + kRiderCopies * rider_bytes(cloud);
   for (const PlannedOutput& output : outputs)

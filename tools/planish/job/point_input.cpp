@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "job/input_path.h"
+#include "memory/large_arrays.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/files/read_file.h"
@@ -57,7 +58,11 @@ Mesher require_mesher() {
                 "points need the program planish-reconstruct, which is not installed (a build "
                 "with CGAL makes it; it is found beside planish, on PATH or by "
                 "PLANISH_RECONSTRUCT); a polygon mesh needs none");
-  return mesher_process(std::move(*program));
+  return [mesher = mesher_process(std::move(*program))](std::span<const glm::dvec3> points,
+                                                        const Callbacks& callbacks) {
+    const MemoryOfOthers of_mesher(kMesherPointBytes * points.size());
+    return mesher(points, callbacks);
+  };
 }
 
 Reconstruction reconstruct_input(const PointInput& input, const ReconstructOptions& options) {

@@ -94,6 +94,7 @@ void add_fit_flags(CLI::App& command, FitFlags& flags) {
       add_option_flag(command, flags.options, option, kSurface);
   for (const PointOption& option : point_option_table())
     add_option_flag(command, flags.options, option, kPoints);
+  flags.memory.add_to(command);
 }
 
 std::optional<FileFormat> input_format_of(const FitFlags& flags) {

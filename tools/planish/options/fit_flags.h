@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "job/job.h"
+#include "options/memory_flags.h"
 #include "options/option_flags.h"
 
 namespace planish::command {
@@ -17,6 +18,7 @@ struct FitFlags {
   std::string input_format, output_format, cage, source, report, workers, page, page_limit;
   OptionTexts options;
   bool force = false, dry_run = false, page_no_times = false;
+  MemoryFlags memory;
   MessageFlags messages;
 };
 

@@ -2,9 +2,9 @@
 
 #include <unistd.h>
 
-#include <charconv>
 #include <filesystem>
 
+#include "options/size_value.h"
 #include "planish/core/error.h"
 #include "terminal/text.h"
 
@@ -55,20 +55,8 @@ bool may_be_finer(const PagePayload& last, std::size_t vertex_count, const PageO
 }
 
 std::uint64_t parse_page_limit(std::string_view value, std::string_view where) {
-  std::uint64_t number = 0;
-  const auto [next, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  const std::string_view unit(next, static_cast<std::size_t>(value.data() + value.size() - next));
-  int shift = -1;
-  if (unit.empty()) shift = 0;
-  if (unit == "K" || unit == "k") shift = 10;
-  if (unit == "M" || unit == "m") shift = 20;
-  if (unit == "G" || unit == "g") shift = 30;
   constexpr std::uint64_t kMost = std::uint64_t{1} << 32;  // browsers hold a page as text
-  if (error != std::errc() || shift < 0 || number > kMost >> shift) {
-    throw Error(ErrorCode::InvalidArgument, std::string(where) + ": \"" + plain_utf8(value) +
-                                                "\" is no size of up to 4G, such as 8M or 500K");
-  }
-  return number << shift;
+  return parse_size(value, where, kMost, "8M or 500K");
 }
 
 PageOptions page_options(const std::string& limit, bool no_times) {

@@ -1,0 +1,179 @@
+#include "memory/large_arrays.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <unordered_map>
+
+#include "planish/core/error.h"
+#include "planish/core/visible_text.h"
+#include "planish/surface/memory_need.h"
+
+namespace planish::command {
+namespace {
+
+// Of the budget, what may lie in arrays of memory that cannot leave it.
+constexpr std::uint64_t kHeldPart = 4;
+// What is held is looked at so often. A thread takes some megabytes of pages meanwhile: the process
+// is kept below the budget by this part of it.
+constexpr auto kLook = std::chrono::milliseconds(5);
+constexpr double kKeptBelow = 0.9;
+
+struct Array {
+  std::size_t bytes;
+  bool is_in_file;
+};
+
+struct Counted {
+  std::string folder;
+  std::uint64_t budget = 0;
+  std::atomic<std::uint64_t> of_others = 0;
+  std::mutex mutex;  // of what follows
+  std::uint64_t held = 0;
+  std::unordered_map<void*, Array> arrays;
+};
+// Set once; used until the process has ended.
+std::atomic<Counted*> current = nullptr;
+
+// A file that has no name, so that nothing is left of it.
+int open_nameless(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  // Some file systems have no such files.
+  if (file >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return file;
+  std::string name = folder + "/.planish-XXXXXX";
+  const int named = ::mkostemp(name.data(), O_CLOEXEC);
+  if (named >= 0) ::unlink(name.c_str());
+  return named;
+}
+
+void* map_in_file(const std::string& folder, std::size_t bytes) {
+  const auto refuse = [&](int reason) { throw NoRoomForArray(folder.c_str(), bytes, reason); };
+  const int file = open_nameless(folder);
+  if (file < 0) refuse(errno);
+  // A page without room on the disk would end the process when it is written to.
+  const int failed = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
+  void* const array = failed != 0
+                          ? MAP_FAILED
+                          : ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  const int reason = failed != 0 ? failed : errno;
+  ::close(file);
+  if (array == MAP_FAILED) refuse(reason);
+  return array;
+}
+
+void* map_in_memory(std::size_t bytes) {
+  void* const array =
+      ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (array == MAP_FAILED) throw std::bad_alloc();
+  return array;
+}
+
+std::uint64_t resident_bytes() {
+  static const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  unsigned long long all = 0, resident = 0;
+  if (std::FILE* const file = std::fopen("/proc/self/statm", "re")) {
+    if (std::fscanf(file, "%llu %llu", &all, &resident) != 2) resident = 0;
+    std::fclose(file);
+  }
+  return page * resident;
+}
+
+// Their content stays in the file, or on its way there.
+void let_pages_go(Counted& all) {
+  const std::lock_guard lock(all.mutex);
+  for (const auto& [array, about] : all.arrays)
+    if (about.is_in_file) ::madvise(array, about.bytes, MADV_DONTNEED);
+}
+
+[[noreturn]] void keep_within(Counted& all) {
+  while (true) {
+    std::this_thread::sleep_for(kLook);
+    const auto most = static_cast<std::uint64_t>(kKeptBelow * static_cast<double>(all.budget));
+    if (resident_bytes() + all.of_others > most) let_pages_go(all);
+  }
+}
+
+}  // namespace
+
+NoRoomForArray::NoRoomForArray(const char* folder, std::size_t bytes, int reason) noexcept {
+  std::snprintf(message_, sizeof message_,
+                "--temporary: %.300s: cannot take room for %zu bytes: %s; name a folder with more",
+                folder, bytes, std::strerror(reason));
+}
+
+std::string out_of_memory_text(const std::bad_alloc& error) {
+  if (const auto* const disk = dynamic_cast<const NoRoomForArray*>(&error)) return disk->what();
+  return "out of memory; a lower --levels or a smaller mesh needs less, --memory SIZE puts what is "
+         "beyond that into a temporary file";
+}
+
+std::optional<ArrayBudget> array_budget() {
+  const Counted* const all = current;
+  if (all == nullptr) return std::nullopt;
+  std::error_code failed;
+  const auto disk = std::filesystem::space(all->folder, failed);
+  return ArrayBudget{
+      .bytes = all->budget, .folder = all->folder, .free_bytes = failed ? 0 : disk.available};
+}
+
+void hold_arrays_within(std::uint64_t bytes, const std::filesystem::path& folder) {
+  auto* all = new Counted;
+  all->folder = folder.string();
+  all->budget = bytes;
+  const int file = open_nameless(all->folder);
+  if (file < 0)
+    throw Error(ErrorCode::UnwritableOutput, "--temporary: " + visible(folder) +
+                                                 ": cannot create a file: " + std::strerror(errno));
+  ::close(file);
+  current = all;
+  set_memory_elsewhere(array_budget()->free_bytes);
+  std::thread([all] { keep_within(*all); }).detach();
+}
+
+MemoryOfOthers::MemoryOfOthers(std::uint64_t bytes) : bytes_(bytes) {
+  if (Counted* const all = current) all->of_others += bytes_;
+}
+
+MemoryOfOthers::~MemoryOfOthers() {
+  if (Counted* const all = current) all->of_others -= bytes_;
+}
+
+void* take_large_array(std::size_t bytes) {
+  Counted* const all = current;
+  if (all == nullptr) return nullptr;
+  const std::lock_guard lock(all->mutex);
+  const bool is_in_file = all->held + bytes > all->budget / kHeldPart;
+  void* const array = is_in_file ? map_in_file(all->folder, bytes) : map_in_memory(bytes);
+  all->arrays.emplace(array, Array{bytes, is_in_file});
+  if (!is_in_file) all->held += bytes;
+  return array;
+}
+
+bool give_back_array(void* array) noexcept {
+  Counted* const all = current;
+  // Mappings begin where pages do.
+  if (all == nullptr || reinterpret_cast<std::uintptr_t>(array) % 4096 != 0) return false;
+  Array about;
+  {
+    const std::lock_guard lock(all->mutex);
+    const auto found = all->arrays.find(array);
+    if (found == all->arrays.end()) return false;
+    about = found->second;
+    all->arrays.erase(found);
+    if (!about.is_in_file) all->held -= about.bytes;
+  }
+  ::munmap(array, about.bytes);
+  return true;
+}
+
+}  // namespace planish::command

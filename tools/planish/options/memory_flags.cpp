@@ -1,0 +1,51 @@
+#include "options/memory_flags.h"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "memory/large_arrays.h"
+#include "options/size_value.h"
+#include "planish/core/refuse.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+// What jobs take beside their large arrays, and the mesher of 100,000 points.
+constexpr std::uint64_t kLeast = std::uint64_t{256} << 20, kMost = std::uint64_t{1} << 50;
+
+std::filesystem::path folder_beside(const std::string& output) {
+  const std::filesystem::path folder =
+      output == "-" ? std::filesystem::path() : std::filesystem::path(output).parent_path();
+  return folder.empty() ? std::filesystem::path(".") : folder;
+}
+
+}  // namespace
+
+void MemoryFlags::add_to(CLI::App& command) {
+  const auto group = "Memory";
+  command
+      .add_option("--memory", budget,
+                  "most memory to take, mesher included: what is beyond lies in a temporary file "
+                  "[no bound]")
+      ->type_name("SIZE")
+      ->group(group);
+  command.add_option("--temporary", folder, "where that file lies [beside the output]")
+      ->type_name("FOLDER")
+      ->group(group);
+}
+
+void MemoryFlags::apply(const std::string& output) const {
+  if (budget.empty()) {
+    if (!folder.empty())
+      refuse("--temporary", "is the folder of --memory SIZE, which is not given");
+    return;
+  }
+  const std::uint64_t bytes = parse_size(budget, "--memory", kMost, "6G or 800M");
+  if (bytes < kLeast)
+    refuse("--memory", byte_size(bytes) + " are too little; the least that works is " +
+                           std::to_string(kLeast >> 20) + "M");
+  hold_arrays_within(bytes, folder.empty() ? folder_beside(output) : std::filesystem::path(folder));
+}
+
+}  // namespace planish::command

@@ -1,0 +1,29 @@
+#include "options/size_value.h"
+
+#include <charconv>
+#include <string>
+
+#include "planish/core/error.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+
+std::uint64_t parse_size(std::string_view value, std::string_view where, std::uint64_t most,
+                         std::string_view example) {
+  std::uint64_t number = 0;
+  const auto [next, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  const std::string_view unit(next, static_cast<std::size_t>(value.data() + value.size() - next));
+  int shift = -1;
+  if (unit.empty()) shift = 0;
+  if (unit == "K" || unit == "k") shift = 10;
+  if (unit == "M" || unit == "m") shift = 20;
+  if (unit == "G" || unit == "g") shift = 30;
+  if (error != std::errc() || shift < 0 || number > most >> shift) {
+    throw Error(ErrorCode::InvalidArgument,
+                std::string(where) + ": \"" + plain_utf8(value) + "\" is no size of up to " +
+                    std::to_string(most >> 30) + "G, such as " + std::string(example));
+  }
+  return number << shift;
+}
+
+}  // namespace planish::command
