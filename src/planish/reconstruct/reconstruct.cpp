@@ -22,6 +22,7 @@
 #include "planish/reconstruct/coarse_mesh.h"
 #include "planish/reconstruct/ordered_points.h"
 #include "planish/reconstruct/point_critic.h"
+#include "planish/reconstruct/point_warnings.h"
 #include "planish/reconstruct/smooth_points.h"
 #include "planish/reconstruct/straight_points.h"
 #include "planish/reconstruct/turn_by_normals.h"
@@ -34,8 +35,6 @@ constexpr std::int32_t kMostSmoothRounds = 100;
 constexpr std::size_t kFewestPoints = 4;
 // Of the diagonal: single precision rounds to a tenth of it.
 constexpr double kLeastWidth = 1e-6;
-// A tolerance of more spacings than 10^12 points of one surface have.
-constexpr double kMostSpacings = 300;
 // Degrees at a corner of a quad where even spacing is asked for: it halves what is folded, and
 // pairs 68 % of the triangles instead of 82 %.
 constexpr double kEvenLargestAngle = 130;
@@ -77,44 +76,6 @@ void check_options(const ReconstructOptions& options) {
                                                 std::to_string(kMostSmoothRounds) + " work");
 }
 
-// What came out, said plainly: an open or broken mesh is no silent success.
-void diagnose(const Reconstruction& result, const ReconstructOptions& options) {
-  const Callbacks& callbacks = options.callbacks;
-  const MeshStatistics& facts = result.statistics;
-  if (facts.boundary_loop_count > 0)
-    callbacks.warn(
-        {.code = "open-mesh",
-         .message = "the mesh is open: " + counted(facts.boundary_loop_count, "boundary loop") +
-                    (facts.boundary_loop_count == 1 ? " is" : " are") + " left, genus " +
-                    std::to_string(facts.genus) + "; --fill-holes N closes loops of up to N edges",
-         .count = facts.boundary_loop_count});
-  if (facts.component_count > 1)
-    callbacks.warn({.code = "several-components",
-                    .message = "the mesh has " + std::to_string(facts.component_count) +
-                               " components; --components largest keeps one",
-                    .count = facts.component_count});
-  if (result.dropped_component_count > 0)
-    callbacks.warn({.code = "components-dropped",
-                    .message = counted(result.dropped_component_count, "smaller component") +
-                               (result.dropped_component_count == 1 ? " was" : " were") +
-                               " dropped; --components all keeps all",
-                    .count = result.dropped_component_count});
-  if (result.strayed_count > 0)
-    callbacks.warn({.code = "points-left-out",
-                    .message = std::to_string(result.strayed_count) + " of " +
-                               counted(std::ssize(result.used_points), "point") +
-                               (result.strayed_count == 1 ? " fits into no triangle and lies"
-                                                          : " fit into no triangle and lie") +
-                               " farther than the tolerance from the mesh",
-                    .count = result.strayed_count});
-  if (options.target_vertices > 0 && facts.vertex_count > options.target_vertices)
-    callbacks.warn({.code = "target-not-reached",
-                    .message = counted(facts.vertex_count, "vertex") + " are left of " +
-                               std::to_string(options.target_vertices) +
-                               " aimed at; a larger --tolerance-mesh allows fewer",
-                    .count = facts.vertex_count});
-}
-
 // A mesh through points of the cloud, before its triangles are paired.
 struct MeshedCloud {
   std::vector<glm::dvec3> positions;  // smoothed, if asked for
@@ -152,35 +113,6 @@ void require_width(const Points& points, const Reconstruction& result) {
           (least > kLeastWidth ? "; a smaller --tolerance-mesh keeps what is thinner" : ""));
 }
 
-// Such parts vanish without being points that are left out.
-void warn_of_scale(const Work& work) {
-  const Reconstruction& result = work.result;
-  const double spacing = result.spacing / result.diagonal;
-  if (!(result.tolerance > kMostSpacings * spacing)) return;
-  work.options.callbacks.warn(
-      {.code = "coarse-tolerance",
-       .message = "points lie " + short_number(spacing) +
-                  " of the diagonal apart, and the mesh may be off by " +
-                  short_number(result.tolerance) +
-                  " of it: smaller parts lose their shape, as those of a "
-                  "cloud do whose parts lie far from each other; --tolerance-mesh " +
-                  short_number(spacing / 2) + " keeps them, or each in a file of its own"});
-}
-
-void tell_outliers(const Callbacks& callbacks, std::int64_t outliers, std::int64_t strays) {
-  const auto tell = [&](std::int64_t count, std::string_view one, std::string_view many) {
-    if (count == 0) return;
-    callbacks.warn(
-        {.code = "outliers-removed",
-         .message = counted(count, "point") +
-                    (count == 1 ? std::string(one) + " and was" : std::string(many) + " and were") +
-                    " removed; --outliers off keeps them all",
-         .count = count});
-  };
-  tell(outliers, " lies far from all others", " lie far from all others");
-  tell(strays, " sticks out of the surface around it", " stick out of the surface around them");
-}
-
 SimplifyOptions simplify_options(const Work& work) {
   return {.tolerance = work.result.tolerance * work.result.diagonal,
           .target_vertices = work.options.target_vertices,
@@ -212,7 +144,7 @@ std::vector<glm::dvec3> clean_points(Work& work) {
   if (work.options.measure_noise) result.noise = measure_noise(points);
   choose_by_noise(work.options, result);
   require_width(points, result);
-  warn_of_scale(work);
+  warn_of_scale(result, work.options.callbacks);
   result.timing.clean = work.watch.lap();
   return points;
 }
@@ -305,7 +237,7 @@ MeshedCloud mesh_coarse_first(Work& work) {
   if (options.measure_noise) result.noise = critic->noise();
   choose_by_noise(options, result);
   require_width(points, result);
-  warn_of_scale(work);
+  warn_of_scale(result, work.options.callbacks);
   std::int64_t stray_count = 0;
   const std::int64_t outlier_count = critic->outlier_count();
   const CleanOptions no_cleaning{.outliers = OutlierRule::Off};
@@ -394,7 +326,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
   options.callbacks.report("pair", kSimplified);
   finish_mesh(std::move(meshed), work);
   options.callbacks.report("pair", 1);
-  diagnose(work.result, options);
+  warn_of_mesh(work.result, options);
   return std::move(work.result);
 }
 
