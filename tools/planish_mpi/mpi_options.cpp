@@ -23,6 +23,9 @@ struct Refused {
 
 constexpr std::string_view kNoPage = "planish on one machine writes pages; leave it out";
 
+constexpr std::string_view kNoBudget =
+    "each rank holds its part of the mesh; more ranks on more machines hold more";
+
 constexpr Refused kRefused[] = {
     {"source", "the report compares with the input only; leave it out"},
     {"sample", "ranks take meshes; make one of points by planish reconstruct first"},
@@ -32,6 +35,8 @@ constexpr Refused kRefused[] = {
     {"dry_run", "ranks make no forecast; take planish on one machine for it"},
     {"json", "each job of a scene names its own report; leave it out"},
     {"report_of_jobs", "each job of a scene names its own report; leave it out"},
+    {"memory", kNoBudget},
+    {"temporary", kNoBudget},
     {"page", kNoPage},
     {"page_limit", kNoPage},
     {"page_no_times", kNoPage},

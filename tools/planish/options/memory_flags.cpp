@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "job/threads.h"
 #include "memory/large_arrays.h"
 #include "options/size_value.h"
 #include "planish/core/refuse.h"
@@ -23,6 +24,8 @@ std::filesystem::path folder_beside(const std::string& output) {
 }  // namespace
 
 void MemoryFlags::add_to(CLI::App& command) {
+  // A thread keeps the budget.
+  if (!kHasThreads) return;
   const auto group = "Memory";
   command
       .add_option("--memory", budget,
