@@ -101,6 +101,13 @@ TEST_F(MemoryBudget, WhatIsWrongIsSaid) {
                     HasSubstr("No such file or directory")));
 }
 
+TEST_F(MemoryBudget, TheOutputsFolderNeedNotBeThere) {
+  write("torus.obj", torus_obj(24));
+  const ProcessResult result = fit({"torus.obj", "-o", "new/folder/", "--memory", "256M"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(exists("new/folder/torus.glb"));
+}
+
 TEST_F(MemoryBudget, ADryRunTellsTheDisk) {
   write("torus.obj", torus_obj(300));
   const std::vector<std::string> job{"torus.obj", "-o", "a.glb", "--levels", "5", "--dry-run"};

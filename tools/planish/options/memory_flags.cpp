@@ -15,9 +15,13 @@ namespace {
 // What jobs take beside their large arrays, and the mesher of 100,000 points.
 constexpr std::uint64_t kLeast = std::uint64_t{256} << 20, kMost = std::uint64_t{1} << 50;
 
+// Of folders that will be made for the output, the one that is there.
 std::filesystem::path folder_beside(const std::string& output) {
-  const std::filesystem::path folder =
+  std::filesystem::path folder =
       output == "-" ? std::filesystem::path() : std::filesystem::path(output).parent_path();
+  std::error_code ignored;
+  while (!folder.empty() && !std::filesystem::exists(folder, ignored))
+    folder = folder.parent_path();
   return folder.empty() ? std::filesystem::path(".") : folder;
 }
 
