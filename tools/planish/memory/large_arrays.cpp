@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -24,10 +25,10 @@ namespace {
 
 // Of the budget, what may lie in arrays of memory that cannot leave it.
 constexpr std::uint64_t kHeldPart = 4;
-// What is held is looked at so often. A thread takes some megabytes of pages meanwhile: the process
-// is kept below the budget by this part of it.
-constexpr auto kLook = std::chrono::milliseconds(5);
-constexpr double kKeptBelow = 0.9;
+// What is held is looked at so often. Threads take tens of megabytes of pages meanwhile, so that
+// the process is kept below the budget by a tenth of it, and by no less than this.
+constexpr auto kLook = std::chrono::milliseconds(1);
+constexpr std::uint64_t kSlackPart = 10, kLeastSlack = std::uint64_t{64} << 20;
 
 struct Array {
   std::size_t bytes;
@@ -98,8 +99,8 @@ void let_pages_go(Counted& all) {
 [[noreturn]] void keep_within(Counted& all) {
   while (true) {
     std::this_thread::sleep_for(kLook);
-    const auto most = static_cast<std::uint64_t>(kKeptBelow * static_cast<double>(all.budget));
-    if (resident_bytes() + all.of_others > most) let_pages_go(all);
+    const std::uint64_t slack = std::max(all.budget / kSlackPart, kLeastSlack);
+    if (resident_bytes() + all.of_others + slack > all.budget) let_pages_go(all);
   }
 }
 
