@@ -64,7 +64,7 @@ def calls(files):
         for repair in "auto", "none":
             yield f"{bad.name} {repair}", ["fit", str(bad), "-o", "o.glb", "--repair", repair]
     yield "schema", ["fit", "--help"]
-    yield "scene goblet", ["run", str(scenes / "goblet.json"), "--report", "o.json"]
+    yield "scene goblet", ["run", str(scenes / "goblet.json"), "--report", "o.json", "--force"]
 
 
 def without_varying(value):
