@@ -78,35 +78,19 @@ class SourceShape {
     if (triangles_.empty()) throw Error(ErrorCode::UnusableMesh, "the source has no faces");
   }
 
-  // Places one after another, each near the one before.
-  class Walk {
-   public:
-    explicit Walk(const SourceShape& shape) : shape_(shape) {}
+  [[nodiscard]] double squared_distance(const glm::dvec3& point) const {
+    return tree_.nearest(point).squared_distance;
+  }
 
-    [[nodiscard]] double squared_distance(const glm::dvec3& point) {
-      return nearest(point).squared_distance;
-    }
-
-    // The normals of the nearest triangles to the corners of a face.
-    void look_up(std::span<const glm::dvec3> corners, std::span<glm::dvec3> normals) {
-      glm::dvec3 middle(0.0);
-      for (const glm::dvec3& corner : corners) middle += corner;
-      middle /= static_cast<double>(corners.size());
-      for (std::size_t i = 0; i < corners.size(); ++i)
-        normals[i] = shape_.normal_of(
-            shape_.triangles_[nearest(corners[i] + kInward * (middle - corners[i])).triangle]);
-    }
-
-   private:
-    TriangleTree::Hit nearest(const glm::dvec3& point) {
-      const TriangleTree::Hit hit = shape_.tree_.nearest(point, start_);
-      start_ = hit.place;
-      return hit;
-    }
-
-    const SourceShape& shape_;
-    std::int32_t start_ = -1;
-  };
+  // The normals of the nearest triangles to the corners of a face.
+  void look_up(std::span<const glm::dvec3> corners, std::span<glm::dvec3> normals) const {
+    glm::dvec3 middle(0.0);
+    for (const glm::dvec3& corner : corners) middle += corner;
+    middle /= static_cast<double>(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      normals[i] = normal_of(
+          triangles_[tree_.nearest(corners[i] + kInward * (middle - corners[i])).triangle]);
+  }
 
  private:
   [[nodiscard]] glm::dvec3 normal_of(const Triangle& t) const {
@@ -140,10 +124,9 @@ SurfaceQuality quality_against(const SurfaceBlocks& surface, const SourceShape& 
       ranges_of(info.face_count, kFacesAtOnce),
       [&](RowRange faces, ComparedFaces& piece) {
         piece.take(surface, faces);
-        SourceShape::Walk walk(source);
         for (std::int64_t f = faces.first; f < faces.first + faces.count; ++f) {
           const RowRange corners = corners_in_piece(info, faces.first, f);
-          walk.look_up(part_of(piece.positions, corners), part_of(piece.wanted, corners));
+          source.look_up(part_of(piece.positions, corners), part_of(piece.wanted, corners));
         }
       },
       [&](RowRange faces, ComparedFaces& piece) {
@@ -170,9 +153,8 @@ PointDistances distances_of(const SurfaceBlocks& surface, const SourceShape& sou
         target.positions = positions;
         (void)surface.rows(rows, target);
         squared.resize(positions.size());
-        SourceShape::Walk walk(source);
         std::ranges::transform(positions, squared.begin(), [&](const glm::dvec3& position) {
-          return walk.squared_distance(position);
+          return source.squared_distance(position);
         });
       },
       [&](RowRange rows, std::vector<double>& squared) {
