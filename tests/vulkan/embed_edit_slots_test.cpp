@@ -118,15 +118,6 @@ class SlotsOfEdits {
 
 class EmbedEditSlots : public Embedding {
  protected:
-  template <class Work>
-  void with_both_variants(const Work& work) {
-    for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
-      ContextOptions options;
-      options.variant = variant;
-      open(options);
-      work();
-    }
-  }
   // Moves a vertex of an instance and lists it.
   static void move(EditHost& host, const PolygonMesh& mesh, std::uint32_t vertex,
                    std::uint32_t instance, float way) {

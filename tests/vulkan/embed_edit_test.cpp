@@ -34,15 +34,6 @@ PolygonMesh in_singles(PolygonMesh mesh) {
 
 class EmbedEdit : public Embedding {
  protected:
-  template <class Work>
-  void with_both_variants(const Work& work) {
-    for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
-      ContextOptions options;
-      options.variant = variant;
-      open(options);
-      work();
-    }
-  }
   std::vector<test::NamedMesh> meshes() const {
     std::vector<test::NamedMesh> all = {
         {"sphere", test::icosphere(2)},

@@ -204,10 +204,7 @@ class EmbedFormats : public Embedding {
 };
 
 TEST_F(EmbedFormats, AreTheFloatsToHalfAUnit) {
-  for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
-    ContextOptions options;
-    options.variant = variant;
-    open(options);
+  with_both_variants([&] {
     for (const PolygonMesh& mesh : {test::torus(24, 14, 2, 0.7),
                                     test::with_random_creases(test::random_open_mesh(2), 0.1, 3)}) {
       HostTopology topology(*context_, mesh);
@@ -233,7 +230,7 @@ TEST_F(EmbedFormats, AreTheFloatsToHalfAUnit) {
                     0);
       expect_targets(targets, count);
     }
-  }
+  });
 }
 
 TEST_F(EmbedFormats, InstancesHaveThem) {

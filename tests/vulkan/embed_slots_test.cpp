@@ -94,15 +94,6 @@ class SlotsHost {
 
 class EmbedSlots : public Embedding {
  protected:
-  template <class Work>
-  void with_both_variants(const Work& work) {
-    for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
-      ContextOptions options;
-      options.variant = variant;
-      open(options);
-      work();
-    }
-  }
   // All frames that are in flight together are looked at when the last of them was submitted.
   void expect_frames(const HostTopology& topology, const PolygonMesh& mesh, int slot_count,
                      const SolveParameters& parameters) {

@@ -50,6 +50,16 @@ class Embedding : public VulkanTest {
                                                      own_->capabilities().compute_family);
   }
 
+  /// With a context of each variant of the kernels.
+  template <class Work>
+  void with_both_variants(const Work& work) {
+    for (const vulkan::PipelineVariant& variant :
+         {vulkan::kSoftwareVariant, vulkan::kHardwareVariant}) {
+      open({.variant = variant});
+      work();
+    }
+  }
+
   void close() {
     submitter_.reset();
     context_.reset();
