@@ -10,6 +10,7 @@
 
 #include "make_scenes/sample_points.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/core/stop.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/doo_sabin_surface.h"
