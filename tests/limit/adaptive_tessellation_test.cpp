@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <oneapi/tbb/global_control.h>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -43,6 +44,10 @@ std::vector<NamedMesh> adaptive_meshes() {
   PolygonMesh holes = torus(8, 6, 2, 1);
   holes.hole_faces = {0, 1, 7, 20};
   meshes.push_back({"torus with holes", holes});
+  PolygonMesh unseen = torus(8, 6, 2, 1);  // no face around a vertex is seen
+  for (std::int32_t f = 0; f < unseen.face_count(); ++f)
+    if (std::ranges::count(unseen.face(f), 9) > 0) unseen.hole_faces.push_back(f);
+  meshes.push_back({"torus with a vertex unseen", unseen});
   return meshes;
 }
 

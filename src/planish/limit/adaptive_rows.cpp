@@ -141,7 +141,9 @@ RawVector<AdaptivePlace> level_one_places(const MeshTopology& topology, const Ad
   for (const bool is_hidden : {true, false}) {
     for (std::int32_t c = 0; c < topology.corner_count(); ++c) {
       if ((cells.hidden[static_cast<std::size_t>(c)] != 0) != is_hidden) continue;
-      places[static_cast<std::size_t>(level_one.vertex_row(c))] = {c, 0, 0};
+      // A vertex without any visible face has no row; its texture coordinates have one.
+      if (const std::int32_t row = level_one.vertex_row(c); row >= 0)
+        places[static_cast<std::size_t>(row)] = {c, 0, 0};
       if (is_hidden) continue;
       places[static_cast<std::size_t>(level_one.edge_row(c))] = {c, side, 0};
       places[static_cast<std::size_t>(level_one.face_row(topology.face_of(c)))] = {c, side, side};

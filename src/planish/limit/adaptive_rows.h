@@ -65,7 +65,7 @@ class SidePlaces {
 };
 
 /// Where the rows of level 1 lie, the first of `count`; the others are left for the caller.
-/// Vertices of hidden faces alone lie on these.
+/// Texture coordinates of hidden faces alone lie on these.
 [[nodiscard]] RawVector<AdaptivePlace> level_one_places(const MeshTopology& topology,
                                                         const AdaptiveCells& cells,
                                                         const PatchNumbering& level_one,
