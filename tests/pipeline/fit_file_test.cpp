@@ -63,6 +63,19 @@ TEST_F(FitFilePlaces, SurfaceAndCageAreTwoFiles) {
   EXPECT_EQ(read_mesh(folder_ / "d.obj").mesh.face_count(), 6);
 }
 
+// Other formats hold a surface without faces.
+TEST_F(FitFilePlaces, HolesAloneMakeNoGltfAndNoStep) {
+  PolygonMesh holes = test::cube();
+  holes.hole_faces = {0, 1, 2, 3, 4, 5};
+  write_mesh(input_, FileFormat::Obj, holes);
+  for (const char* name : {"b.glb", "b.gltf", "b.step"}) {
+    EXPECT_THAT(refusal(folder_ / name, {}), HasSubstr("the surface has no face")) << name;
+    EXPECT_FALSE(fs::exists(folder_ / name)) << name;
+  }
+  (void)fit_file(input_, folder_ / "b.ply");
+  EXPECT_TRUE(fs::exists(folder_ / "b.ply"));
+}
+
 // A cage has the materials of its mesh, with textures as seen from where it stands.
 TEST_F(FitFilePlaces, ACageHasItsMaterials) {
   fs::create_directory(folder_ / "cages");

@@ -10,6 +10,7 @@
 
 #include "planish/brep/square_piece.h"
 #include "planish/brep/step_sections.h"
+#include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/output_file.h"
 #include "planish/files/shared/ordered_stream.h"
@@ -166,6 +167,9 @@ double millimetres_of(StepUnit unit) {
 
 std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
                          const StepOptions& options) {
+  if (brep.faces.empty())
+    throw Error(ErrorCode::InvalidArgument,
+                path.filename().string() + ": the surface has no face; STEP needs one");
   const HostScope host(options.callbacks);
   constexpr std::int64_t kPiece = 64;
   StepText head(1);

@@ -48,7 +48,7 @@ struct StepOptions {
 /// are inside out as its voids, and shells of the others. Flat faces are planes. Groups name faces,
 /// and solids and shells that they have whole, and colour them.
 /// The same bytes for every number of threads. Returns their number. Throws
-/// Error{UnwritableOutput}, Error{Cancelled}.
+/// Error{InvalidArgument} without faces, Error{UnwritableOutput}, Error{Cancelled}.
 std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
                          const StepOptions& options = {});
 

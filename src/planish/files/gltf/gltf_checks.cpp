@@ -11,7 +11,7 @@ namespace planish {
 namespace {
 
 void require_faces(const SurfaceMesh& surface, const GltfOptions& options) {
-  if (surface.face_count() < 1) refuse_to_write(options, "the surface has no face; glTF needs one");
+  require_a_face(surface.face_count(), options);
   constexpr std::int32_t kLeastCorners = 3;
   require_sound_indices({.vertex_count = surface.positions.size(),
                          .face_offsets = surface.face_offsets,
@@ -57,6 +57,10 @@ void require_attributes(const SurfaceMesh& surface, const GltfOptions& options) 
 
 void refuse_to_write(const GltfOptions& options, const std::string& what, std::int64_t element) {
   throw Error(ErrorCode::InvalidArgument, options.name + ": " + what, element);
+}
+
+void require_a_face(std::int64_t face_count, const GltfOptions& options) {
+  if (face_count < 1) refuse_to_write(options, "the surface has no face; glTF needs one");
 }
 
 void require_fields(std::int64_t row_count, const GltfOptions& options) {

@@ -14,6 +14,9 @@ namespace planish {
 /// written; positions and normals are checked by gltf_bounds(). See encode_glb.
 void require_writable(const SurfaceMesh& surface, const GltfOptions& options);
 
+/// The same where there is no face, as where all of a mesh's are holes.
+void require_a_face(std::int64_t face_count, const GltfOptions& options);
+
 /// The same for the fields of the options, which need a finite value for each row.
 void require_fields(std::int64_t row_count, const GltfOptions& options);
 

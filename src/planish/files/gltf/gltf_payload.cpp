@@ -65,6 +65,7 @@ GltfPayload packed_payload(const SurfaceBlocks& surface, const GltfOptions& opti
 }  // namespace
 
 GltfPayload payload_of(const SurfaceBlocks& surface, const GltfOptions& options, bool is_glb) {
+  require_a_face(surface.info().face_count, options);
   if (options.compression != GltfCompression::None) return packed_payload(surface, options);
   auto vertices = std::make_shared<const GltfVertices>(gltf_vertices(surface, options));
   const GltfLayout layout = whole_layout(surface, *vertices, options);
