@@ -118,6 +118,15 @@ TEST(ForeignText, IsReadWhateverEndsItsLinesAndItself) {
   }
 }
 
+TEST(ForeignText, AHeaderWithoutTrianglesIsNoText) {
+  const MeshFile file = read_text(std::string(80, 'h') + std::string(4, '\0'), FileFormat::Stl);
+  EXPECT_EQ(file.mesh.face_count(), 0);
+  EXPECT_THAT(file.warnings, IsEmpty());
+  std::string text = "solid a\nendsolid a\n";
+  text.resize(80, '\n');
+  EXPECT_EQ(read_text(text + std::string(4, '\0'), FileFormat::Stl).warnings.size(), 1u);
+}
+
 TEST(ForeignText, NamesBeyondAsciiComeThroughUtf16) {
   const std::u16string text = u"v 0 0 0\nv 1 0 0\nv 0 1 0\ng \u00fc\u4e2d\U0001F600\nf 1 2 3\n";
   std::string bytes;

@@ -11,6 +11,8 @@
 namespace planish {
 namespace {
 
+constexpr std::size_t kStlHead = 84;  // with the number of triangles in its last four bytes
+
 std::string_view characters_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -59,6 +61,13 @@ bool ends_in_binary(std::string_view text, FileFormat format) {
   }
 }
 
+// A header of no triangles, which ends in zeros as text may.
+bool is_bare_stl(std::span<const std::byte> bytes) {
+  const std::string_view text = characters_of(bytes);
+  return text.size() == kStlHead && text.ends_with(std::string_view("\0\0\0\0", 4)) &&
+         !text.starts_with("solid");
+}
+
 }  // namespace
 
 bool has_utf8_mark(std::span<const std::byte> bytes) {
@@ -66,11 +75,11 @@ bool has_utf8_mark(std::span<const std::byte> bytes) {
 }
 
 bool is_binary_stl(std::span<const std::byte> bytes) {
-  constexpr std::size_t kHead = 84, kTriangle = 50;
-  if (bytes.size() < kHead) return false;
+  constexpr std::size_t kTriangle = 50;
+  if (bytes.size() < kStlHead) return false;
   std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + kHead - sizeof count, sizeof count);
-  return count > 0 && bytes.size() == kHead + kTriangle * count;
+  std::memcpy(&count, bytes.data() + kStlHead - sizeof count, sizeof count);
+  return count > 0 && bytes.size() == kStlHead + kTriangle * count;
 }
 
 bool is_utf16(std::span<const std::byte> bytes) {
@@ -112,7 +121,8 @@ DecodedText decode_utf16(std::span<const std::byte> bytes) {
 
 TextFile text_file(const FileBytes& file, FileFormat format) {
   TextFile result{.file = file, .decoded = {}, .warnings = {}};
-  if (format == FileFormat::Stl && is_binary_stl(file.bytes)) return result;
+  if (format == FileFormat::Stl && (is_binary_stl(file.bytes) || is_bare_stl(file.bytes)))
+    return result;
   std::span<const std::byte>& bytes = result.file.bytes;
   const std::string name(file.name);
   if (is_utf16(bytes)) {
