@@ -1,6 +1,5 @@
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <mutex>
@@ -28,13 +27,6 @@ using testing::PretendedDriver;
 constexpr std::uint64_t kHostMayGrow = 16u << 20;
 constexpr int kFrames = 12;         // of a topology
 constexpr double kOffGiven = 2e-5;  // of the diagonal, single precision through a solve
-
-std::uint64_t resident_bytes() {
-  std::ifstream file("/proc/self/statm");
-  std::uint64_t pages = 0, resident = 0;
-  file >> pages >> resident;
-  return resident * 4096;
-}
 
 PolygonMesh mesh_by_lot(std::mt19937& random) {
   const auto seed = static_cast<std::uint32_t>(random() % 40);

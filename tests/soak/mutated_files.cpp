@@ -8,6 +8,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "files/gltf/asset_sample.h"
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit_file.h"
 #include "support/random_meshes.h"
@@ -94,6 +95,21 @@ void damage(std::string& bytes, const std::string& other, std::mt19937& random) 
   }
 }
 
+// The JSON of a GLB, whose frame stays whole, for else readers look at no more than that.
+bool damage_document(std::string& glb, std::mt19937& random) {
+  constexpr std::size_t kHead = 20;
+  std::uint32_t length = 0;
+  if (glb.size() < kHead || glb.compare(0, 4, "glTF") != 0) return false;
+  std::memcpy(&length, &glb[12], sizeof length);
+  const std::size_t chunk = kHead + length + 8;
+  if (chunk > glb.size()) return false;
+  std::string document = glb.substr(kHead, length);
+  for (std::size_t left = 1 + random() % 3; left > 0; --left)
+    random() % 2 ? replace_number(document, random) : damage(document, document, random);
+  glb = glb_of(std::move(document), glb.substr(chunk));
+  return true;
+}
+
 }  // namespace
 
 std::vector<SeedFile> seed_files(const std::filesystem::path& folder) {
@@ -128,11 +144,13 @@ std::vector<SeedFile> seed_files(const std::filesystem::path& folder) {
       }
     }
   }
+  seeds.push_back({".glb", AssetSample().glb()});
   return seeds;
 }
 
 SeedFile mutated_file(const std::vector<SeedFile>& seeds, std::mt19937& random) {
   SeedFile file = seeds[below(seeds.size(), random)];
+  if (random() % 2 && damage_document(file.bytes, random)) return file;
   std::size_t other = below(seeds.size(), random);
   while (seeds[other].extension != file.extension) other = (other + 1) % seeds.size();
   for (std::size_t left = random() % 4; left > 0; --left)

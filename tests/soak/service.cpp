@@ -75,7 +75,8 @@ class Service {
 
   void fit_file(const std::filesystem::path& input, const planish_fit_options& options,
                 std::mt19937& random) {
-    constexpr std::array<const char*, 6> kFormats{".glb", ".obj", ".ply", ".off", ".stl", ".usda"};
+    constexpr std::array<const char*, 7> kFormats{".glb", ".obj",  ".ply", ".off",
+                                                  ".stl", ".usda", ".step"};
     const std::filesystem::path output =
         folder_.path() / (std::string("output") + kFormats[random() % kFormats.size()]);
     const bool has_result =
@@ -91,7 +92,7 @@ class Service {
     if (files != 1 + static_cast<int>(has_result) && !(may_have_mtl && files == 3))
       complain("files are left beside the output");
     if (!has_result) return;
-    if (const std::string name = output.extension().string(); name != ".usda") {
+    if (const std::string name = output.extension().string(); name != ".usda" && name != ".step") {
       planish_mesh* mesh = nullptr;
       if (!check(planish_mesh_read(output.c_str(), &mesh), output))
         complain("cannot read " + name + " back");
@@ -152,7 +153,7 @@ void soak_service(std::uint32_t count, std::uint32_t first) {
   const std::vector<SeedFile> seeds = seed_files(seeds_folder.path());
   std::printf("%zu files to begin with\n", seeds.size());
   Service service;
-  Growth growth;
+  Growth growth, resident;
   double slowest = 0;
   std::uint32_t slowest_file = 0;
   for (std::uint32_t i = first; i - first < count; ++i) {
@@ -170,10 +171,11 @@ void soak_service(std::uint32_t count, std::uint32_t first) {
     }
     const struct mallinfo2 info = ::mallinfo2();
     growth.note(info.uordblks + info.hblkhd);
+    resident.note(resident_bytes());
   }
   service.print();
-  std::printf("slowest: %.2f s, file %u; allocated %s\n", slowest, slowest_file,
-              growth.text().c_str());
+  std::printf("slowest: %.2f s, file %u; allocated %s; resident %s\n", slowest, slowest_file,
+              growth.text().c_str(), resident.text().c_str());
   if (growth.bytes() > kServiceMayGrow)
     complain("memory grows by " + std::to_string(growth.bytes()) + " bytes");
 }

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <optional>
 
 namespace planish::test {
@@ -20,6 +21,13 @@ void complain(const std::string& what) {
 }
 
 int complaints() { return complaint_count; }
+
+std::uint64_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t pages = 0, resident = 0;
+  file >> pages >> resident;
+  return resident * 4096;
+}
 
 std::uint64_t Growth::least(std::size_t quarter) const {
   const std::size_t begin = bytes_.size() * quarter / 4, end = bytes_.size() * (quarter + 1) / 4;

@@ -25,6 +25,9 @@ class Growth {
 void complain(const std::string& what);
 [[nodiscard]] int complaints();
 
+/// Memory of this process, in pages of 4 KiB.
+[[nodiscard]] std::uint64_t resident_bytes();
+
 /// Fits `count` files through the C header.
 void soak_service(std::uint32_t count, std::uint32_t first);
 /// Makes `count` edits, of editors of both methods.
