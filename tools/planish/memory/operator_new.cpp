@@ -16,6 +16,16 @@ void* operator new(std::size_t bytes) {
   }
 }
 
+// As the standard library has it; the address sanitizer's own would not come here, but its memory
+// would.
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  try {
+    return operator new(bytes);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
 void operator delete(void* array) noexcept {
   if (array == nullptr || planish::command::give_back_array(array)) return;
   std::free(array);
