@@ -14,6 +14,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/stop.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/pcd/lzf.h"
 #include "planish/files/pcd/pcd_header.h"
 #include "planish/files/pcd/pcd_record.h"
@@ -217,7 +218,8 @@ void PcdReader::add_further(const PcdRecord& record, std::int64_t index, PcdPart
     float value = record.further[k];
     if (!std::isfinite(value)) {
       const std::string what = "point " + std::to_string(index) + ": " +
-                               header_.fields[header_.further[k]].name + " is " + shortest(value);
+                               visible(header_.fields[header_.further[k]].name) + " is " +
+                               shortest(value);
       if (line != nullptr && !is_noted) line->note(part.no_number, what, index);
       if (line == nullptr && !is_noted) {
         if (file_.is_strict) fail(what, index);

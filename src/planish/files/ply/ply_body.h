@@ -13,6 +13,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/ply/ply_header.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/files/shared/line_records.h"
@@ -22,7 +23,8 @@ namespace planish {
 
 /// Where in the file an error is: "vertex 12 of 345".
 [[nodiscard]] inline std::string place_of(const PlyElement& element, std::int64_t index) {
-  return element.name + " " + std::to_string(index) + " of " + std::to_string(element.count);
+  return visible(element.name) + " " + std::to_string(index) + " of " +
+         std::to_string(element.count);
 }
 
 /// The number at the beginning of `bytes`.

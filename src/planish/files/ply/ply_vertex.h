@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "planish/core/visible_text.h"
 #include "planish/files/ply/ply_body.h"
 #include "planish/files/ply/ply_vertex_layout.h"
 
@@ -52,7 +53,7 @@ PlyVertex read_ply_vertex(Cursor& cursor, const PlyElement& element, const PlyVe
   values[8] = 1;  // opaque
   std::optional<std::size_t> bad_uv, bad_color, bad_property;
   const auto fault = [&](std::size_t i) {
-    return place_of(element, vertex) + ": " + element.properties[i].name + " is " +
+    return place_of(element, vertex) + ": " + visible(element.properties[i].name) + " is " +
            shortest(values[layout.slots[i]]);
   };
   for (std::size_t i = 0; i < layout.slots.size(); ++i) {
