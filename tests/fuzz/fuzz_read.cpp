@@ -29,6 +29,34 @@ void require_visible(const std::string& message) {
   if (visible_lines(message) != message) std::abort();
 }
 
+// FNV-1a of the bytes of arrays, and of how many they are.
+class Digest {
+ public:
+  template <class... Array>
+  void add(const Array&... arrays) {
+    (add_bytes(std::as_bytes(std::span(arrays))), ...);
+  }
+  void add_attributes(const std::vector<VertexAttribute>& attributes) {
+    for (const VertexAttribute& attribute : attributes) add(attribute.name, attribute.values);
+  }
+  [[nodiscard]] std::string text() const { return std::to_string(sum_); }
+
+ private:
+  void add_bytes(std::span<const std::byte> bytes) {
+    for (const std::byte byte : bytes) take(std::to_integer<std::uint8_t>(byte));
+    for (std::uint64_t size = bytes.size(), i = 0; i < 8; ++i, size >>= 8)
+      take(static_cast<std::uint8_t>(size));
+  }
+  void take(std::uint8_t byte) { sum_ = (sum_ ^ byte) * 1099511628211u; }
+  std::uint64_t sum_ = 14695981039346656037u;
+};
+
+std::string messages_of(const std::vector<Warning>& warnings) {
+  std::string text;
+  for (const Warning& warning : warnings) text += "; " + warning.message;
+  return text;
+}
+
 int count_at(std::span<const std::byte> bytes, std::size_t i) {
   return std::to_integer<int>(bytes[i]) + 256 * std::to_integer<int>(bytes[i + 1]);
 }
@@ -40,29 +68,38 @@ void require_refusal(const Error& error, std::initializer_list<ErrorCode> codes)
   require_visible(error.what());
 }
 
-void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
-  PolygonMesh mesh;
+std::string fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
+  MeshFile found;
   try {
     // Every second size as `--creases normals` reads it.
     const FileBytes file{
         .bytes = bytes, .name = "fuzz", .path = {}, .split_normals_crease = bytes.size() % 2 == 1};
-    MeshFile found = read_mesh(file, format);
+    found = read_mesh(file, format);
     for (const Warning& warning : found.warnings) require_visible(warning.message);
-    mesh = std::move(found.mesh);
   } catch (const Error& error) {
-    return require_refusal(error, {ErrorCode::UnreadableInput});
+    require_refusal(error, {ErrorCode::UnreadableInput});
+    return error.what();
   }
+  const PolygonMesh& mesh = found.mesh;
   for (const glm::dvec3& p : mesh.positions)
     if (!is_finite(p)) std::abort();
   const std::vector<MeshProblem> problems = check(mesh);
   for (const MeshProblem& problem : problems)
     if (problem.kind == MeshProblemKind::IndexOutOfRange) std::abort();
   if (problems.empty() && statistics(mesh).genus < 0) std::abort();
+  Digest digest;
+  digest.add(mesh.positions, mesh.face_offsets, mesh.face_vertices, mesh.creases, mesh.corners,
+             mesh.uvs, mesh.face_uvs, mesh.colors, mesh.face_groups, mesh.hole_faces,
+             found.normals);
+  digest.add_attributes(mesh.attributes);
+  for (const FaceGroup& group : mesh.groups) digest.add(group.name, group.material);
+  return std::to_string(mesh.vertex_count()) + " vertices, " + std::to_string(mesh.face_count()) +
+         " faces, " + digest.text() + messages_of(found.warnings);
 }
 
-void fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format) {
+std::string fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format) {
   constexpr std::size_t kCounts = 4;
-  if (bytes.size() < kCounts) return;
+  if (bytes.size() < kCounts) return {};
   const std::string size = std::to_string(bytes.size() - kCounts);
   const std::string json =
       R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
@@ -73,12 +110,12 @@ void fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format) {
       std::to_string(count_at(bytes, 0)) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + size +
       R"(}],"buffers":[{"byteLength":)" + size + "}]}";
   const std::string glb = glb_of(json, std::string(text_of(bytes.subspan(kCounts))));
-  fuzz_read_mesh(std::as_bytes(std::span(glb)), format);
+  return fuzz_read_mesh(std::as_bytes(std::span(glb)), format);
 }
 
-void fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat format) {
+std::string fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat format) {
   constexpr std::size_t kHead = 4;
-  if (bytes.size() < kHead) return;
+  if (bytes.size() < kHead) return {};
   const int kind = std::to_integer<int>(bytes[3]);
   const int stride = std::to_integer<int>(bytes[2]);
   const char* const mode = std::array{"ATTRIBUTES", "TRIANGLES", "INDICES"}[kind % 3];
@@ -110,25 +147,31 @@ void fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat format) {
       of_view + R"(,"count":)" + count + R"(,"mode":")" + mode + R"(","filter":")" + filter +
       R"("}}}],"buffers":[{"byteLength":)" + size + "}]}";
   const std::string glb = glb_of(json, std::string(text_of(bytes.subspan(kHead))));
-  fuzz_read_mesh(std::as_bytes(std::span(glb)), format);
+  return fuzz_read_mesh(std::as_bytes(std::span(glb)), format);
 }
 
-void fuzz_read_points(std::span<const std::byte> bytes, FileFormat format) {
+std::string fuzz_read_points(std::span<const std::byte> bytes, FileFormat format) {
   PointCloud cloud;
   try {
     cloud = read_points(bytes, "fuzz", format);
     for (const Warning& warning : cloud.warnings) require_visible(warning.message);
   } catch (const Error& error) {
-    return require_refusal(error, {ErrorCode::UnreadableInput});
+    require_refusal(error, {ErrorCode::UnreadableInput});
+    return error.what();
   }
   if (!is_finite(cloud.origin) || cloud.missing_count < 0) std::abort();
   for (const glm::dvec3& p : cloud.points)
     if (!is_finite(p) || !is_finite(p + cloud.origin)) std::abort();
+  Digest digest;
+  digest.add(cloud.points, cloud.normals, cloud.colors, std::array{cloud.origin});
+  digest.add_attributes(cloud.attributes);
+  return std::to_string(cloud.points.size()) + " points, " + std::to_string(cloud.missing_count) +
+         " missing, " + digest.text() + messages_of(cloud.warnings);
 }
 
-void fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format) {
+std::string fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format) {
   constexpr std::size_t kCount = 2;
-  if (bytes.size() < kCount) return;
+  if (bytes.size() < kCount) return {};
   const int count = count_at(bytes, 0);
   std::string pcd =
       "FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nHEIGHT 1\nWIDTH " +
@@ -136,7 +179,7 @@ void fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format) {
   append<std::uint32_t>(pcd, static_cast<std::uint32_t>(bytes.size() - kCount));
   append<std::uint32_t>(pcd, static_cast<std::uint32_t>(16 * count));
   pcd += text_of(bytes.subspan(kCount));
-  fuzz_read_points(std::as_bytes(std::span(pcd)), format);
+  return fuzz_read_points(std::as_bytes(std::span(pcd)), format);
 }
 
 }  // namespace planish::test

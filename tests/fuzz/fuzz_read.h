@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <initializer_list>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "planish/core/error.h"
@@ -12,22 +13,23 @@ namespace planish::test {
 
 /// Reads, checks and counts; aborts when the reader breaks its promises: an Error of another kind,
 /// a message with a character that nobody sees, an index out of range, a position that is not
-/// finite, any other exception.
-void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format);
+/// finite, any other exception. Returns the message, or what was read: its counts, a number that
+/// stands for all its bits, and the warnings.
+std::string fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format);
 
 /// The same of a Draco stream, with two bytes for its points and two for its triangles in front,
 /// as a GLB has it.
-void fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format);
+std::string fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format);
 
 /// The same of a meshopt stream, with two bytes for its elements in front, one for their bytes and
 /// one for mode and filter.
-void fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat format);
+std::string fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat format);
 
 /// The same for points.
-void fuzz_read_points(std::span<const std::byte> bytes, FileFormat format);
+std::string fuzz_read_points(std::span<const std::byte> bytes, FileFormat format);
 
 /// The same of an LZF stream, with two bytes for its points in front, as a PCD has it.
-void fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format);
+std::string fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format);
 
 [[nodiscard]] inline std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -6,7 +6,7 @@
 #include "fuzz/fuzz_read.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  planish::test::PLANISH_FUZZ_READ(std::as_bytes(std::span(data, size)),
-                                   planish::FileFormat::PLANISH_FUZZ_FORMAT);
+  (void)planish::test::PLANISH_FUZZ_READ(std::as_bytes(std::span(data, size)),
+                                         planish::FileFormat::PLANISH_FUZZ_FORMAT);
   return 0;
 }
