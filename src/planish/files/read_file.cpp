@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -66,26 +67,26 @@ std::size_t read_pieces(int file, std::span<std::byte> bytes, ReadProgress& prog
   return used;
 }
 
-}  // namespace
-
-RawVector<std::byte> read_file(const std::filesystem::path& path, const Callbacks& callbacks) {
+RawVector<std::byte> read_start(const std::filesystem::path& path, std::uint64_t most,
+                                const Callbacks& callbacks) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.number < 0) fail_to_read(path, errno);
   struct stat status {};
   if (::fstat(file.number, &status) != 0) fail_to_read(path, errno);
   if (S_ISDIR(status.st_mode)) fail_to_read(path, EISDIR);
+  const auto wanted = std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), most);
   // Pipes and /proc say 0 bytes, and files may grow: the size is only a first guess.
   constexpr std::size_t kPiece = std::size_t{1} << 16;
   // Of 32 bits in WebAssembly, where files may be larger than all memory.
-  if (static_cast<std::uint64_t>(status.st_size) > std::vector<std::byte>().max_size() - kPiece)
+  if (wanted > std::vector<std::byte>().max_size() - kPiece)
     throw Error(ErrorCode::OutOfMemory,
-                visible(path) + ": " + std::to_string(status.st_size) +
+                visible(path) + ": " + std::to_string(wanted) +
                     " bytes are more than this program can hold; a 64-bit one can");
-  const auto size = static_cast<std::size_t>(status.st_size);
+  const auto size = static_cast<std::size_t>(wanted);
   RawVector<std::byte> bytes(size + kPiece);
   ReadProgress progress(callbacks, size);
   std::size_t used = read_pieces(file.number, std::span(bytes).first(size), progress);
-  for (;;) {
+  while (used < most) {
     check_stop();
     if (used == bytes.size()) bytes.resize(2 * bytes.size());
     const ssize_t got = read_at(file.number, std::span(bytes).subspan(used), used, size > 0);
@@ -93,9 +94,25 @@ RawVector<std::byte> read_file(const std::filesystem::path& path, const Callback
     if (got == 0) break;
     used += static_cast<std::size_t>(got);
   }
-  bytes.resize(used);
+  bytes.resize(static_cast<std::size_t>(std::min<std::uint64_t>(used, most)));
   progress.finish();
   return bytes;
+}
+
+}  // namespace
+
+RawVector<std::byte> read_file(const std::filesystem::path& path, const Callbacks& callbacks) {
+  return read_start(path, std::numeric_limits<std::uint64_t>::max(), callbacks);
+}
+
+std::optional<RawVector<std::byte>> read_beside(const std::filesystem::path& path,
+                                                std::uint64_t most) {
+  try {
+    return read_start(path, most, {});
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) throw;
+    return std::nullopt;
+  }
 }
 
 }  // namespace planish

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <optional>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/raw_vector.h"
@@ -14,6 +17,11 @@ namespace planish {
 /// it is read.)
 [[nodiscard]] RawVector<std::byte> read_file(const std::filesystem::path& path,
                                              const Callbacks& callbacks = {});
+
+/// A file that another names, or its first `most` bytes; nothing where it cannot be read.
+[[nodiscard]] std::optional<RawVector<std::byte>> read_beside(
+    const std::filesystem::path& path,
+    std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
 /// The share of reading a file that bringing it into memory takes where it is cached.
 inline constexpr double kFileLoaded = 0.1;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/image_type.h"
+#include "planish/files/read_file.h"
 
 namespace planish {
 namespace {
@@ -120,19 +120,15 @@ class Converter {
   std::optional<std::size_t> image_of(const std::filesystem::path& path) {
     const auto [known, is_new] = images_.try_emplace(path.lexically_normal());
     if (!is_new) return known->second;
-    std::ifstream file(path, std::ios::binary);
-    std::string bytes;
-    if (file) bytes.assign(std::istreambuf_iterator<char>(file), {});
-    const auto* const begin = reinterpret_cast<const std::byte*>(bytes.data());
-    const std::string type = image_type({begin, bytes.size()}, "");
+    RawVector<std::byte> bytes = read_beside(path).value_or(RawVector<std::byte>());
+    const std::string type = image_type(bytes, "");
     if (type != "image/png" && type != "image/jpeg") {
       if (left_out_++ == 0)
         first_ = visible(path) + (bytes.empty() ? ": the texture is not there or empty"
                                                 : ": the texture is left out");
       return std::nullopt;
     }
-    made_.images.push_back({type, {}, path});
-    made_.images.back().bytes.assign(begin, begin + bytes.size());
+    made_.images.push_back({type, std::move(bytes), path});
     made_.lists["images"].push_back({{"name", visible(path.filename())}});
     known->second = made_.images.size() - 1;
     return known->second;

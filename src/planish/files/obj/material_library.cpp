@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
+#include <cstddef>
 
 #include "planish/core/lower_case.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/read_file.h"
 
 namespace planish {
 namespace {
@@ -20,6 +21,17 @@ std::string_view without_blanks(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBetweenWords);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kBetweenWords) - first + 1);
+}
+
+std::string_view library_text(const RawVector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Takes the first line off the text.
+std::string_view take_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  text.remove_prefix(std::min(line.size() + 1, text.size()));
+  return line;
 }
 
 // Takes the first word off the text.
@@ -92,13 +104,10 @@ fs::path named_folder(const fs::path& folder) { return folder.empty() ? fs::path
 
 MaterialLibrary::MaterialLibrary(const fs::path& path) {
   constexpr std::size_t kHead = std::size_t{1} << 20;
-  std::ifstream file(path, std::ios::binary);
-  std::string head(kHead, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  for (std::string_view lines = head; !lines.empty();) {
-    std::string_view line = lines.substr(0, lines.find('\n'));
-    lines.remove_prefix(std::min(line.size() + 1, lines.size()));
+  const std::optional<RawVector<std::byte>> head = read_beside(path, kHead);
+  std::string_view text = head ? library_text(*head) : "";
+  while (!text.empty()) {
+    std::string_view line = take_line(text);
     if (take_word(line) == "mtllib" && !line.empty()) read(path, std::string(line));
   }
 }
@@ -107,7 +116,7 @@ void MaterialLibrary::read(const fs::path& obj, const std::string& name) {
   std::string file_name = name;
   std::ranges::replace(file_name, '\\', '/');
   const fs::path path = obj.parent_path() / file_name;
-  std::ifstream file(path, std::ios::binary);
+  const std::optional<RawVector<std::byte>> file = read_beside(path);
   if (!file) {
     warnings_.push_back(
         {"missing-materials", visible(obj) + ": its materials are not there: " + visible(path) +
@@ -115,8 +124,10 @@ void MaterialLibrary::read(const fs::path& obj, const std::string& name) {
     return;
   }
   Material* material = nullptr;
-  for (std::string line; std::getline(file, line);) {
-    if (line.ends_with('\r')) line.pop_back();
+  std::string_view text = library_text(*file);
+  while (!text.empty()) {
+    std::string_view line = take_line(text);
+    if (line.ends_with('\r')) line.remove_suffix(1);
     std::string_view rest = line;
     const std::string_view keyword = take_word(rest);
     if (keyword == "newmtl") {
@@ -125,7 +136,7 @@ void MaterialLibrary::read(const fs::path& obj, const std::string& name) {
       material = is_new ? &place->second : nullptr;
       if (is_new) material->folder = named_folder(path.parent_path());
     } else if (material != nullptr && !keyword.empty() && !keyword.starts_with('#')) {
-      material->lines.push_back(line);
+      material->lines.emplace_back(line);
     }
   }
 }
