@@ -178,6 +178,10 @@ TEST_F(Points, NameWhatIsWrongWithThem) {
   auto result = run_planish({"reconstruct", path("line.xyz"), "-o", path("m.obj")});
   EXPECT_EQ(result.exit_code, 4);
   EXPECT_THAT(result.err, HasSubstr("on a line"));
+  std::ofstream(path("none.xyz")) << "5.6e-45 0 0\n1 0 1\n0 1 2\n1 1 3\n";
+  result = run_planish({"reconstruct", path("none.xyz"), "-o", path("m.obj")});
+  EXPECT_EQ(result.exit_code, 4) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("no surface was found in 4 points"));
   std::ofstream(path("bad.xyz")) << "0 0 0\n1 x 1\n";
   result = run_planish({"reconstruct", path("bad.xyz"), "-o", path("m.obj")});
   EXPECT_EQ(result.exit_code, 3);

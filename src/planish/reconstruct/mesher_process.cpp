@@ -170,6 +170,7 @@ class Conversation {
   }
 
   void take_triangles(std::size_t count) {
+    if (count == 0) return;  // memcpy() takes no null pointer
     triangles_.resize(count);
     std::memcpy(triangles_.data(), received_.data() + kMessageHead, count * sizeof(Triangle));
     for (const Triangle& t : triangles_) {
