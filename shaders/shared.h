@@ -112,7 +112,9 @@ PLANISH_SHARED_CONSTANT kGatherList = 4u;
 // Patches of one class, one to a lane.
 PLANISH_SHARED_CONSTANT kPatchLanes = 64u;
 // What a group of patches is known by, in this order. Its words are kPatchLanes corners if flagged,
-// as many rows if flagged, then the lists of points, column by column.
+// as many rows if flagged, then the lists of points, column by column, then the frames of textured
+// rows, sample by sample: bits of the factors of du and dv that make the tangent, the second one's
+// lowest bit set where the texture is mirrored.
 struct PatchGroup {
   uint first_word;
   uint lane_count;
@@ -152,6 +154,7 @@ struct CornerPatchParameters {
   // from an instance to the next.
   uint first_position, position_stride, position_instance;
   uint first_normal, normal_stride, normal_instance;
+  uint tangent_shift;  // words from a normal to its tangent
   // From an instance to the next: points of the state, given points.
   uint instance_points;
   uint instance_rows;
@@ -170,6 +173,8 @@ PLANISH_SHARED_CONSTANT kFormatHalf4 = 1u;
 PLANISH_SHARED_CONSTANT kFormatSnorm16x4 = 2u;
 PLANISH_SHARED_CONSTANT kFormatOctahedral16 = 3u;
 PLANISH_SHARED_CONSTANT kFormatSnorm10 = 4u;
+PLANISH_SHARED_CONSTANT kFormatFloat4 = 5u;
+PLANISH_SHARED_CONSTANT kFormatNone = 6u;
 
 // The surface at lists of places. Words of a place: face, u, v. Words of a class of corners:
 // columns without the own one, ring, face, first weight, flags.

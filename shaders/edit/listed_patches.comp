@@ -1,6 +1,7 @@
 // Limit points and unit normals of the corner patches that an edit has listed.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#define PLANISH_ATTRIBUTES_IN_TARGET
 #include "evaluate/corner_patch.glsl"
 
 layout(std430, set = 0, binding = 7) restrict readonly buffer Work { uint work[]; };

@@ -8,6 +8,7 @@ layout(constant_id = 3) const uint kGather = kGatherList;
 layout(constant_id = 4) const uint kSamples = 1u;
 layout(constant_id = 5) const uint kPositionFormat = kFormatFloat3;
 layout(constant_id = 6) const uint kNormalFormat = kFormatFloat3;
+layout(constant_id = 7) const uint kTangentFormat = kFormatNone;
 layout(push_constant) uniform Parameters { CornerPatchParameters parameters; };
 
 READ(0, uvec4, groups)
@@ -17,6 +18,11 @@ READ(3, vec4, state)
 READ(4, vec4, given)
 READ(5, vec4, weights)
 WRITE(6, uint, target);
+#ifdef PLANISH_ATTRIBUTES_IN_TARGET
+#define attributes target
+#else
+WRITE(7, uint, attributes);
+#endif
 
 #include "evaluate/unit_normal.glsl"
 #include "evaluate/vertex_formats.glsl"
@@ -129,14 +135,23 @@ void gather_list(uint word, uint columns) {
   }
 }
 
-void write_rows(uint row, uint flags) {
-  for (uint s = 0u; s < kSamples; ++s) {
+// `frame`: the word where the lane's frames begin.
+void write_rows(uint row, uint flags, uint frame) {
+  for (uint s = 0u; s < kSamples; ++s, frame += 2u * kPatchLanes) {
     uint place = row + s - parameters.first_row;
     precise vec3 limit = own_vertex + (own.xyz + position[s]);
     if ((flags & kHasPositions) != 0u)
       write_position(first_position + place * parameters.position_stride, limit);
-    if ((flags & kHasNormals) != 0u)
-      write_normal(first_normal + place * parameters.normal_stride, unit_normal(du[s], dv[s]));
+    if ((flags & kHasNormals) == 0u) continue;
+    uint normal_at = first_normal + place * parameters.normal_stride;
+    vec3 normal = unit_normal(du[s], dv[s]);
+    write_normal(normal_at, normal);
+    if (kTangentFormat == kFormatNone) continue;
+    uint along = words_at(frame + kPatchLanes);
+    write_tangent(normal_at + parameters.tangent_shift,
+                  unit_tangent(uintBitsToFloat(words_at(frame)) * du[s] +
+                               uintBitsToFloat(along) * dv[s], normal),
+                  (along & 1u) != 0u ? -1.0 : 1.0);
   }
 }
 
@@ -176,6 +191,7 @@ void evaluate_patch(PatchGroup group, uint lane, uint chunk) {
     gather_edge(corner);
   } else {
     gather_list(word, group.columns);
+    word += (group.columns + 1u) * kPatchLanes;
   }
-  write_rows(row + chunk * kSamples, group.flags);
+  write_rows(row + chunk * kSamples, group.flags, word + chunk * kSamples * 2u * kPatchLanes);
 }

@@ -1,4 +1,4 @@
-// The normal of a surface point from its derivatives.
+// The normal and the tangent of a surface point from its derivatives.
 
 // |du x dv| below this part of |du||dv| has no direction that rounding has not made.
 const float kParallel = 1e-6;
@@ -17,4 +17,18 @@ vec3 unit_normal(vec3 du, vec3 dv) {
     if (size >= kParallel * sqrt(dot(a, a)) * sqrt(dot(b, b))) normal = c / size;
   }
   return normal;
+}
+
+// The part of a direction that is square to the normal; any that is where none is left.
+vec3 unit_tangent(vec3 along, vec3 normal) {
+  float size = max(max(abs(along.x), abs(along.y)), abs(along.z));
+  vec3 tangent = size > 0.0 ? along / size : vec3(0.0);
+  tangent -= normal * dot(normal, tangent);
+  float square = dot(tangent, tangent);
+  if (square > kParallel) return tangent / sqrt(square);
+  vec3 sizes = abs(normal);
+  vec3 any = sizes.x <= sizes.y && sizes.x <= sizes.z ? vec3(1.0, 0.0, 0.0)
+             : sizes.y <= sizes.z                     ? vec3(0.0, 1.0, 0.0)
+                                                      : vec3(0.0, 0.0, 1.0);
+  return normalize(any - normal * dot(normal, any));
 }

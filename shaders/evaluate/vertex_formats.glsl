@@ -1,12 +1,12 @@
-// Positions and normals in the formats of a host's vertices; the including kernel declares uint
-// target[], kPositionFormat and kNormalFormat. Rounding is written out: what packHalf2x16 and its
+// Positions, normals and tangents in the formats of a host's vertices; the including kernel declares
+// uint target[] of positions, uint attributes[] of the others, kPositionFormat, kNormalFormat and
+// kTangentFormat. Rounding is written out: what packHalf2x16 and its
 // like do with halves of a unit is the driver's.
 
-void write_floats(uint place, vec3 v) {
-  target[place] = floatBitsToUint(v.x);
-  target[place + 1u] = floatBitsToUint(v.y);
-  target[place + 2u] = floatBitsToUint(v.z);
-}
+#define WRITE_FLOATS(to, place, v)        \
+  to[place] = floatBitsToUint((v).x);      \
+  to[place + 1u] = floatBitsToUint((v).y); \
+  to[place + 2u] = floatBitsToUint((v).z);
 
 // The nearest whole number of units, of `largest` to one, as a word.
 uint whole_units(float x, float largest) {
@@ -25,7 +25,7 @@ float half_digits(float x) {
 
 void write_position(uint place, vec3 position) {
   if (kPositionFormat == kFormatFloat3) {
-    write_floats(place, position);
+    WRITE_FLOATS(target, place, position)
     return;
   }
   precise vec3 own = position - vec3(parameters.center_x, parameters.center_y, parameters.center_z);
@@ -50,14 +50,28 @@ vec2 octahedral(vec3 n) {
               (1.0 - abs(p.x)) * (p.y >= 0.0 ? 1.0 : -1.0));
 }
 
+uint ten_bits(vec3 n) {
+  return (whole_units(n.x, 511.0) & 0x3ffu) | (whole_units(n.y, 511.0) & 0x3ffu) << 10u |
+         (whole_units(n.z, 511.0) & 0x3ffu) << 20u;
+}
+
 void write_normal(uint place, vec3 n) {
   if (kNormalFormat == kFormatFloat3) {
-    write_floats(place, n);
+    WRITE_FLOATS(attributes, place, n)
   } else if (kNormalFormat == kFormatOctahedral16) {
     vec2 p = octahedral(n);
-    target[place] = snorm_pair(p.x, p.y);
+    attributes[place] = snorm_pair(p.x, p.y);
   } else {
-    target[place] = (whole_units(n.x, 511.0) & 0x3ffu) | (whole_units(n.y, 511.0) & 0x3ffu) << 10u |
-                    (whole_units(n.z, 511.0) & 0x3ffu) << 20u;
+    attributes[place] = ten_bits(n);
+  }
+}
+
+// Two bits with a sign say on which side of it v grows.
+void write_tangent(uint place, vec3 tangent, float side) {
+  if (kTangentFormat == kFormatFloat4) {
+    WRITE_FLOATS(attributes, place, tangent)
+    attributes[place + 3u] = floatBitsToUint(side);
+  } else {
+    attributes[place] = ten_bits(tangent) | (side < 0.0 ? 3u : 1u) << 30u;
   }
 }

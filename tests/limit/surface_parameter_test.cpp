@@ -1,5 +1,5 @@
 // Parameters of faces are OpenSubdiv's.
-#include "planish/limit/surface_parameter.h"
+#include "planish/mesh/surface_parameter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

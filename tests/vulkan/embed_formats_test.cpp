@@ -68,37 +68,49 @@ glm::dvec3 decoded_normal(VertexFormat format, const std::byte* place) {
   return n;
 }
 
-// What a host has of one layout.
+// What a host has of one layout; attributes that are a stream of their own stand behind the
+// positions of all instances, or in another buffer.
 struct Target {
-  Target(Context& context, VertexLayout wanted, std::uint64_t vertex_count, std::uint32_t instances)
+  Target(Context& context, VertexLayout wanted, std::uint64_t vertex_count, std::uint32_t instances,
+         bool is_apart)
       : layout(wanted),
-        normal_stride(wanted.normal_stride ? wanted.normal_stride : wanted.stride),
-        buffer(context,
-               wanted.offset + instances * vertex_count * (wanted.stride + normal_stride) + 256,
-               MemoryUse::Download) {
+        buffer(context, 512 + instances * vertex_count * (wanted.stride + wanted.attributes.stride),
+               MemoryUse::Download),
+        apart(context, is_apart ? buffer.size() : 4, MemoryUse::Download) {
     layout.buffer = buffer.handle();
     layout.box_center = kCenter;
     layout.box_half = kHalf;
-    // Behind the positions of all instances.
-    if (layout.normal_stride > 0)
-      layout.normal_offset += static_cast<std::uint32_t>(instances * vertex_count * layout.stride);
     stride = vertex_count * layout.stride;
-    normal_instance = vertex_count * normal_stride;
-    std::ranges::fill(buffer.mapped(), kUntouched);
-    buffer.flush();
+    if (VertexStream& stream = layout.attributes; stream.stride > 0) {
+      stream.buffer = is_apart ? apart.handle() : buffer.handle();
+      if (!is_apart) stream.offset += layout.offset + instances * stride;
+    }
+    attributes = attributes_of(layout);
+    if (attributes.instance_stride == 0)
+      attributes.instance_stride = vertex_count * attributes.stride;
+    for (Buffer* bytes : {&buffer, &apart}) {
+      std::ranges::fill(bytes->mapped(), kUntouched);
+      bytes->flush();
+    }
   }
   std::byte* position(std::size_t i, std::uint32_t instance = 0) {
     return &buffer.mapped()[layout.offset + instance * stride + i * layout.stride +
                             layout.position_offset];
   }
   std::byte* normal(std::size_t i, std::uint32_t instance = 0) {
-    return &buffer.mapped()[layout.offset + instance * normal_instance + i * normal_stride +
-                            layout.normal_offset];
+    Buffer& bytes = attributes.buffer == apart.handle() ? apart : buffer;
+    return &bytes.mapped()[attributes.offset + instance * attributes.instance_stride +
+                           i * attributes.stride + layout.normal_offset];
+  }
+  void invalidate() {
+    buffer.invalidate();
+    apart.invalidate();
   }
 
   VertexLayout layout;
-  std::uint64_t stride = 0, normal_instance = 0, normal_stride;
-  Buffer buffer;
+  VertexStream attributes;
+  std::uint64_t stride = 0;
+  Buffer buffer, apart;
 };
 
 class EmbedFormats : public Embedding {
@@ -125,10 +137,10 @@ class EmbedFormats : public Embedding {
       for (const VertexFormat normal : {Float3, Octahedral16})
         all.push_back({.offset = 12,
                        .stride = bytes_of(position),
-                       .normal_offset = 8,
+                       .normal_offset = 4,
                        .position_format = position,
                        .normal_format = normal,
-                       .normal_stride = bytes_of(normal) + 4});
+                       .attributes = {.offset = 20, .stride = bytes_of(normal) + 4}});
     return all;
   }
   static SolveOptions options_of(const std::vector<Target>& targets, VkBuffer points) {
@@ -140,10 +152,13 @@ class EmbedFormats : public Embedding {
     return options;
   }
   static std::vector<Target> make_targets(Context& context, std::uint64_t vertex_count,
-                                          std::uint32_t instances = 1) {
+                                          std::uint32_t instances = 1, bool some_apart = true) {
     std::vector<Target> targets;
     for (const VertexLayout& layout : layouts())
-      targets.emplace_back(context, layout, vertex_count, instances);
+      for (const bool is_apart : {false, true})
+        if (!is_apart ||
+            (some_apart && layout.attributes.stride > 0 && layout.position_format != Float3))
+          targets.emplace_back(context, layout, vertex_count, instances, is_apart);
     return targets;
   }
 
@@ -179,7 +194,7 @@ class EmbedFormats : public Embedding {
   // Against the first target, which is of floats; then all bytes that are no vertex's.
   static void expect_targets(std::vector<Target>& targets, std::size_t count,
                              std::uint32_t instances = 1) {
-    for (Target& target : targets) target.buffer.invalidate();
+    for (Target& target : targets) target.invalidate();
     for (Target& target : targets) {
       SCOPED_TRACE(std::to_string(&target - targets.data()));
       for (std::uint32_t k = 0; k < instances; ++k)
@@ -196,6 +211,7 @@ class EmbedFormats : public Embedding {
           std::fill_n(target.normal(i, k), bytes_of(target.layout.normal_format), kUntouched);
         }
       EXPECT_THAT(target.buffer.mapped(), ::testing::Each(kUntouched));
+      EXPECT_THAT(target.apart.mapped(), ::testing::Each(kUntouched));
     }
   }
   static std::vector<glm::vec3> rounded(const PolygonMesh& mesh) {
@@ -221,7 +237,7 @@ TEST_F(EmbedFormats, AreTheFloatsToHalfAUnit) {
           solve.record_evaluate(commands, {.slot = i});
       });
       // Both sides of a crease have the same words.
-      for (Target& target : targets) target.buffer.invalidate();
+      for (Target& target : targets) target.invalidate();
       const std::span<const std::int32_t> copied = topology.system.copied_vertices();
       for (Target& target : targets)
         for (std::size_t i = 0; i < count; ++i)
@@ -264,7 +280,7 @@ TEST_F(EmbedFormats, EditsHaveThem) {
   Buffer given(*context_, points.size() * sizeof points[0], MemoryUse::Upload);
   Buffer moves(*context_, 64, MemoryUse::Upload);
   const auto count = static_cast<std::size_t>(system.vertex_count());
-  std::vector<Target> targets = make_targets(*context_, count);
+  std::vector<Target> targets = make_targets(*context_, count, 1, false);
   SolveOptions options = options_of(targets, given.handle());
   options.moved = {moves.handle(), 0, 8};
   for (FrameSlot& slot : options.further_slots) slot.moved = options.moved;
@@ -323,10 +339,15 @@ TEST_F(EmbedFormats, WrongLayoutsAreRefusedByName) {
   refuse({.box_half = {1, 0, 1}}, "halves above 0");
   refuse({.stride = 12, .position_format = Snorm16x4},
          "a vertex of stride 12 does not hold 12 bytes from offset 12 on");
-  refuse({.stride = 4, .normal_format = Snorm10, .normal_stride = 4},
+  const auto apart = [&](std::uint32_t stride) { return VertexStream{buffer.handle(), 0, stride}; };
+  refuse({.stride = 4, .normal_offset = 0, .normal_format = Snorm10, .attributes = apart(4)},
          "a vertex of stride 4 does not hold 12 bytes from offset 0 on");
-  refuse({.normal_stride = 128}, "max_vertex_stride");
-  refuse({.normal_stride = 6}, "multiples of 4 bytes");
+  refuse({.normal_offset = 4, .attributes = apart(12)},
+         "a vertex of stride 12 does not hold 12 bytes from offset 4 on");
+  refuse({.attributes = apart(128)}, "max_vertex_stride");
+  refuse({.attributes = apart(26)}, "multiples of 4 bytes");
+  refuse({.tangent_offset = 24}, "make it textured");
+  refuse({.tangent_format = Float3}, "tangents are Float4 or Snorm10");
 }
 
 }  // namespace

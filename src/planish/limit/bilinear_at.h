@@ -8,7 +8,7 @@
 #include "planish/core/parallel.h"
 #include "planish/limit/adaptive_cells.h"
 #include "planish/limit/adaptive_place.h"
-#include "planish/surface/patch_attributes.h"
+#include "planish/patches/patch_attributes.h"
 
 namespace planish {
 

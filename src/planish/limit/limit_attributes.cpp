@@ -1,7 +1,7 @@
 #include "planish/limit/limit_attributes.h"
 
 #include "planish/core/parallel.h"
-#include "planish/surface/patch_attributes.h"
+#include "planish/patches/patch_attributes.h"
 
 namespace planish {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "planish/limit/surface_parameter.h"
+#include "planish/mesh/surface_parameter.h"
 #include "planish/patches/patch_curvature.h"
 #include "planish/patches/patch_form.h"
 #include "planish/surface/doo_sabin_surface.h"

@@ -173,6 +173,14 @@ void PatchMesh::sector_starts(std::int32_t vertex, std::vector<std::int32_t>& st
   if (starts.empty()) starts.push_back(corners.front());
 }
 
+std::int32_t PatchMesh::sector_corner(std::int32_t corner) const {
+  const std::int32_t vertex = topology_.vertex_of(corner);
+  const VertexKind kind = features_.vertex_kinds[vertex];
+  const bool has_sectors = kind == VertexKind::Crease || kind == VertexKind::Corner;
+  const std::int32_t start = has_sectors ? sector_start(corner) : -1;
+  return start >= 0 ? start : topology_.corners_at(vertex).front();
+}
+
 PatchKind PatchMesh::sector_kind(std::int32_t start) const {
   const std::int32_t vertex = topology_.vertex_of(start);
   if (features_.vertex_kinds[vertex] == VertexKind::Crease) return PatchKind::Crease;

@@ -71,6 +71,9 @@ class PatchMesh {
   /// there are none.
   void sector_starts(std::int32_t vertex, std::vector<std::int32_t>& starts) const;
 
+  /// The one of them in whose sector a corner lies.
+  [[nodiscard]] std::int32_t sector_corner(std::int32_t corner) const;
+
   [[nodiscard]] PatchPlace corner_patch(std::int32_t corner) const;
   /// The limit point of a vertex in the sector that begins with `start`, see sector_starts().
   [[nodiscard]] PatchPlace vertex_point(std::int32_t start) const;

@@ -1,6 +1,7 @@
 #include "planish/patches/patch_numbering.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
@@ -45,12 +46,23 @@ PatchNumbering::PatchNumbering(const MeshTopology& topology, int level,
       owned_count_(level == 0 ? 0 : samples_.owned_count()),
       hidden_(hidden) {}
 
+bool is_uv_seam(const MeshTopology& topology, std::span<const std::int32_t> corner_uvs,
+                std::int32_t corner) {
+  const std::int32_t other = topology.twin(corner);
+  return other < 0 || corner_uvs[corner] != corner_uvs[topology.next(other)] ||
+         corner_uvs[topology.next(corner)] != corner_uvs[other];
+}
+
 PatchNumbering::PatchNumbering(const PatchMesh& mesh, int level,
-                               std::span<const std::uint8_t> hidden)
+                               std::span<const std::uint8_t> hidden,
+                               std::span<const std::int32_t> corner_uvs)
     : PatchNumbering(mesh.topology(), level, hidden) {
-  number_vertices(mesh);
-  number_rest(!mesh.features().sharp_of_edge.empty(),
-              [&](std::int32_t corner) { return mesh.is_sharp(corner); });
+  number_vertices(mesh, corner_uvs);
+  number_rest(!mesh.features().sharp_of_edge.empty() || !corner_uvs.empty(),
+              [&](std::int32_t corner) {
+                return mesh.is_sharp(corner) ||
+                       (!corner_uvs.empty() && is_uv_seam(topology_, corner_uvs, corner));
+              });
 }
 
 PatchNumbering::PatchNumbering(const MeshTopology& topology,
@@ -60,25 +72,39 @@ PatchNumbering::PatchNumbering(const MeshTopology& topology,
   has_vertex_items_ = false;
   vertex_rows_.assign(corner_uvs.begin(), corner_uvs.end());
   first_[1] = uv_count;
-  number_rest(true, [&](std::int32_t corner) {
-    const std::int32_t other = topology.twin(corner);
-    return other < 0 || corner_uvs[corner] != corner_uvs[topology.next(other)] ||
-           corner_uvs[topology.next(corner)] != corner_uvs[other];
-  });
+  number_rest(true, [&](std::int32_t corner) { return is_uv_seam(topology, corner_uvs, corner); });
 }
 
-// Rows of vertices in their first visible sectors, and the further sectors.
-void PatchNumbering::number_vertices(const PatchMesh& mesh) {
+// Rows of vertices in their first visible sectors or charts, and the further ones.
+void PatchNumbering::number_vertices(const PatchMesh& mesh,
+                                     std::span<const std::int32_t> corner_uvs) {
   const std::int32_t vertex_count = topology_.vertex_count();
-  if (hidden_.empty() && mesh.features().interior_sharp_edge_count == 0) {
+  if (hidden_.empty() && corner_uvs.empty() && mesh.features().interior_sharp_edge_count == 0) {
     first_[1] = vertex_count;
     return;
   }
   vertex_rows_.resize(static_cast<std::size_t>(topology_.corner_count()));
   std::vector<std::int32_t> starts;
   for (std::int32_t v = 0; v < vertex_count; ++v) {
-    if (topology_.corners_at(v).empty()) continue;
+    const auto corners = topology_.corners_at(v);
+    if (corners.empty()) continue;
     mesh.sector_starts(v, starts);
+    const bool has_sectors = starts.size() > 1;
+    // Whether another row stands for a corner than for the one clockwise of it.
+    const auto begins = [&](std::int32_t corner) {
+      if (has_sectors && mesh.is_sharp(corner)) return true;
+      if (corner_uvs.empty()) return false;
+      const std::int32_t before = topology_.cw(corner);
+      return before >= 0 && corner_uvs[before] != corner_uvs[corner];
+    };
+    if (!corner_uvs.empty()) {
+      starts.clear();
+      std::ranges::copy_if(corners, std::back_inserter(starts), begins);
+      // From the boundary on, or all around.
+      if (starts.empty() ||
+          (topology_.cw(corners.front()) < 0 && starts.front() != corners.front()))
+        starts.insert(starts.begin(), corners.front());
+    }
     bool has_row = false;
     for (const std::int32_t start : starts) {
       const auto for_sector = [&](const auto& visit) {
@@ -86,7 +112,7 @@ void PatchNumbering::number_vertices(const PatchMesh& mesh) {
         do {
           visit(c);
           c = topology_.ccw(c);
-        } while (c >= 0 && c != start && (starts.size() == 1 || !mesh.is_sharp(c)));
+        } while (c >= 0 && c != start && !begins(c));
       };
       bool visible = false;
       for_sector([&](std::int32_t c) { visible |= !is_hidden(topology_.face_of(c)); });

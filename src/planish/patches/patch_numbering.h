@@ -32,6 +32,11 @@ class PatchCells {
   std::array<std::vector<std::array<std::int32_t, 4>>, 4> cells_;
 };
 
+/// Whether the faces on both sides of a corner's leading edge have other texture coordinates there,
+/// or there is one side alone.
+[[nodiscard]] bool is_uv_seam(const MeshTopology& topology,
+                              std::span<const std::int32_t> corner_uvs, std::int32_t corner);
+
 /// The rows of a tessellation and which of them its faces name.
 ///
 /// Every sample has one row, that of the patch which owns it, but for cuts (sharp edges; seams of
@@ -45,8 +50,10 @@ class PatchNumbering {
   enum class Part { Vertices, Faces, Edges, Corners, Trailing, Further };
   static constexpr int kPartCount = 6;
 
-  /// The surface's own, cut at sharp edges. `hidden` holds one flag a face, or nothing.
-  PatchNumbering(const PatchMesh& mesh, int level, std::span<const std::uint8_t> hidden = {});
+  /// The surface's own, cut at sharp edges. `hidden` holds one flag a face, or nothing; so does
+  /// `corner_uvs` a texture coordinate a corner, at whose seams the rows are cut, too.
+  PatchNumbering(const PatchMesh& mesh, int level, std::span<const std::uint8_t> hidden = {},
+                 std::span<const std::int32_t> corner_uvs = {});
   /// That of texture coordinates: `corner_uvs` names one of `uv_count` at each corner. All of them
   /// keep their rows, hidden or not.
   PatchNumbering(const MeshTopology& topology, std::span<const std::int32_t> corner_uvs,
@@ -60,8 +67,9 @@ class PatchNumbering {
   /// Vertices, faces, ... that have rows in a part: all corners in that of the corners.
   [[nodiscard]] std::int64_t item_count(Part part) const;
 
-  /// What item i is: a corner at the vertex where its sector begins; a corner of the face; the
-  /// corner whose leading edge it is; a corner. Of Further one of the first or the third kind.
+  /// What item i is: a corner at the vertex where its sector (or chart) begins; a corner of the
+  /// face; the corner whose leading edge it is; a corner. Of Further one of the first or the third
+  /// kind.
   [[nodiscard]] std::int32_t item_corner(Part part, std::int64_t item) const;
   /// Of Further: the corner whose row of an earlier part has the same position.
   [[nodiscard]] std::int32_t further_first(std::int64_t item) const { return further_first_[item]; }
@@ -105,7 +113,7 @@ class PatchNumbering {
   using IsCut = std::function<bool(std::int32_t corner)>;
 
   PatchNumbering(const MeshTopology& topology, int level, std::span<const std::uint8_t> hidden);
-  void number_vertices(const PatchMesh& mesh);
+  void number_vertices(const PatchMesh& mesh, std::span<const std::int32_t> corner_uvs);
   void number_rest(bool has_cuts, const IsCut& is_cut);
   void number_edges(const IsCut& is_cut);
   void number_corners(const IsCut& is_cut);

@@ -27,13 +27,19 @@ constexpr std::int64_t kTileIndices = 1 << 20;
 constexpr std::array kParts = {Part::Vertices, Part::Faces,    Part::Edges,
                                Part::Corners,  Part::Trailing, Part::Further};
 
+// Of a row of a vertex or midpoint: the patch in whose tangent plane it lies, whatever chart of
+// texture coordinates it is of.
+PatchPlace point_at(const PatchMesh& mesh, std::int32_t corner, bool is_edge) {
+  return is_edge ? mesh.edge_point(corner) : mesh.vertex_point(mesh.sector_corner(corner));
+}
+
 // The patch of a row that a part has for an item.
 PatchPlace place_of(const PatchMesh& mesh, const PatchNumbering& numbering, Part part,
                     std::int64_t item) {
   const std::int32_t corner = numbering.item_corner(part, item);
   switch (part) {
     case Part::Vertices:
-      return mesh.vertex_point(corner);
+      return point_at(mesh, corner, false);
     case Part::Faces:
       return mesh.face_point(mesh.topology().face_of(corner));
     case Part::Edges:
@@ -42,7 +48,7 @@ PatchPlace place_of(const PatchMesh& mesh, const PatchNumbering& numbering, Part
     case Part::Trailing:
       return mesh.corner_patch(corner);
     case Part::Further:
-      return numbering.is_further_edge(item) ? mesh.edge_point(corner) : mesh.vertex_point(corner);
+      return point_at(mesh, corner, numbering.is_further_edge(item));
   }
   return {};
 }
@@ -195,15 +201,22 @@ void PatchPlanner::add(const PatchTile& tile, std::int64_t target, PatchPlan& pl
     if (tile.part == Part::Trailing) {
       const std::int32_t count = samples.trailing_count();
       const std::int32_t other = mesh_.topology().ccw(corner);
-      add(place, samples.first_trailing(), count, other < 0 ? Results::All : Results::Normals, row);
-      if (other >= 0) add(mesh_.corner_patch(other), 0, count, Results::Positions, row);
+      const bool is_sharp = mesh_.is_sharp(mesh_.topology().prev(corner));
+      if (other < 0 || is_sharp)
+        add(place, samples.first_trailing(), count, other < 0 ? Results::All : Results::Normals,
+            row);
+      if (other >= 0)
+        add(mesh_.corner_patch(other), 0, count, is_sharp ? Results::Positions : Results::All, row);
       row += count;
     } else if (tile.part == Part::Further) {
-      add(place, 0, 1, Results::Normals, row);
+      const bool is_edge = numbering_.is_further_edge(i);
       const std::int32_t other = numbering_.further_first(i);
-      const PatchPlace first =
-          numbering_.is_further_edge(i) ? mesh_.edge_point(other) : mesh_.vertex_point(other);
-      add(first, 0, 1, Results::Positions, row);
+      const PatchPlace first = point_at(mesh_, other, is_edge);
+      // At a seam of texture coordinates alone both sides are one point of one plane.
+      const bool is_sharp =
+          is_edge ? mesh_.is_sharp(corner) : place.sector_start != first.sector_start;
+      if (is_sharp) add(place, 0, 1, Results::Normals, row);
+      add(first, 0, 1, is_sharp ? Results::Positions : Results::All, row);
       ++row;
     } else {
       add(place, 0, 1, Results::All, row++);

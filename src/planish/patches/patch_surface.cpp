@@ -25,7 +25,7 @@ Scratch& scratch() {
 
 PatchSurface::PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& options)
     : mesh_(mesh),
-      numbering_(mesh, options.level, options.hidden),
+      numbering_(mesh, options.level, options.hidden, options.corner_uvs),
       classes_(numbering_, mesh, options.weights),
       planner_(mesh_, numbering_, classes_),
       runner_(mesh_, numbering_, classes_, planner_, patch_kernel(options.instructions)),

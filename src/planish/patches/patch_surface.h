@@ -21,6 +21,7 @@ struct PatchSurfaceOptions {
   int level = 2;  ///< 0: limit points of the vertices
   Weights weights = Weights::DooSabin;
   std::span<const std::uint8_t> hidden;  ///< one flag a face, or nothing; must outlive the surface
+  std::span<const std::int32_t> corner_uvs;  ///< whose seams cut rows, too; see PatchNumbering
   PatchInstructions instructions = best_instructions();
 };
 

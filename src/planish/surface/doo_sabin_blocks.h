@@ -6,25 +6,11 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
+#include "planish/patches/patch_attributes.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/surface/doo_sabin_surface.h"
-#include "planish/surface/patch_attributes.h"
 
 namespace planish {
-
-/// Corners name values one past the given ones where the mesh has none.
-struct CornerUvs {
-  explicit CornerUvs(const PolygonMesh& mesh)
-      : indices(mesh.face_uvs), count(static_cast<std::int32_t>(mesh.uvs.size())) {
-    bool missing = false;
-    for (std::int32_t& uv : indices) {
-      if (uv < 0) uv = static_cast<std::int32_t>(mesh.uvs.size()), missing = true;
-    }
-    if (missing) ++count;
-  }
-  std::vector<std::int32_t> indices;
-  std::int32_t count;
-};
 
 /// One level of a surface, made piece by piece by patches, or whole by a device.
 class DooSabinBlocks final : public SurfaceBlocks {

@@ -73,9 +73,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/face_rule.h"
@@ -110,6 +112,9 @@ struct SystemOptions {
   InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
+  /// The mesh has texture coordinates: vertices are cut at their seams, uvs() has one of each, and
+  /// tangents can be asked for (VertexLayout::tangent_offset), 8 bytes a vertex of tables more.
+  bool textured = false;
   /// Of the fair method: what its thresholds decided in one pose, FairNet::decisions of a net of
   /// `rest` or of another pose of it (Fit::fair of fit()), one per used vertex; copied. All poses
   /// then keep them, so that nothing pops while the mesh moves. Null: each pose decides for itself.
@@ -140,12 +145,19 @@ class System {
   [[nodiscard]] std::span<const std::int32_t> used_vertices() const;
   /// Vertices that record_evaluate writes. The first used_vertices().size() of them are the limit
   /// points of those vertices, in their order; vertices on creases have one copy more at the end
-  /// for each further normal.
+  /// for each further normal, and on seams for each further texture coordinate.
   [[nodiscard]] std::int32_t vertex_count() const;
   /// Entry i is the vertex that vertex i stands for: itself, or for a copy the one that it copies,
   /// with the same position. Entries below used_vertices().size() are given vertices, that one's
   /// index in the mesh being used_vertices()[entry]; the others lie between given vertices.
   [[nodiscard]] std::span<const std::int32_t> copied_vertices() const;
+  /// Where each vertex lies on the mesh's faces, to bake or look up what is given there; copies lie
+  /// on their own side. Made anew for each call.
+  [[nodiscard]] std::vector<SurfacePlace> places() const;
+  /// Texture coordinates of each vertex, for a stream of the host's own: those of `planish fit`'s
+  /// glTF, bit by bit, whose v counts from the image's first row as Vulkan samples it (1 - v of the
+  /// mesh's). Empty unless SystemOptions::textured. Made anew for each call.
+  [[nodiscard]] std::vector<glm::vec2> uvs() const;
   /// Three indices a triangle, counter-clockwise seen from outside; holes are left out.
   [[nodiscard]] std::span<const std::uint32_t> triangles() const;
   /// Four indices a quad; empty at level 0, whose faces are the mesh's polygons.

@@ -184,7 +184,7 @@ const KernelSource kSources[kKernelCount] = {
     special_kernel(PLANISH_BOTH(first_step), sizeof(shared::FirstStepParameters),
                    {Words, Entries, Words, Points, Points, Storage}),
     special_kernel(PLANISH_BOTH(corner_patches), sizeof(shared::CornerPatchParameters),
-                   {Records, Words, Entries, Points, Points, Points, Storage}),
+                   {Records, Words, Entries, Points, Points, Points, Storage, Storage}),
     special_kernel(PLANISH_BOTH(surface_places), sizeof(shared::PlaceParameters),
                    {Storage, Words, Entries, Points, Points, Points, Storage}),
     special_kernel(PLANISH_BOTH(ring_sums), sizeof(shared::RingSumParameters),

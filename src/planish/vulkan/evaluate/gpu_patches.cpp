@@ -20,40 +20,49 @@ static_assert(is_same(VertexFormat::Half4, shared::kFormatHalf4));
 static_assert(is_same(VertexFormat::Snorm16x4, shared::kFormatSnorm16x4));
 static_assert(is_same(VertexFormat::Octahedral16, shared::kFormatOctahedral16));
 static_assert(is_same(VertexFormat::Snorm10, shared::kFormatSnorm10));
+static_assert(is_same(VertexFormat::Float4, shared::kFormatFloat4));
 
-// What rows of a host's vertices are written through: the window that both streams span, and where
-// in it the first row's position and normal are, in words.
+// What rows of a host's vertices are written through: a window of positions and one of attributes,
+// and where in them the first row's position and normal are, in words.
 struct Target {
-  BufferRange range;
+  BufferRange positions, attributes;
   std::uint32_t position, normal;
 };
 
+// The smallest range that has both, of one buffer.
+BufferRange joined(const BufferRange& a, const BufferRange& b) {
+  const VkDeviceSize begin = std::min(a.offset, b.offset);
+  return {a.buffer, begin, std::max(a.offset + a.size, b.offset + b.size) - begin};
+}
+
 Target target_of(const Context& context, const VertexLayout& layout, const IndexWindow& rows,
-                 const Instances& instances) {
-  const auto window = [&](std::uint32_t offset, VertexFormat format, std::uint32_t stride,
-                          VkDeviceSize instance_stride) {
-    ElementWindow result = element_window({layout.buffer, (layout.offset + offset) / kWordBytes,
-                                           bytes_of(format) / kWordBytes, stride / kWordBytes},
-                                          static_cast<std::uint64_t>(rows.first),
-                                          static_cast<std::uint64_t>(rows.count));
-    result.range.size += instances.further() * instance_stride;
+                 const Instances& instances, bool in_one) {
+  const auto window = [&](const VertexStream& stream, std::uint32_t offset, VertexFormat format) {
+    ElementWindow result = element_window(
+        {stream.buffer, (stream.offset + offset) / kWordBytes, bytes_of(format) / kWordBytes,
+         stream.stride / kWordBytes},
+        static_cast<std::uint64_t>(rows.first), static_cast<std::uint64_t>(rows.count));
+    result.range.size += instances.further() * stream.instance_stride;
     return result;
   };
+  const VertexStream attributes = attributes_of(layout);
   const ElementWindow positions =
-      window(layout.position_offset, layout.position_format, layout.stride, layout.instance_stride);
-  const ElementWindow normals = window(layout.normal_offset, layout.normal_format,
-                                       layout.normal_stride ? layout.normal_stride : layout.stride,
-                                       layout.normal_instance_stride);
-  ElementWindow both;
-  const VkDeviceSize begin = std::min(positions.range.offset, normals.range.offset);
-  const VkDeviceSize end = std::max(positions.range.offset + positions.range.size,
-                                    normals.range.offset + normals.range.size);
-  both.range = {layout.buffer, begin, end - begin};
-  check_range(context, both);
-  const auto words = [&](const ElementWindow& part) {
-    return static_cast<std::uint32_t>((part.range.offset - begin) / kWordBytes) + part.shift;
+      window({layout.buffer, layout.offset, layout.stride, layout.instance_stride},
+             layout.position_offset, layout.position_format);
+  const ElementWindow normals = window(attributes, layout.normal_offset, layout.normal_format);
+  Target target{positions.range, normals.range, 0, 0};
+  if (has_tangents(layout))
+    target.attributes = joined(
+        normals.range, window(attributes, layout.tangent_offset, layout.tangent_format).range);
+  if (in_one) target.positions = target.attributes = joined(target.positions, target.attributes);
+  const auto word = [&](const ElementWindow& first, const BufferRange& range) {
+    check_range(context, {range, 0});
+    return static_cast<std::uint32_t>((first.range.offset - range.offset) / kWordBytes) +
+           first.shift;
   };
-  return {both.range, words(positions), words(normals)};
+  target.position = word(positions, target.positions);
+  target.normal = word(normals, target.attributes);
+  return target;
 }
 
 }  // namespace
@@ -67,12 +76,16 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
   const Kernel kernel = work_ ? Kernel::ListedPatches : Kernel::CornerPatches;
   const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::uint32_t units_per_group = context.variant().chunks_per_group;
+  const VertexStream attributes = attributes_of(layout);
   std::vector<BoundKernel> bound;
   for (const PatchSlice& slice : tables.slices) {
-    const Target target = target_of(context, layout, slice.rows, instances);
-    const std::uint32_t constants[] = {slice.gather, slice.samples,
-                                       static_cast<std::uint32_t>(layout.position_format),
-                                       static_cast<std::uint32_t>(layout.normal_format)};
+    const Target target =
+        target_of(context, layout, slice.rows, instances, work_ != VK_NULL_HANDLE);
+    const std::uint32_t constants[] = {
+        slice.gather, slice.samples, static_cast<std::uint32_t>(layout.position_format),
+        static_cast<std::uint32_t>(layout.normal_format),
+        has_tangents(layout) ? static_cast<std::uint32_t>(layout.tangent_format)
+                             : shared::kFormatNone};
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.pipeline = context.pipelines().specialised(kernel, constants);
     shared::CornerPatchParameters& parameters = dispatch.parameters;
@@ -88,10 +101,10 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     parameters.position_stride = layout.stride / kWordBytes;
     parameters.position_instance = static_cast<std::uint32_t>(layout.instance_stride / kWordBytes);
     parameters.first_normal = target.normal;
-    parameters.normal_stride =
-        (layout.normal_stride ? layout.normal_stride : layout.stride) / kWordBytes;
+    parameters.normal_stride = attributes.stride / kWordBytes;
     parameters.normal_instance =
-        static_cast<std::uint32_t>(layout.normal_instance_stride / kWordBytes);
+        static_cast<std::uint32_t>(attributes.instance_stride / kWordBytes);
+    parameters.tangent_shift = (layout.tangent_offset - layout.normal_offset) / kWordBytes;
     parameters.center_x = layout.box_center[0];
     parameters.center_y = layout.box_center[1];
     parameters.center_z = layout.box_center[2];
@@ -117,8 +130,7 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
           instances.widened(window_range(state, slice.points, kPointBytes), point_count),
           instances.widened(window_range(given, slice.vertices, kPointBytes), vertex_count),
           window_range(tables.weights, slice.weights, sizeof(PatchRecords::Weight)),
-          target.range}});
-    if (work_) bound.back().buffers.push_back(whole(*listed.work));
+          target.positions, work_ ? whole(*listed.work) : target.attributes}});
   }
   sets_ = DescriptorSets(context, bound);
 }

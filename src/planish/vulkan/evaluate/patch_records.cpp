@@ -63,11 +63,13 @@ bool is_progression(std::span<const std::uint32_t> values, std::span<const std::
 
 class Packer {
  public:
-  Packer(const PatchSurface& surface, const PatchLimits& limits, bool with_owners)
+  Packer(const PatchSurface& surface, const PatchLimits& limits, bool with_owners,
+         std::span<const RowFrame> frames)
       : surface_(surface),
         mesh_(surface.mesh()),
         limits_(limits),
         with_owners_(with_owners),
+        frames_(frames),
         owners_(state_owners(mesh_)) {
     all_points_ = {0, mesh_.point_count()};
     all_vertices_ = {0, mesh_.topology().vertex_count()};
@@ -75,6 +77,7 @@ class Packer {
   }
 
   PatchRecords pack() {
+    records_.has_frames = !frames_.empty();
     add_links();
     PatchPlan plan;
     for (const PatchTile& tile : surface_.tiles()) {
@@ -104,6 +107,9 @@ class Packer {
                                             std::span<const PatchItem> items);
   void add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<const PatchItem> items,
                  shared::PatchGroup& group);
+  void add_list(std::span<const PatchItem> items);
+  void add_frames(const PatchTile& tile, const PatchBucket& bucket,
+                  std::span<const PatchItem> items);
   [[nodiscard]] std::uint32_t first_weight(const PatchBucket& bucket, std::uint32_t samples);
   void measure(const PatchTile& tile, const PatchBucket& bucket, std::span<const PatchItem> items,
                PatchSlice& extent);
@@ -128,6 +134,7 @@ class Packer {
   const PatchMesh& mesh_;
   const PatchLimits& limits_;
   bool with_owners_;
+  std::span<const RowFrame> frames_;
   std::vector<std::int32_t> owners_;
   IndexWindow all_points_, all_vertices_;
   bool windows_matter_ = false;
@@ -240,16 +247,32 @@ shared::PatchGroup Packer::group_of(const PatchTile& tile, const PatchBucket& bu
   if (bucket.results != PatchPlan::Results::Normals) group.flags |= shared::kHasPositions;
   if (bucket.results != PatchPlan::Results::Positions) group.flags |= shared::kHasNormals;
   add_lanes(tile, extent.gather, items, group);
-  if (extent.gather != shared::kGatherList) return group;
+  if (extent.gather == shared::kGatherList) add_list(items);
+  if (!frames_.empty() && (group.flags & shared::kHasNormals) != 0) add_frames(tile, bucket, items);
+  return group;
+}
+
+void Packer::add_list(std::span<const PatchItem> items) {
+  gathered_.resize(static_cast<std::size_t>(items.front().place.patch.column_count()));
   const std::size_t first = records_.words.size();
-  records_.words.resize(first + (group.columns + 1) * shared::kPatchLanes);
-  gathered_.resize(group.columns + 1);
+  records_.words.resize(first + gathered_.size() * shared::kPatchLanes);
   for (std::size_t i = 0; i < items.size(); ++i) {
     mesh_.gather(items[i].place, gathered_.data(), 1);
     for (std::size_t k = 0; k < gathered_.size(); ++k)
       records_.words[first + k * shared::kPatchLanes + i] = as_word(gathered_[k]);
   }
-  return group;
+}
+
+void Packer::add_frames(const PatchTile& tile, const PatchBucket& bucket,
+                        std::span<const PatchItem> items) {
+  const std::size_t first = records_.words.size();
+  const auto samples = static_cast<std::size_t>(bucket.sample_count);
+  records_.words.resize(first + 2 * samples * shared::kPatchLanes);
+  for (std::size_t i = 0; i < items.size(); ++i)
+    for (std::size_t s = 0; s < samples; ++s)
+      for (std::size_t k = 0; k < 2; ++k)
+        records_.words[first + (2 * s + k) * shared::kPatchLanes + i] =
+            frames_[static_cast<std::size_t>(tile.first_row + items[i].target) + s].tangents[k];
 }
 
 // Corners and rows of the lanes: as steps where they are even, else as words.
@@ -360,9 +383,9 @@ std::vector<std::int32_t> state_owners(const PatchMesh& mesh) {
   return owners;
 }
 
-PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits,
-                           bool with_owners) {
-  return Packer(surface, limits, with_owners).pack();
+PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits, bool with_owners,
+                           std::span<const RowFrame> frames) {
+  return Packer(surface, limits, with_owners, frames).pack();
 }
 
 }  // namespace planish::vulkan

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "planish/patches/patch_surface.h"
+#include "planish/vulkan/evaluate/texture_rows.h"
 #include "shaders/shared.h"
 
 namespace planish::vulkan {
@@ -61,6 +63,7 @@ struct PatchRecords {
   std::vector<PatchSlice> slices;
   std::vector<std::uint32_t> rings;  ///< shared::kRingWords each, and what they name
   std::uint32_t ring_count = 0;
+  bool has_frames = false;     ///< groups have those of textured rows
   std::int64_t first_sum = 0;  ///< the place behind the state
   /// Per lane of each group the vertex whose faces have all points of its patch, -1 in lanes
   /// without one; empty where they were not asked for.
@@ -68,9 +71,10 @@ struct PatchRecords {
 };
 
 /// All but the rings, see add_rings(). Throws Error{OutOfMemory}, naming the limit that one patch
-/// alone exceeds.
+/// alone exceeds. `frames`: one a row where tangents can be asked for, else none.
 [[nodiscard]] PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits,
-                                         bool with_owners = false);
+                                         bool with_owners = false,
+                                         std::span<const RowFrame> frames = {});
 
 /// The mesh's large rings, for a device that makes their sums.
 void add_rings(const PatchMesh& mesh, PatchRecords& records);

@@ -43,6 +43,7 @@ PatchLimits patch_limits(const Context& context, std::uint32_t row_stride) {
 PatchTables::PatchTables(Context& context, const PatchRecords& records, std::int64_t points)
     : point_count(points),
       ring_count(records.ring_count),
+      has_frames(records.has_frames),
       first_sum(records.first_sum),
       slices(records.slices),
       links(make_windowed(context, records.links, "planish corner links")),

@@ -21,6 +21,7 @@ struct PatchTables {
 
   std::int64_t point_count;  ///< of the state of level 1 and its sums
   std::uint32_t ring_count;
+  bool has_frames;  ///< rows can have tangents
   std::int64_t first_sum;
   std::vector<PatchSlice> slices;
   Buffer links, groups, words, weights, rings;

@@ -6,11 +6,18 @@
 
 namespace planish::vulkan {
 
-/// Places on the surface: `count` records, `stride` bytes apart, of a face (uint32, as the mesh
-/// numbers them) and u and v (float32) as SurfaceParameter has them (limit/surface_parameter.h).
-/// They may be anything: kernels read nothing by what they have not checked. The buffer is the
-/// host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Places. No buffer: the Places
-/// have one of their own of 12 bytes a record, which record_list fills.
+/// A place on the surface: a face, as the mesh numbers them, and u and v as SurfaceParameter has
+/// them (mesh/surface_parameter.h).
+struct SurfacePlace {
+  std::uint32_t face;
+  float u, v;
+};
+static_assert(sizeof(SurfacePlace) == 12);
+
+/// Places on the surface: `count` records, `stride` bytes apart, of which each begins with a
+/// SurfacePlace. They may be anything: kernels read nothing by what they have not checked. The
+/// buffer is the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Places. No buffer:
+/// the Places have one of their own of 12 bytes a record, which record_list fills.
 struct PlaceList {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;

@@ -67,16 +67,17 @@ struct DeviceSystem::Parts::PackedSurface {
     if (surface.sharp_rows)
       step = step_records(mesh, surface.weights, surface.sharp_rows->view(), limits);
     if (!mesh.has_sums() || limits.allow_points(mesh.point_count())) {
-      patches = patch_records(surface.patches, limits, wanted.edits);
+      patches = patch_records(surface.patches, limits, wanted.edits, surface.frames);
       add_rings(mesh, patches);
       take_points(mesh, surface.weights, limits, masks, wanted);
       return;
     }
     // A binding has not both a patch's own points and its sums: by points, in slices.
     const PatchMesh by_points(*surface.topology, surface.features);
-    patches = patch_records(
-        PatchSurface(by_points, {.level = system.level(), .weights = surface.weights}), limits,
-        wanted.edits);
+    const PatchSurface rows(by_points, surface.patch_options(system.level()));
+    std::vector<RowFrame> frames;
+    if (surface.uvs) frames = row_frames(rows, surface.weights, surface.corner_values());
+    patches = patch_records(rows, limits, wanted.edits, frames);
     take_points(by_points, surface.weights, limits, masks, wanted);
   }
   void take_points(const PatchMesh& mesh, Weights weights, const PatchLimits& limits,

@@ -28,6 +28,8 @@ void check_formats(const VertexLayout& layout) {
   require_option(layout.normal_format == Float3 || layout.normal_format == Octahedral16 ||
                      layout.normal_format == Snorm10,
                  "normals are Float3, Octahedral16 or Snorm10, not of a format for positions");
+  require_option(layout.tangent_format == Float4 || layout.tangent_format == Snorm10,
+                 "tangents are Float4 or Snorm10, not of another format");
   for (std::size_t k = 0; k < 3; ++k)
     require_option(std::isfinite(layout.box_center[k]) && std::isfinite(layout.box_half[k]) &&
                        layout.box_half[k] > 0,
@@ -43,21 +45,30 @@ void check_holds(std::uint32_t stride, std::uint32_t offset, std::uint32_t bytes
                      " on");
 }
 
-void check_layout(const VertexLayout& layout, std::uint32_t max_stride) {
+void check_tangents(const VertexLayout& layout, bool has_tables) {
+  if (!has_tangents(layout)) return;
+  require_option(
+      has_tables,
+      "the System has no tangents; make it textured, of a mesh with texture coordinates");
+  require_option(is_word(layout.tangent_offset), "tangents lie at multiples of 4 bytes");
+  check_holds(attributes_of(layout).stride, layout.tangent_offset, bytes_of(layout.tangent_format));
+}
+
+void check_layout(const VertexLayout& layout, const InstanceSizes& sizes) {
+  const VertexStream attributes = attributes_of(layout);
   require_option(is_word(layout.offset) && is_word(layout.stride) &&
                      is_word(layout.position_offset) && is_word(layout.normal_offset) &&
-                     is_word(layout.normal_stride),
+                     is_word(attributes.offset) && is_word(attributes.stride),
                  "offsets and strides of a vertex layout are multiples of 4 bytes");
   check_formats(layout);
   check_holds(layout.stride, layout.position_offset, bytes_of(layout.position_format));
-  if (layout.normal_stride == 0)
-    check_holds(layout.stride, layout.normal_offset, bytes_of(layout.normal_format));
-  else
-    check_holds(layout.normal_stride, 0, bytes_of(layout.normal_format));
-  const std::uint32_t largest = std::max(layout.stride, layout.normal_stride);
-  require_option(largest <= max_stride,
-                 "the stride " + std::to_string(largest) + " of a vertex layout is above " +
-                     std::to_string(max_stride) + ", the DeviceSystem's max_vertex_stride");
+  check_holds(attributes.stride, layout.normal_offset, bytes_of(layout.normal_format));
+  check_tangents(layout, sizes.has_tangents);
+  const std::uint32_t largest = std::max(layout.stride, attributes.stride);
+  require_option(largest <= sizes.max_vertex_stride, "the stride " + std::to_string(largest) +
+                                                         " of a vertex layout is above " +
+                                                         std::to_string(sizes.max_vertex_stride) +
+                                                         ", the DeviceSystem's max_vertex_stride");
 }
 
 void check_moved(const MovedPoints& moved, bool has_tables) {
@@ -96,19 +107,20 @@ void check_instance_stride(VkDeviceSize stride, std::uint64_t needed) {
 
 void check_strides(const FrameSlot& slot, std::uint64_t vertex_count) {
   const VertexLayout& layout = slot.vertices;
+  const VertexStream attributes = attributes_of(layout);
   require_option(is_word(slot.given.instance_stride) && is_word(layout.instance_stride) &&
-                     is_word(layout.normal_instance_stride),
+                     is_word(attributes.instance_stride),
                  "strides between instances are multiples of 4 bytes");
   if (!layout.buffer || vertex_count == 0) return;
-  const std::uint64_t vertices = (vertex_count - 1) * layout.stride;
-  const std::uint64_t position = layout.position_offset + bytes_of(layout.position_format);
-  const std::uint64_t normal = bytes_of(layout.normal_format);
-  if (layout.normal_stride == 0)
-    return check_instance_stride(layout.instance_stride,
-                                 vertices + std::max(position, layout.normal_offset + normal));
-  check_instance_stride(layout.instance_stride, vertices + position);
-  check_instance_stride(layout.normal_instance_stride,
-                        (vertex_count - 1) * layout.normal_stride + normal);
+  check_instance_stride(layout.instance_stride, (vertex_count - 1) * layout.stride +
+                                                    layout.position_offset +
+                                                    bytes_of(layout.position_format));
+  const std::uint32_t tangent =
+      has_tangents(layout) ? layout.tangent_offset + bytes_of(layout.tangent_format) : 0;
+  check_instance_stride(
+      attributes.instance_stride,
+      (vertex_count - 1) * attributes.stride +
+          std::max(layout.normal_offset + bytes_of(layout.normal_format), tangent));
 }
 
 void check_spans(const Context& context, std::uint32_t count, const FrameSlot& slot) {
@@ -116,9 +128,9 @@ void check_spans(const Context& context, std::uint32_t count, const FrameSlot& s
     if (stride > 0) check_span(context, count, {what, count * stride + kBindingAlignment, stride});
   };
   check("given points", slot.given.instance_stride);
-  if (slot.vertices.buffer) check("vertices", slot.vertices.instance_stride);
-  if (slot.vertices.buffer && slot.vertices.normal_stride > 0)
-    check("normals", slot.vertices.normal_instance_stride);
+  if (!slot.vertices.buffer) return;
+  check("vertices", slot.vertices.instance_stride);
+  check("attributes", attributes_of(slot.vertices).instance_stride);
 }
 
 FrameSlot with_strides(const InstanceSizes& sizes, FrameSlot slot) {
@@ -127,13 +139,14 @@ FrameSlot with_strides(const InstanceSizes& sizes, FrameSlot slot) {
   if (!slot.given.buffer || slot.given.instance_stride == 0)
     slot.given.instance_stride = sizes.given * slot.given.stride;
   check_moved(slot.moved, sizes.takes_edits);
-  if (slot.vertices.buffer) check_layout(slot.vertices, sizes.max_vertex_stride);
-  if (slot.vertices.instance_stride == 0)
-    slot.vertices.instance_stride = sizes.vertices * slot.vertices.stride;
-  if (slot.vertices.normal_stride == 0)
-    slot.vertices.normal_instance_stride = slot.vertices.instance_stride;
-  else if (slot.vertices.normal_instance_stride == 0)
-    slot.vertices.normal_instance_stride = sizes.vertices * slot.vertices.normal_stride;
+  VertexLayout& vertices = slot.vertices;
+  if (vertices.buffer) check_layout(vertices, sizes);
+  if (vertices.instance_stride == 0) vertices.instance_stride = sizes.vertices * vertices.stride;
+  if (vertices.attributes.buffer && vertices.attributes.instance_stride == 0)
+    vertices.attributes.instance_stride = sizes.vertices * vertices.attributes.stride;
+  require_option(
+      !slot.moved.buffer || !vertices.buffer || attributes_of(vertices).buffer == vertices.buffer,
+      "a slot that takes edits has positions and attributes in one buffer");
   return slot;
 }
 

@@ -20,8 +20,9 @@ struct InstanceSizes {
   std::uint64_t given, rows, points, vertices;  ///< points: of the state of level 1
   std::uint32_t max_vertex_stride;
   bool is_fair;
-  bool takes_edits;  ///< the tables for them are there
-  bool has_surface;  ///< that state is there
+  bool takes_edits;   ///< the tables for them are there
+  bool has_tangents;  ///< likewise
+  bool has_surface;   ///< that state is there
 };
 
 /// Every slot, the first one, too, with the strides between instances that 0 stands for. Throws

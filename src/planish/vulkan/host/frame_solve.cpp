@@ -160,6 +160,7 @@ InstanceSizes Solve::Parts::sizes_of(const DeviceSystem::Parts& system,
           system.max_vertex_stride,
           system.fair.has_value(),
           system.edits.has_value(),
+          system.patches->has_frames,
           is_evaluated(options) || std::ranges::any_of(options.further_slots, is_evaluated) ||
               system.places};
 }

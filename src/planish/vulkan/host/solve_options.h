@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planish/vulkan/device/functions.h"
+#include "planish/vulkan/evaluate/place_layout.h"
 
 // What hosts tell Solves of embed.h, and are told by them.
 
@@ -21,7 +22,8 @@ struct GivenPoints {
   VkDeviceSize instance_stride = 0;
 };
 
-/// How a position or a normal is written; values as a vertex attribute of the VkFormat reads them.
+/// How a position, normal or tangent is written; values as a vertex attribute of the VkFormat reads
+/// them.
 enum class VertexFormat : std::uint32_t {
   Float3 = 0,  ///< VK_FORMAT_R32G32B32_SFLOAT, 12 bytes
   /// Of positions, 8 bytes, the fourth value 1: VK_FORMAT_R16G16B16A16_SFLOAT, 11 binary digits
@@ -34,19 +36,33 @@ enum class VertexFormat : std::uint32_t {
   /// 1), where there is none); and VK_FORMAT_A2B10G10R10_SNORM_PACK32, x in the lowest ten bits,
   /// each component off by at most half of 1/511.
   Octahedral16 = 3,
-  Snorm10 = 4,
+  Snorm10 = 4,  ///< of tangents, too
+  /// Of tangents: VK_FORMAT_R32G32B32A32_SFLOAT, 16 bytes.
+  Float4 = 5,
 };
-/// Bytes of a position or normal.
+/// Bytes of a position, normal or tangent.
 [[nodiscard]] constexpr std::uint32_t bytes_of(VertexFormat format) {
   return format == VertexFormat::Float3                                       ? 12
+         : format == VertexFormat::Float4                                     ? 16
          : format == VertexFormat::Half4 || format == VertexFormat::Snorm16x4 ? 8
                                                                               : 4;
 }
 
+/// Attributes of vertices apart from their positions, in a buffer of their own or another part of
+/// the same one.
+struct VertexStream {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;   ///< of the first vertex's
+  std::uint32_t stride = 0;  ///< bytes
+  /// Bytes from an instance's first vertex to the next one's; 0: vertex_count() strides.
+  VkDeviceSize instance_stride = 0;
+};
+
 /// Where record_evaluate writes: for each vertex its position and unit normal (zero where the
-/// tangents are parallel), by default three floats each. Other bytes are left alone. The buffer is
-/// the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve. No buffer: nothing is
-/// evaluated. No format needs a feature of the device: kernels store whole words.
+/// tangents are parallel), by default three floats each, and its tangent if wanted. Other bytes are
+/// left alone. Buffers are the host's, have VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlive the
+/// Solve. No buffer: nothing is evaluated. No format needs a feature of the device: kernels store
+/// whole words.
 struct VertexLayout {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;    ///< of the first vertex
@@ -57,17 +73,31 @@ struct VertexLayout {
   VkDeviceSize instance_stride = 0;
   VertexFormat position_format = VertexFormat::Float3;
   VertexFormat normal_format = VertexFormat::Float3;
-  /// Bytes from a normal to the next one where normals are a stream of their own, which begins
-  /// `normal_offset` bytes behind `offset`: positions by themselves are all that shadows, depth and
-  /// acceleration structures read. 0: normals stand in the vertices. Both streams are bound to a
-  /// kernel as one range of the buffer.
-  std::uint32_t normal_stride = 0;
-  /// Of that stream, from an instance to the next; 0: vertex_count() normal strides.
-  VkDeviceSize normal_instance_stride = 0;
+  /// Where it has a buffer, normals and tangents stand there, their offsets counted from its
+  /// vertices' beginnings: positions by themselves are all that shadows, depth and acceleration
+  /// structures read. A slot that takes edits has both in one buffer: their kernel has no binding
+  /// left.
+  VertexStream attributes;
   /// Of compact positions: the box that they lie in, of any pose. Halves are above 0.
   std::array<float, 3> box_center = {0, 0, 0};
   std::array<float, 3> box_half = {1, 1, 1};
+  /// Of tangents; kNotWritten: there are none. The
+  /// System is textured. As glTF's TANGENT: of unit length, square to the normal, where u grows;
+  /// fourth value 1 where the mesh's v (which images count against) grows along cross(normal,
+  /// tangent), else -1. It is the surface's own derivative, so exact at any level, and where faces
+  /// meet the mean of theirs; MikkTSpace's are means of triangles by angle, which come close as
+  /// levels rise. Normal textures that were baked for those of another mesh differ by as much.
+  std::uint32_t tangent_offset = kNotWritten;
+  VertexFormat tangent_format = VertexFormat::Float4;
 };
+[[nodiscard]] constexpr bool has_tangents(const VertexLayout& layout) {
+  return layout.tangent_offset != kNotWritten;
+}
+/// Where normals and tangents are: the attributes' stream, or the vertices.
+[[nodiscard]] inline VertexStream attributes_of(const VertexLayout& layout) {
+  if (layout.attributes.buffer) return layout.attributes;
+  return {layout.buffer, layout.offset, layout.stride, layout.instance_stride};
+}
 
 /// A list of points that have moved, for record_edit: a uint32 that counts them, then a uint32 for
 /// each, instance * given_count() + its index in the mesh, 0 to max_count of them. It is read when

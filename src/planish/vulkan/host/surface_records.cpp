@@ -9,7 +9,11 @@ SurfaceRecords::SurfaceRecords(const PolygonMesh& mesh, const SystemOptions& opt
       features(find_sharp_features(mesh, *topology, mesh.positions, options.sharp)),
       patch_mesh(*topology, features, ring_columns(options.weights)),
       weights(options.weights),
-      patches(patch_mesh, {.level = options.level, .weights = options.weights}) {}
+      uvs(options.textured ? std::optional<CornerUvs>(mesh) : std::nullopt),
+      uv_values(options.textured ? mesh.uvs : std::vector<glm::dvec2>()),
+      patches(patch_mesh, patch_options(options.level)) {
+  if (uvs) frames = row_frames(patches, weights, corner_values());
+}
 
 void SurfaceRecords::take_sharp_rows(const Subdivision& subdivision) {
   const std::int32_t first = subdivision.first_sharp();

@@ -1,15 +1,20 @@
 #pragma once
 
+#include <glm/vec2.hpp>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "planish/doosabin/sharp_features.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/mesh_topology.h"
+#include "planish/patches/patch_attributes.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/patches/patch_surface.h"
 #include "planish/stencil/stencil_table.h"
 #include "planish/vulkan/embed.h"
+#include "planish/vulkan/evaluate/texture_rows.h"
 
 namespace planish::vulkan {
 
@@ -23,11 +28,22 @@ struct SurfaceRecords {
   /// corner vertices.
   void take_sharp_rows(const Subdivision& subdivision);
 
+  [[nodiscard]] PatchSurfaceOptions patch_options(int level) const {
+    return {.level = level, .weights = weights, .corner_uvs = corner_uvs()};
+  }
+  [[nodiscard]] std::span<const std::int32_t> corner_uvs() const {
+    return uvs ? std::span<const std::int32_t>(uvs->indices) : std::span<const std::int32_t>();
+  }
+  [[nodiscard]] CornerValues corner_values() const { return {corner_uvs(), uv_values}; }
+
   std::shared_ptr<const MeshTopology> topology;
   SharpFeatures features;
   PatchMesh patch_mesh;
   Weights weights;
+  std::optional<CornerUvs> uvs;  // where it is textured
+  std::vector<glm::dvec2> uv_values;
   PatchSurface patches;
+  std::vector<RowFrame> frames;  // of textured rows
   std::optional<StencilTable> sharp_rows;
 };
 

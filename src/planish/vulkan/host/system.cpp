@@ -42,6 +42,13 @@ void check_options(const SystemOptions& options) {
                 "tolerance " + std::to_string(options.tolerance) + " is not above 0");
 }
 
+void check_texture(const PolygonMesh& mesh, const SystemOptions& options) {
+  if (options.textured && mesh.face_uvs.empty())
+    throw Error(ErrorCode::InvalidArgument,
+                "the mesh has no texture coordinates (face_uvs are empty), but SystemOptions say "
+                "textured; give it some, or leave textured out");
+}
+
 void check_decisions(const FairDecisions* decisions, std::size_t count) {
   if (!decisions) return;
   for (const auto* words :
@@ -141,6 +148,7 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   const HostScope host(options.callbacks);
   options.callbacks.report("tables", 0);
   require_usable(rest, "mesh");
+  check_texture(rest, options);
   UsedMesh used = without_unused_vertices(rest);
   used_vertices = std::move(used.vertices);
   const PolygonMesh& mesh = used.mesh;
@@ -250,6 +258,12 @@ std::int32_t System::vertex_count() const {
   return static_cast<std::int32_t>(parts_->copied_vertices.size());
 }
 std::span<const std::int32_t> System::copied_vertices() const { return parts_->copied_vertices; }
+std::vector<SurfacePlace> System::places() const { return row_places(parts_->surface->patches); }
+std::vector<glm::vec2> System::uvs() const {
+  const SurfaceRecords& surface = *parts_->surface;
+  if (!surface.uvs) return {};
+  return row_uvs(surface.patches, surface.corner_values());
+}
 std::span<const std::uint32_t> System::triangles() const { return parts_->triangles; }
 std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
 StencilView<double> System::limit_masks() const { return parts_->masks.view(); }

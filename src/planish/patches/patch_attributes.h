@@ -3,11 +3,27 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "planish/core/range.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_numbering.h"
 
 namespace planish {
+
+/// Corners name values one past the given ones where the mesh has none.
+struct CornerUvs {
+  explicit CornerUvs(const PolygonMesh& mesh)
+      : indices(mesh.face_uvs), count(static_cast<std::int32_t>(mesh.uvs.size())) {
+    bool missing = false;
+    for (std::int32_t& uv : indices) {
+      if (uv < 0) uv = static_cast<std::int32_t>(mesh.uvs.size()), missing = true;
+    }
+    if (missing) ++count;
+  }
+  std::vector<std::int32_t> indices;
+  std::int32_t count;
+};
 
 /// Values at V, E1, F and E2 of a corner's square, from those at the corners of the mesh.
 template <class At>

@@ -1,4 +1,4 @@
-#include "planish/limit/surface_parameter.h"
+#include "planish/mesh/surface_parameter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace planish {
 namespace {
 
-constexpr double kOutside = 1e-9;
+constexpr double kJustOutside = 1e-9;
 
 // Tiles in a row.
 std::int32_t tiles_across(std::int32_t m) {
@@ -25,7 +25,8 @@ std::int32_t tiles_across(std::int32_t m) {
 }
 
 double inside(double value, double largest, const SurfaceParameter& at) {
-  if (!(value >= -kOutside && value <= largest + kOutside)) refuse(at, "lies outside the face");
+  if (!(value >= -kJustOutside && value <= largest + kJustOutside))
+    refuse(at, "lies outside the face");
   return std::clamp(value, 0.0, largest);
 }
 

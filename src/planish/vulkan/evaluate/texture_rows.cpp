@@ -1,0 +1,380 @@
+// Based on: directions of u in the plane of du and dv, a derivation of our own: a patch's
+// derivatives are linear maps of the tangents that its row is evaluated from, the same for all
+// patches of a class.
+#include "planish/vulkan/evaluate/texture_rows.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "planish/core/parallel.h"
+#include "planish/mesh/surface_parameter.h"
+#include "planish/patches/patch_attributes.h"
+#include "planish/patches/patch_form.h"
+#include "planish/patches/patch_templates.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+using Part = PatchNumbering::Part;
+
+constexpr std::size_t kItemsAtOnce = 1 << 12;
+// Of squares: what is no plane.
+constexpr double kNoPlane = 1e-12;
+
+// A direction by two tangents, and twice an area in the texture.
+struct Direction {
+  glm::dvec2 along{0.0};
+  double area = 0;
+
+  void add(const Direction& other) {
+    const double size = glm::length(other.along);
+    if (size > 0) along += other.along / size;
+    area += other.area;
+  }
+  /// The same by tangents of which `of` makes these: du and dv are its columns' sums.
+  [[nodiscard]] Direction by(const glm::dmat2& of) const { return {of * along, area}; }
+  /// By tangents that are turned by a right angle: where du was, dv is.
+  [[nodiscard]] Direction turned() const { return {{-along.y, along.x}, area}; }
+  [[nodiscard]] Direction turned_back() const { return {{along.y, -along.x}, area}; }
+};
+
+RowFrame packed(const Direction& direction) {
+  const glm::vec2 along(direction.along);
+  const std::uint32_t is_mirrored = direction.area < 0 ? 1 : 0;
+  return {{std::bit_cast<std::uint32_t>(along.x),
+           (std::bit_cast<std::uint32_t>(along.y) & ~1u) | is_mirrored}};
+}
+
+// Calls visit(row, corner, a, b) for the rows of an item, whose samples' side is n.
+template <class Visit>
+void for_item(const PatchNumbering& numbering, Part part, std::int64_t item, const Visit& visit) {
+  const std::int32_t corner = numbering.item_corner(part, item), n = numbering.samples().side();
+  std::int64_t row = numbering.first_row(part) + item;
+  if (part == Part::Corners) {
+    row = numbering.corner_row(corner);
+    for (std::int32_t b = 0; b < n; ++b)
+      for (std::int32_t a = 1; a < (b == 0 ? n : n + 1); ++a) visit(row++, corner, a, b);
+  } else if (part == Part::Trailing) {
+    row = numbering.first_row(part) + item * numbering.samples().trailing_count();
+    for (std::int32_t b = 1; b < n; ++b) visit(row++, corner, 0, b);
+  } else {
+    const bool is_edge =
+        part == Part::Edges || (part == Part::Further && numbering.is_further_edge(item));
+    visit(row, corner, is_edge || part == Part::Faces ? n : 0, part == Part::Faces ? n : 0);
+  }
+}
+
+// Of all parts; visit(part, item) from several threads.
+template <class Visit>
+void for_all_items(const PatchNumbering& numbering, const Visit& visit) {
+  for (const Part part :
+       {Part::Vertices, Part::Faces, Part::Edges, Part::Corners, Part::Trailing, Part::Further})
+    parallel_each(static_cast<std::size_t>(numbering.item_count(part)), kItemsAtOnce,
+                  [&](std::size_t i) { visit(part, static_cast<std::int64_t>(i)); });
+}
+
+// The map that takes a direction by `rows`, two rows of weights, to one by `tangents`, by least
+// squares; none where these span no plane. It is exact but at corners whose sector is a half plane:
+// there edges leave in no plane that all poses have in common.
+std::optional<glm::dmat2> in_terms_of(std::span<const double> tangents,
+                                      std::span<const double> rows) {
+  const std::size_t count = tangents.size() / 2;
+  const auto product = [&](std::span<const double> a, std::size_t i, std::span<const double> b,
+                           std::size_t j) {
+    double sum = 0;
+    for (std::size_t k = 0; k < count; ++k) sum += a[i * count + k] * b[j * count + k];
+    return sum;
+  };
+  const double uu = product(tangents, 0, tangents, 0), uv = product(tangents, 0, tangents, 1),
+               vv = product(tangents, 1, tangents, 1), area = uu * vv - uv * uv;
+  if (!(area > kNoPlane * uu * vv)) return {};
+  glm::dmat2 result;
+  for (const int i : {0, 1}) {
+    const auto row = static_cast<std::size_t>(i);
+    const double u = product(rows, row, tangents, 0), v = product(rows, row, tangents, 1);
+    result[i] = glm::dvec2(u * vv - v * uv, v * uu - u * uv) / area;
+  }
+  return result;
+}
+
+class FrameMaker {
+ public:
+  FrameMaker(const PatchSurface& surface, Weights weights, const CornerValues& corners)
+      : surface_(surface),
+        mesh_(surface.mesh()),
+        topology_(mesh_.topology()),
+        numbering_(surface.numbering()),
+        corners_(corners),
+        n_(numbering_.samples().side()),
+        forms_(weights) {
+    make_classes(weights);
+  }
+
+  std::vector<RowFrame> make() const {
+    std::vector<RowFrame> frames(static_cast<std::size_t>(numbering_.row_count()));
+    for_all_items(numbering_, [&](Part part, std::int64_t item) {
+      for_item(numbering_, part, item,
+               [&](std::int64_t row, std::int32_t corner, std::int32_t a, std::int32_t b) {
+                 frames[row] = packed(direction_of(part, item, corner, a, b));
+               });
+    });
+    return frames;
+  }
+
+ private:
+  // What all corners of a class have in common: maps to the tangents of rows at V, E2 and F, and to
+  // those of the samples.
+  struct OfClass {
+    std::optional<glm::dmat2> vertex, trailing_edge, face;
+    std::vector<std::optional<glm::dmat2>> samples;
+  };
+
+  void make_classes(Weights weights);
+  [[nodiscard]] OfClass make_class(const PatchForm& form, PatchTemplates& templates) const;
+
+  [[nodiscard]] bool is_cut(std::int32_t corner) const {
+    return mesh_.is_sharp(corner) || is_uv_seam(topology_, corners_.indices, corner);
+  }
+  [[nodiscard]] const OfClass& class_of(std::int32_t corner) const {
+    return classes_[class_of_corner_[corner]];
+  }
+  // By the derivatives of the corner's patch, at sample (a, b).
+  [[nodiscard]] Direction own(std::int32_t corner, std::int32_t a, std::int32_t b) const;
+  [[nodiscard]] Direction by(const std::optional<glm::dmat2>& map, const Direction& own) const {
+    return map ? own.by(*map) : Direction{glm::dvec2(0.0), own.area};
+  }
+  [[nodiscard]] Direction direction_of(Part part, std::int64_t item, std::int32_t corner,
+                                       std::int32_t a, std::int32_t b) const;
+  [[nodiscard]] Direction at_vertex(std::int32_t corner) const;
+  [[nodiscard]] Direction at_face(std::int32_t corner) const;
+  [[nodiscard]] Direction at_edge(std::int32_t corner, std::int32_t evaluated) const;
+  [[nodiscard]] std::optional<glm::dmat2> to_point(const PatchPlace& point,
+                                                   std::int32_t corner) const;
+
+  const PatchSurface& surface_;
+  const PatchMesh& mesh_;
+  const MeshTopology& topology_;
+  const PatchNumbering& numbering_;
+  const CornerValues& corners_;
+  std::int32_t n_;
+  PatchForms forms_;
+  std::vector<OfClass> classes_;
+  std::vector<std::uint32_t> class_of_corner_;
+};
+
+void FrameMaker::make_classes(Weights weights) {
+  std::map<PatchClass, std::uint32_t> known;
+  PatchTemplates templates(weights);
+  for (std::int32_t c = 0; c < topology_.corner_count(); ++c) {
+    const PatchClass patch = mesh_.corner_patch(c).patch;
+    const auto [entry, is_new] =
+        known.try_emplace(patch, static_cast<std::uint32_t>(classes_.size()));
+    if (is_new) classes_.push_back(make_class(forms_.of(patch), templates));
+    class_of_corner_.push_back(entry->second);
+  }
+}
+
+FrameMaker::OfClass FrameMaker::make_class(const PatchForm& form, PatchTemplates& templates) const {
+  // The own point's weights follow from the others.
+  const auto map_at = [&](const PatchTemplate& of, std::int32_t sample, double u, double v) {
+    const std::vector<double> weights = patch_weights(form, u, v);
+    const auto count = static_cast<std::size_t>(form.column_count);
+    std::vector<double> rows;
+    for (const std::size_t r : {std::size_t{1}, std::size_t{2}})
+      rows.insert(rows.end(), weights.begin() + static_cast<std::ptrdiff_t>(r * count + 1),
+                  weights.begin() + static_cast<std::ptrdiff_t>((r + 1) * count));
+    return in_terms_of(of.rows(sample).subspan(count - 1), rows);
+  };
+  OfClass result;
+  const PatchSamples coarse(1);
+  const PatchTemplate points = templates.make(form.patch, 1);
+  result.vertex = map_at(points, coarse.index(0, 0), 0, 0);
+  result.trailing_edge = map_at(points, coarse.index(0, 1), 0, 1);
+  result.face = map_at(points, coarse.index(1, 1), 1, 1);
+  if (numbering_.level() < 2) return result;
+  const PatchSamples& samples = numbering_.samples();
+  const PatchTemplate all = templates.make(form.patch, numbering_.level());
+  result.samples.resize(static_cast<std::size_t>(samples.count()));
+  for (std::int32_t b = 0; b <= n_; ++b)
+    for (std::int32_t a = 0; a <= n_; ++a) {
+      const std::int32_t sample = samples.index(a, b);
+      result.samples[sample] = map_at(all, sample, double(a) / n_, double(b) / n_);
+    }
+  return result;
+}
+
+Direction FrameMaker::own(std::int32_t corner, std::int32_t a, std::int32_t b) const {
+  const auto square =
+      square_values(topology_, corner, [&](std::int32_t c) { return corners_.at(c); });
+  const double u = double(a) / n_, v = double(b) / n_;
+  const glm::dvec2 by_u = (1 - v) * (square[1] - square[0]) + v * (square[2] - square[3]);
+  const glm::dvec2 by_v = (1 - u) * (square[3] - square[0]) + u * (square[2] - square[1]);
+  const double area = by_u.x * by_v.y - by_u.y * by_v.x;
+  const glm::dvec2 along(by_v.y, -by_u.y);
+  return {area < 0 ? -along : area > 0 ? along : glm::dvec2(0.0), area};
+}
+
+Direction FrameMaker::direction_of(Part part, std::int64_t item, std::int32_t corner,
+                                   std::int32_t a, std::int32_t b) const {
+  switch (part) {
+    case Part::Vertices:
+      return at_vertex(corner);
+    case Part::Faces:
+      return at_face(corner);
+    case Part::Edges:
+      return at_edge(corner, corner);
+    case Part::Further:
+      if (!numbering_.is_further_edge(item)) return at_vertex(corner);
+      return at_edge(corner, mesh_.is_sharp(corner) ? corner : numbering_.further_first(item));
+    default:
+      break;
+  }
+  const std::int32_t sample = numbering_.samples().index(a, b);
+  Direction sum;
+  if (part == Part::Trailing) {
+    const std::int32_t other = topology_.ccw(corner);
+    sum.add(own(corner, a, b));
+    if (other < 0 || mesh_.is_sharp(topology_.prev(corner)))
+      return by(class_of(corner).samples[sample], sum);
+    // Evaluated by the other side's patch, whose leading edge it is.
+    return by(class_of(other).samples[numbering_.samples().index(b, a)], sum.turned_back());
+  }
+  sum.add(own(corner, a, b));
+  if (b == 0 && !is_cut(corner)) sum.add(own(topology_.cw(corner), 0, a).turned_back());
+  if (a == n_) sum.add(own(topology_.next(corner), b, n_).turned());
+  return by(class_of(corner).samples[sample], sum);
+}
+
+// Tangents of a limit point's row, by points that both name.
+std::optional<glm::dmat2> FrameMaker::to_point(const PatchPlace& point, std::int32_t corner) const {
+  const PatchPlace place = mesh_.corner_patch(corner);
+  const auto count = static_cast<std::size_t>(place.patch.column_count());
+  std::vector<std::int32_t> columns(count),
+      others(static_cast<std::size_t>(point.patch.column_count()));
+  mesh_.gather(place, columns.data(), 1);
+  mesh_.gather(point, others.data(), 1);
+  const std::span<const double> known =
+      surface_.classes().weights(surface_.classes().index_of(point.patch)).rows(0);
+  const auto column_of = [&](std::int32_t index) {
+    return static_cast<std::size_t>(std::ranges::find(columns, index) - columns.begin());
+  };
+  const std::size_t origin = column_of(others[0]);
+  std::vector<double> tangents(2 * count, 0.0);
+  for (std::size_t k = 1; k < others.size(); ++k) {
+    const std::size_t column = column_of(others[k]);
+    if (column == count || origin == count) return {};
+    for (std::size_t r = 0; r < 2; ++r) {
+      const double weight = known[(r + 1) * (others.size() - 1) + k - 1];
+      tangents[r * count + column] += weight;
+      tangents[r * count + origin] -= weight;
+    }
+  }
+  const std::vector<double> weights = patch_weights(forms_.known(place.patch), 0, 0);
+  return in_terms_of(tangents, std::span(weights).subspan(count));
+}
+
+// Of the corners whose row the corner's is.
+Direction FrameMaker::at_vertex(std::int32_t corner) const {
+  const PatchPlace point = mesh_.vertex_point(mesh_.sector_corner(corner));
+  const bool is_even =
+      !point.patch.has_sharp_edges() &&
+      mesh_.features().vertex_kinds[topology_.vertex_of(corner)] != VertexKind::Dart;
+  const std::int32_t row = numbering_.vertex_row(corner);
+  std::int32_t place = 0;
+  for (std::int32_t c = point.corner; is_even && c != corner; c = topology_.ccw(c)) ++place;
+  Direction sum;
+  std::int32_t c = corner;
+  do {
+    if (is_even) {
+      const double angle = 2 * std::numbers::pi * place / point.patch.ring_size;
+      const double cosine = std::cos(angle), sine = std::sin(angle);
+      sum.add(by(class_of(c).vertex, own(c, 0, 0)).by({cosine, sine, -sine, cosine}));
+    } else if (!point.patch.has_ring_sums || c == point.corner) {
+      sum.add(by(to_point(point, c), own(c, 0, 0)));
+    }
+    c = topology_.ccw(c);
+    ++place;
+  } while (c >= 0 && c != corner && numbering_.vertex_row(c) == row);
+  return sum;
+}
+
+Direction FrameMaker::at_face(std::int32_t corner) const {
+  const std::int32_t m = topology_.face_size(topology_.face_of(corner));
+  Direction sum;
+  for (std::int32_t i = 0; i < m; ++i) {
+    const double angle = 2 * std::numbers::pi * i / m;
+    const double cosine = std::cos(angle), sine = std::sin(angle);
+    sum.add(
+        by(class_of(corner + i).face, own(corner + i, n_, n_)).by({cosine, sine, -sine, cosine}));
+  }
+  return sum;
+}
+
+// At the midpoint of the corner's leading edge; the row is evaluated as the corner `evaluated` of
+// the same edge sees it: by the tangents of the next corner's E2.
+Direction FrameMaker::at_edge(std::int32_t corner, std::int32_t evaluated) const {
+  const auto add_side = [&](std::int32_t side, Direction& sum) {
+    sum.add(own(topology_.next(side), 0, n_));
+    sum.add(own(side, n_, 0).turned_back());
+  };
+  const auto opposite = [](Direction direction) {
+    direction.along = -direction.along;
+    return direction;
+  };
+  Direction sum;
+  add_side(corner, sum);
+  if (corner != evaluated) sum = opposite(sum);
+  if (!is_cut(corner)) {
+    Direction other;
+    add_side(topology_.twin(corner), other);
+    // Both sides have two squares, so that this is the mean of all four.
+    sum = {sum.along - other.along, sum.area + other.area};
+  }
+  return by(class_of(topology_.next(evaluated)).trailing_edge, sum);
+}
+
+}  // namespace
+
+std::vector<SurfacePlace> row_places(const PatchSurface& surface) {
+  const PatchNumbering& numbering = surface.numbering();
+  std::vector<SurfacePlace> places(static_cast<std::size_t>(numbering.row_count()));
+  const double n = numbering.samples().side();
+  for_all_items(numbering, [&](Part part, std::int64_t item) {
+    for_item(numbering, part, item,
+             [&](std::int64_t row, std::int32_t corner, std::int32_t a, std::int32_t b) {
+               const SurfaceParameter at =
+                   surface_parameter(surface.mesh().topology(), corner, a / n, b / n);
+               places[row] = {static_cast<std::uint32_t>(at.face), static_cast<float>(at.u),
+                              static_cast<float>(at.v)};
+             });
+  });
+  return places;
+}
+
+std::vector<glm::vec2> row_uvs(const PatchSurface& surface, const CornerValues& corners) {
+  const PatchNumbering& numbering = surface.numbering();
+  std::vector<glm::vec2> uvs(static_cast<std::size_t>(numbering.row_count()));
+  const auto at = [&](std::int32_t corner) { return corners.at(corner); };
+  const auto put = [&](std::int64_t row, const glm::dvec2& uv) {
+    uvs[row] = {static_cast<float>(uv.x), static_cast<float>(1 - uv.y)};
+  };
+  for (std::int64_t v = 0; v < numbering.item_count(Part::Vertices); ++v)
+    put(v, at(numbering.item_corner(Part::Vertices, v)));
+  BilinearRows<glm::dvec2, decltype(at)>(surface.mesh().topology(), numbering, at)
+      .write({0, numbering.row_count()}, put);
+  return uvs;
+}
+
+std::vector<RowFrame> row_frames(const PatchSurface& surface, Weights weights,
+                                 const CornerValues& corners) {
+  return FrameMaker(surface, weights, corners).make();
+}
+
+}  // namespace planish::vulkan
