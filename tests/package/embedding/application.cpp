@@ -13,11 +13,6 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::runtime_error(what);
 }
 
-void check(VkResult result, const char* call) {
-  if (result != VK_SUCCESS)
-    throw std::runtime_error(std::string(call) + ": " + std::to_string(result));
-}
-
 VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                             VkDebugUtilsMessageTypeFlagsEXT,
                                             const VkDebugUtilsMessengerCallbackDataEXT* data,
@@ -28,13 +23,10 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsE
 
 }  // namespace
 
-template <class Function>
-Function Application::load(const char* name) const {
-  const auto function = reinterpret_cast<Function>(get_instance_proc(instance, name));
-  require(function != nullptr, name);
-  return function;
+void check(VkResult result, const char* call) {
+  if (result != VK_SUCCESS)
+    throw std::runtime_error(std::string(call) + ": " + std::to_string(result));
 }
-#define LOAD(name) load<PFN_##name>(#name)
 
 Application::Application() {
   library_ = ::dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
@@ -45,17 +37,18 @@ Application::Application() {
   make_device();
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-  pool.queueFamilyIndex = family_;
-  check(LOAD(vkCreateCommandPool)(device, &pool, nullptr, &pool_), "vkCreateCommandPool");
+  pool.queueFamilyIndex = family;
+  check(LOAD(*this, vkCreateCommandPool)(device, &pool, nullptr, &pool_), "vkCreateCommandPool");
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = pool_;
   allocate.commandBufferCount = 1;
-  check(LOAD(vkAllocateCommandBuffers)(device, &allocate, &commands_), "vkAllocateCommandBuffers");
+  check(LOAD(*this, vkAllocateCommandBuffers)(device, &allocate, &commands_),
+        "vkAllocateCommandBuffers");
 }
 
 void Application::make_instance() {
   std::uint32_t count = 0;
-  const auto enumerate = LOAD(vkEnumerateInstanceLayerProperties);
+  const auto enumerate = LOAD(*this, vkEnumerateInstanceLayerProperties);
   check(enumerate(&count, nullptr), "vkEnumerateInstanceLayerProperties");
   std::vector<VkLayerProperties> layers(count);
   check(enumerate(&count, layers.data()), "vkEnumerateInstanceLayerProperties");
@@ -80,7 +73,7 @@ void Application::make_instance() {
     info.enabledExtensionCount = 1;
     info.ppEnabledExtensionNames = &extension;
   }
-  check(LOAD(vkCreateInstance)(&info, nullptr, &instance), "vkCreateInstance");
+  check(LOAD(*this, vkCreateInstance)(&info, nullptr, &instance), "vkCreateInstance");
   if (!validates) return;
   VkDebugUtilsMessengerCreateInfoEXT messenger{
       VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
@@ -89,42 +82,54 @@ void Application::make_instance() {
   messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
   messenger.pfnUserCallback = keep_message;
   messenger.pUserData = &messages;
-  check(LOAD(vkCreateDebugUtilsMessengerEXT)(instance, &messenger, nullptr, &messenger_),
+  check(LOAD(*this, vkCreateDebugUtilsMessengerEXT)(instance, &messenger, nullptr, &messenger_),
         "vkCreateDebugUtilsMessengerEXT");
 }
 
 void Application::make_device() {
   std::uint32_t count = 1;
-  const VkResult found = LOAD(vkEnumeratePhysicalDevices)(instance, &count, &physical_device);
+  const VkResult found =
+      LOAD(*this, vkEnumeratePhysicalDevices)(instance, &count, &physical_device);
   require((found == VK_SUCCESS || found == VK_INCOMPLETE) && count == 1, "no Vulkan device");
-  LOAD(vkGetPhysicalDeviceQueueFamilyProperties)(physical_device, &count, nullptr);
+  LOAD(*this, vkGetPhysicalDeviceQueueFamilyProperties)(physical_device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
-  LOAD(vkGetPhysicalDeviceQueueFamilyProperties)(physical_device, &count, families.data());
+  LOAD(*this, vkGetPhysicalDeviceQueueFamilyProperties)(physical_device, &count, families.data());
   constexpr VkQueueFlags kWanted = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
-  while (family_ < count && (families[family_].queueFlags & kWanted) != kWanted) ++family_;
-  require(family_ < count, "no queue family with compute and graphics");
+  while (family < count && (families[family].queueFlags & kWanted) != kWanted) ++family;
+  require(family < count, "no queue family with compute and graphics");
   const float priority = 1;
-  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-  queue.queueFamilyIndex = family_;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  VkDeviceQueueCreateInfo queue_info{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue_info.queueFamilyIndex = family;
+  queue_info.queueCount = 1;
+  queue_info.pQueuePriorities = &priority;
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
-  check(LOAD(vkCreateDevice)(physical_device, &info, nullptr, &device), "vkCreateDevice");
-  LOAD(vkGetDeviceQueue)(device, family_, 0, &queue_);
+  info.pQueueCreateInfos = &queue_info;
+  check(LOAD(*this, vkCreateDevice)(physical_device, &info, nullptr, &device), "vkCreateDevice");
+  LOAD(*this, vkGetDeviceQueue)(device, family, 0, &queue);
 }
 
 Application::~Application() {
   for (const MappedBuffer& buffer : buffers_) {
-    LOAD(vkDestroyBuffer)(device, buffer.handle, nullptr);
-    LOAD(vkFreeMemory)(device, buffer.memory, nullptr);
+    LOAD(*this, vkDestroyBuffer)(device, buffer.handle, nullptr);
+    LOAD(*this, vkFreeMemory)(device, buffer.memory, nullptr);
   }
-  LOAD(vkDestroyCommandPool)(device, pool_, nullptr);
-  LOAD(vkDestroyDevice)(device, nullptr);
-  if (messenger_) LOAD(vkDestroyDebugUtilsMessengerEXT)(instance, messenger_, nullptr);
-  LOAD(vkDestroyInstance)(instance, nullptr);
+  LOAD(*this, vkDestroyCommandPool)(device, pool_, nullptr);
+  LOAD(*this, vkDestroyDevice)(device, nullptr);
+  if (messenger_) LOAD(*this, vkDestroyDebugUtilsMessengerEXT)(instance, messenger_, nullptr);
+  LOAD(*this, vkDestroyInstance)(instance, nullptr);
   ::dlclose(library_);
+}
+
+std::uint32_t Application::memory_type(std::uint32_t types, VkMemoryPropertyFlags wanted) const {
+  VkPhysicalDeviceMemoryProperties memory;
+  LOAD(*this, vkGetPhysicalDeviceMemoryProperties)(physical_device, &memory);
+  std::uint32_t type = 0;
+  while (type < memory.memoryTypeCount &&
+         (!(types >> type & 1) || (memory.memoryTypes[type].propertyFlags & wanted) != wanted))
+    ++type;
+  require(type < memory.memoryTypeCount, "no such memory");
+  return type;
 }
 
 MappedBuffer Application::make_buffer(VkDeviceSize size, VkBufferUsageFlags usage) {
@@ -132,26 +137,21 @@ MappedBuffer Application::make_buffer(VkDeviceSize size, VkBufferUsageFlags usag
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size;
   info.usage = usage;
-  check(LOAD(vkCreateBuffer)(device, &info, nullptr, &buffer.handle), "vkCreateBuffer");
+  check(LOAD(*this, vkCreateBuffer)(device, &info, nullptr, &buffer.handle), "vkCreateBuffer");
   VkMemoryRequirements requirements;
-  LOAD(vkGetBufferMemoryRequirements)(device, buffer.handle, &requirements);
-  VkPhysicalDeviceMemoryProperties memory;
-  LOAD(vkGetPhysicalDeviceMemoryProperties)(physical_device, &memory);
-  constexpr VkMemoryPropertyFlags kWanted =
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  LOAD(*this, vkGetBufferMemoryRequirements)(device, buffer.handle, &requirements);
   VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   allocate.allocationSize = requirements.size;
-  std::uint32_t type = 0;
-  while (type < memory.memoryTypeCount &&
-         (!(requirements.memoryTypeBits >> type & 1) ||
-          (memory.memoryTypes[type].propertyFlags & kWanted) != kWanted))
-    ++type;
-  require(type < memory.memoryTypeCount, "no memory that the host sees");
-  allocate.memoryTypeIndex = type;
-  check(LOAD(vkAllocateMemory)(device, &allocate, nullptr, &buffer.memory), "vkAllocateMemory");
-  check(LOAD(vkBindBufferMemory)(device, buffer.handle, buffer.memory, 0), "vkBindBufferMemory");
+  allocate.memoryTypeIndex =
+      memory_type(requirements.memoryTypeBits,
+                  VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+  check(LOAD(*this, vkAllocateMemory)(device, &allocate, nullptr, &buffer.memory),
+        "vkAllocateMemory");
+  check(LOAD(*this, vkBindBufferMemory)(device, buffer.handle, buffer.memory, 0),
+        "vkBindBufferMemory");
   void* place = nullptr;
-  check(LOAD(vkMapMemory)(device, buffer.memory, 0, VK_WHOLE_SIZE, 0, &place), "vkMapMemory");
+  check(LOAD(*this, vkMapMemory)(device, buffer.memory, 0, VK_WHOLE_SIZE, 0, &place),
+        "vkMapMemory");
   buffer.bytes = {static_cast<std::byte*>(place), static_cast<std::size_t>(size)};
   return buffer;
 }
@@ -159,14 +159,14 @@ MappedBuffer Application::make_buffer(VkDeviceSize size, VkBufferUsageFlags usag
 void Application::run(const std::function<void(VkCommandBuffer)>& record) {
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  check(LOAD(vkBeginCommandBuffer)(commands_, &begin), "vkBeginCommandBuffer");
+  check(LOAD(*this, vkBeginCommandBuffer)(commands_, &begin), "vkBeginCommandBuffer");
   record(commands_);
-  check(LOAD(vkEndCommandBuffer)(commands_), "vkEndCommandBuffer");
+  check(LOAD(*this, vkEndCommandBuffer)(commands_), "vkEndCommandBuffer");
   VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands_;
-  check(LOAD(vkQueueSubmit)(queue_, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
-  check(LOAD(vkQueueWaitIdle)(queue_), "vkQueueWaitIdle");
+  check(LOAD(*this, vkQueueSubmit)(queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
+  check(LOAD(*this, vkQueueWaitIdle)(queue), "vkQueueWaitIdle");
 }
 
 void Application::vertices_after(VkCommandBuffer commands, VkPipelineStageFlags stages,
@@ -174,7 +174,7 @@ void Application::vertices_after(VkCommandBuffer commands, VkPipelineStageFlags 
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = accesses;
   barrier.dstAccessMask = VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_HOST_READ_BIT;
-  LOAD(vkCmdPipelineBarrier)
+  LOAD(*this, vkCmdPipelineBarrier)
   (commands, stages, VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
    &barrier, 0, nullptr, 0, nullptr);
 }

@@ -8,6 +8,7 @@
 #include <list>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,17 @@ class Application {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical_device = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;  // of graphics and compute
+  std::uint32_t family = 0;
 
+  template <class Function>
+  [[nodiscard]] Function load(const char* name) const {
+    const auto function = reinterpret_cast<Function>(get_instance_proc(instance, name));
+    if (!function) throw std::runtime_error(name);
+    return function;
+  }
+  /// The first type of memory of these that has all properties. Throws where there is none.
+  [[nodiscard]] std::uint32_t memory_type(std::uint32_t types, VkMemoryPropertyFlags wanted) const;
   MappedBuffer make_buffer(VkDeviceSize size, VkBufferUsageFlags usage);
   /// Records, submits and waits.
   void run(const std::function<void(VkCommandBuffer)>& record);
@@ -42,16 +53,17 @@ class Application {
   std::vector<std::string> messages;
 
  private:
-  template <class Function>
-  Function load(const char* name) const;
   void make_instance();
   void make_device();
 
   void* library_ = nullptr;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  std::uint32_t family_ = 0;
-  VkQueue queue_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::list<MappedBuffer> buffers_;
 };
+
+/// A function of the instance, by its name.
+#define LOAD(app, name) (app).load<PFN_##name>(#name)
+/// Throws where a call failed.
+void check(VkResult result, const char* call);
