@@ -169,6 +169,8 @@ TEST(SceneFile, TheFrameIsChecked) {
 
 TEST(SceneFile, GarbageIsNamedByLine) {
   EXPECT_EQ(message_of("{\n\"version\": 1,\n oops\n}"), "s.json:3: no valid JSON here");
+  const std::string whole = "{\"version\":1,\n\"jobs\":[{\"input\":\"a.obj\"}]}\n";
+  EXPECT_EQ(message_of(whole + '\0' + "}"), "s.json:3: no valid JSON here");
   for (const std::string text :
        {"", "[", "nul", "{\"version\":1", "\"\\uD800\"", "\xFF\xFE", "1e999"}) {
     EXPECT_THAT(message_of(text), HasSubstr("s.json")) << text;

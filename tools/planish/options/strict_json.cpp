@@ -37,6 +37,12 @@ class StrictParse {
   std::vector<std::set<std::string>> keys_;  // of the objects that are open
 };
 
+[[noreturn]] void refuse_at(std::size_t byte, std::string_view text, const std::string& name) {
+  const std::string_view before = text.substr(0, std::min(byte, text.size()));
+  const auto line = std::ranges::count(before, '\n') + 1;
+  refuse(name + ":" + std::to_string(line), "no valid JSON here");
+}
+
 }  // namespace
 
 Json parse_json(std::string_view text, const std::string& name) {
@@ -44,12 +50,13 @@ Json parse_json(std::string_view text, const std::string& name) {
   const auto check = [&](int depth, Json::parse_event_t event, Json& parsed) {
     return strict(depth, event, parsed);
   };
+  // The parser takes a zero byte for the end, and looks at nothing behind it.
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
+    refuse_at(zero, text, name);
   try {
     return Json::parse(text, check);
   } catch (const Json::parse_error& error) {
-    const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
-    const auto line = std::ranges::count(before, '\n') + 1;
-    refuse(name + ":" + std::to_string(line), "no valid JSON here");
+    refuse_at(error.byte, text, name);
   } catch (const Json::exception& error) {
     refuse(name, std::string("no valid JSON: ") + error.what());
   }
