@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/memory_size.h"
 #include "planish/core/parallel.h"
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
@@ -74,15 +75,10 @@ RawVector<std::byte> read_start(const std::filesystem::path& path, std::uint64_t
   struct stat status {};
   if (::fstat(file.number, &status) != 0) fail_to_read(path, errno);
   if (S_ISDIR(status.st_mode)) fail_to_read(path, EISDIR);
-  const auto wanted = std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), most);
   // Pipes and /proc say 0 bytes, and files may grow: the size is only a first guess.
   constexpr std::size_t kPiece = std::size_t{1} << 16;
-  // Of 32 bits in WebAssembly, where files may be larger than all memory.
-  if (wanted > std::vector<std::byte>().max_size() - kPiece)
-    throw Error(ErrorCode::OutOfMemory,
-                visible(path) + ": " + std::to_string(wanted) +
-                    " bytes are more than this program can hold; a 64-bit one can");
-  const auto size = static_cast<std::size_t>(wanted);
+  const std::size_t size = memory_size(
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), most), visible(path));
   RawVector<std::byte> bytes(size + kPiece);
   ReadProgress progress(callbacks, size);
   std::size_t used = read_pieces(file.number, std::span(bytes).first(size), progress);

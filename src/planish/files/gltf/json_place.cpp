@@ -22,9 +22,12 @@ void clear_members(nlohmann::json& value) noexcept {
 
 }  // namespace
 
+std::string JsonPlace::named() const {
+  return std::string(file_) + (path_.empty() ? "" : ": " + path_);
+}
+
 void JsonPlace::fail(const std::string& what) const {
-  throw Error(ErrorCode::UnreadableInput,
-              std::string(file_) + ": " + (path_.empty() ? "" : path_ + ": ") + what);
+  throw Error(ErrorCode::UnreadableInput, named() + ": " + what);
 }
 
 std::string JsonPlace::clipped() const {

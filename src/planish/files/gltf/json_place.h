@@ -40,6 +40,8 @@ class JsonPlace {
   [[nodiscard]] std::int64_t integer_or(std::string_view key, std::int64_t otherwise) const;
 
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// As messages begin: `FILE: PATH`.
+  [[nodiscard]] std::string named() const;
   [[noreturn]] void fail(const std::string& what) const;
 
  private:

@@ -3,6 +3,9 @@
 
 #include <meshoptimizer.h>
 
+#include <cstdint>
+
+#include "planish/core/memory_size.h"
 #include "planish/core/number_text.h"
 
 namespace planish {
@@ -50,7 +53,8 @@ RawVector<std::byte> decode_attributes(const JsonPlace& extension, const Stream&
     extension["byteStride"].fail(std::to_string(wanted.stride) + " is no multiple of 4 up to 256");
   const auto size = static_cast<std::int64_t>(stream.size());
   require_size(extension, wanted, size * kMostPerByte / wanted.stride, stream);
-  RawVector<std::byte> values(static_cast<std::size_t>(wanted.count * wanted.stride));
+  RawVector<std::byte> values(
+      memory_size(static_cast<std::uint64_t>(wanted.count * wanted.stride), extension.named()));
   if (meshopt_decodeVertexBuffer(values.data(), static_cast<std::size_t>(wanted.count),
                                  static_cast<std::size_t>(wanted.stride), unsigned_of(stream),
                                  stream.size()) != 0)
@@ -67,7 +71,8 @@ RawVector<std::byte> decode_indices(const JsonPlace& extension, const Stream& wa
     extension["count"].fail(std::to_string(wanted.count) + " corners make no whole triangles");
   const auto size = static_cast<std::int64_t>(stream.size());
   require_size(extension, wanted, is_triangles ? 3 * size : size, stream);
-  RawVector<std::byte> values(static_cast<std::size_t>(wanted.count * wanted.stride));
+  RawVector<std::byte> values(
+      memory_size(static_cast<std::uint64_t>(wanted.count * wanted.stride), extension.named()));
   const auto count = static_cast<std::size_t>(wanted.count);
   const auto index_size = static_cast<std::size_t>(wanted.stride);
   const int failed = is_triangles ? meshopt_decodeIndexBuffer(values.data(), count, index_size,

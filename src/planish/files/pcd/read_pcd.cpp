@@ -356,11 +356,11 @@ void PcdReader::read_compressed() {
   if (packed > body.size() - kSizes)
     fail("compressed data of " + std::to_string(packed) + " bytes is promised, but only " +
          std::to_string(body.size() - kSizes) + " bytes follow");
-  const auto count = static_cast<std::size_t>(header_.points);
-  if (count * static_cast<std::size_t>(header_.record_bytes()) != expanded)
+  if (header_.points * header_.record_bytes() != static_cast<std::int64_t>(expanded))
     fail("compressed data expands to " + std::to_string(expanded) + " bytes, but " +
-         std::to_string(count) + " points of " + std::to_string(header_.record_bytes()) +
+         std::to_string(header_.points) + " points of " + std::to_string(header_.record_bytes()) +
          " bytes are promised");
+  const auto count = static_cast<std::size_t>(header_.points);
   const std::vector<std::byte> data = expand_lzf(body.subspan(kSizes, packed), expanded);
   if (data.size() != expanded) fail("the compressed data is damaged");
   // Unlike the other kinds, all values of a field stand together.
