@@ -6,9 +6,8 @@
 namespace planish::vulkan::shared {
 using uint = std::uint32_t;
 #define PLANISH_SHARED_CONSTANT inline constexpr uint
-#else
-#define PLANISH_SHARED_CONSTANT const uint
 #endif
+#include "surface/planish_surface_tables.h"
 
 // A table's rows are cut into chunks. Entry k of the row in lane i of a chunk stands at
 // (chunk's first + k) * kChunkRows + i, so that neighbouring lanes read neighbouring words. Rows
@@ -18,8 +17,6 @@ PLANISH_SHARED_CONSTANT kChunkRows = 64u;
 PLANISH_SHARED_CONSTANT kChunkWords = 66u;
 // Lane without a row, at the end of a table.
 PLANISH_SHARED_CONSTANT kNoRow = 0xffffffffu;
-// No corner, vertex or word.
-PLANISH_SHARED_CONSTANT kNone = 0xffffffffu;
 // Points are x, y, z and a float without meaning, so that one load fetches a point.
 PLANISH_SHARED_CONSTANT kPointFloats = 4u;
 // Invocations of a reduction kernel that runs as a single work group for each result.
@@ -98,10 +95,7 @@ struct PatchParameters {
   uint first_target;  // of the first coordinate
 };
 
-// Corner patches. A point of level 1 is held as its offset from a given vertex, whose number stands
-// in the fourth float: with this bit, every number is that of a normal float, which nothing flushes
-// to zero on its way.
-PLANISH_SHARED_CONSTANT kVertexTag = 0x40000000u;
+// Corner patches.
 // Where a patch's control points come from, a specialisation constant: found on the way from corner
 // to corner (around a corner, a vertex, a face or the midpoint of an edge), or listed.
 PLANISH_SHARED_CONSTANT kGatherCorner = 0u;
@@ -176,23 +170,8 @@ PLANISH_SHARED_CONSTANT kFormatSnorm10 = 4u;
 PLANISH_SHARED_CONSTANT kFormatFloat4 = 5u;
 PLANISH_SHARED_CONSTANT kFormatNone = 6u;
 
-// The surface at lists of places. Words of a place: face, u, v. Words of a class of corners:
-// columns without the own one, ring, face, first weight, flags.
+// The surface at lists of places. Words of a place: face, u, v.
 PLANISH_SHARED_CONSTANT kPlaceWords = 3u;
-PLANISH_SHARED_CONSTANT kPlaceClassWords = 5u;
-PLANISH_SHARED_CONSTANT kOnePolynomial = 1u;     // all of the patch
-PLANISH_SHARED_CONSTANT kSingularAtVertex = 2u;  // no polynomial ends at V
-PLANISH_SHARED_CONSTANT kSingularAtFace = 4u;    // nor at F
-// Halvings towards V or F until its own limit stands in: as many as a float has digits.
-PLANISH_SHARED_CONSTANT kPlaceHalvings = 24u;
-// A class's weights, cell by cell, column by column, kCellVectors of four: of the coefficients of
-// s^i t^j in the cell's own (s, t), in the order 00 10 01 20 | 11 02 21 12 | 22. One cell where the
-// patch is one polynomial. Else a cell for each quarter, then where V is singular three for each
-// further halving (quarters 1 to 3 there) and one of V itself, whose rows are the point, two
-// tangents that span its plane, and the derivatives along both edges; then the same of F.
-PLANISH_SHARED_CONSTANT kCellVectors = 3u;
-PLANISH_SHARED_CONSTANT kQuarterCells = 4u;
-PLANISH_SHARED_CONSTANT kChainCells = 70u;  // 3 (kPlaceHalvings - 1) + 1
 // What comes of a place.
 PLANISH_SHARED_CONSTANT kPlaceRegular = 0u;
 PLANISH_SHARED_CONSTANT kPlaceSingular = 1u;  // without second derivatives
@@ -204,7 +183,6 @@ struct PlaceParameters {
   uint first_place;  // from the window's start
   uint place_stride;
   uint face_count;
-  uint first_corner;  // of the corners' words: where the class's are, where the list is or kNone
   uint first_target;  // from the window's start
   uint target_stride;
   uint position, normal, du, dv, duu, duv, dvv, state;  // from a target's start

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #include "edit.glsl"
-#include "finite.glsl"
+#include "surface/finite.glsl"
 #include "read.glsl"
 
 layout(std430, set = 0, binding = 0) restrict readonly buffer Moves { uint moves[]; };

@@ -24,7 +24,7 @@ WRITE(6, uint, target);
 WRITE(7, uint, attributes);
 #endif
 
-#include "evaluate/unit_normal.glsl"
+#include "surface/unit_normal.glsl"
 #include "evaluate/vertex_formats.glsl"
 
 PatchGroup group_of(uint i) {

@@ -1,6 +1,6 @@
 // What a row of the output is made of; the including kernel declares target[].
 
-#include "evaluate/unit_normal.glsl"
+#include "surface/unit_normal.glsl"
 
 void write_vector(uint place, vec3 v) {
   target[place] = v.x;

@@ -1,6 +1,6 @@
 // What the kernels of the fair construction share. An invocation does every so many elements, so
 // that the device's limit on work groups bounds nothing.
-#include "finite.glsl"
+#include "surface/finite.glsl"
 #include "fair/shared_fair.h"
 #include "read.glsl"
 

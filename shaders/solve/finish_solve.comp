@@ -1,7 +1,7 @@
 // Says where the steps ended: how many were taken, why, at what error, and in which buffer.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "finite.glsl"
+#include "surface/finite.glsl"
 #include "shared.h"
 
 layout(local_size_x = 1) in;

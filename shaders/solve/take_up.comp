@@ -1,7 +1,7 @@
 // Where a solve starts from: the last displacement, or none. Sides 0 and 2 get it.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "finite.glsl"
+#include "surface/finite.glsl"
 #include "shared.h"
 
 layout(local_size_x = 64) in;

@@ -25,10 +25,17 @@ install(CODE "include(\"${CMAKE_CURRENT_LIST_DIR}/PublicHeaders.cmake\")
 planish_install_headers(\"${PROJECT_SOURCE_DIR}/src\"
   \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\" ${public_headers})"
         COMPONENT development)
+if(PLANISH_VULKAN)
+  # The surface as shader code: planish_SHADER_DIR of the package.
+  install(FILES shaders/surface/planish_surface.glsl shaders/surface/planish_surface_tables.h
+                shaders/surface/finite.glsl shaders/surface/unit_normal.glsl
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/planish/shaders COMPONENT development)
+endif()
 install(EXPORT planishTargets NAMESPACE planish:: DESTINATION ${package_dir}
         COMPONENT development)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/planishConfig.cmake.in
-  ${PROJECT_BINARY_DIR}/planishConfig.cmake INSTALL_DESTINATION ${package_dir})
+  ${PROJECT_BINARY_DIR}/planishConfig.cmake INSTALL_DESTINATION ${package_dir}
+  PATH_VARS CMAKE_INSTALL_DATADIR)
 # Before 1.0 a minor version may change the interface.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/planishConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)

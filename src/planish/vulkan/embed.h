@@ -101,6 +101,7 @@ namespace planish::vulkan {
 struct BendingRecords;
 struct FairRecords;
 struct SolvePoints;
+struct SurfaceBuffers;
 struct SurfaceRecords;
 
 struct SystemOptions {
@@ -217,6 +218,8 @@ struct IndexTarget {
   VkDeviceSize offset = 0;
 };
 
+class Solve;
+
 /// The tables of a System on a device, shared by all instances of the mesh and all frames.
 class DeviceSystem {
  public:
@@ -249,10 +252,9 @@ class DeviceSystem {
   struct Parts;
   friend class Places;
   friend class Solve;
+  friend SurfaceBuffers surface_buffers(const DeviceSystem&, const Solve&, std::uint32_t);
   std::unique_ptr<Parts> parts_;
 };
-
-class Solve;
 
 /// One of the solves that record_solves puts beside each other.
 struct SolveCall {
@@ -330,6 +332,7 @@ class Solve {
   friend void record_solves(VkCommandBuffer, std::span<const SolveCall>) noexcept;
   friend void record_evaluates(VkCommandBuffer, std::span<const EvaluateCall>) noexcept;
   friend class Places;
+  friend SurfaceBuffers surface_buffers(const DeviceSystem&, const Solve&, std::uint32_t);
   [[nodiscard]] SolvePoints surface_points(std::uint32_t instance) const;
   std::unique_ptr<Parts> parts_;
 };
@@ -359,6 +362,20 @@ class Places {
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// What the surface as shader code reads, share/planish/shaders/planish_surface.glsl of the
+/// package: read-only arrays of uint, uvec2 and vec4, at any bindings of the host's own pipelines,
+/// of any stage.
+struct SurfaceBuffers {
+  VkDescriptorBufferInfo words, links, state, given, weights;
+  std::uint32_t face_count, corner_count;
+};
+/// Of an instance. `system` was made with answers_places, `solve` on it; both outlive what is
+/// bound. Read them behind a barrier from kExitScope, after record_evaluate or record_surface, and
+/// be done, by a barrier to kEntryScope, before the next frame's work. Throws
+/// Error{InvalidArgument}.
+[[nodiscard]] SurfaceBuffers surface_buffers(const DeviceSystem& system, const Solve& solve,
+                                             std::uint32_t instance = 0);
 
 /// The work of record_solve of each call, in lock-step: one barrier stands where each solve by
 /// itself would have one, so that small meshes fill a device together. Results are the same bits.

@@ -61,7 +61,7 @@ std::uint64_t result_bytes(const PlaceLayout& layout) {
 
 PlaceTables::PlaceTables(Context& context, const PlaceRecords& records)
     : face_count(records.face_count),
-      first_corner_word(records.first_corner_word),
+      corner_count(records.corner_count),
       words(make_bindable(context, records.words.size() * kWord, "planish words of places")),
       weights(make_bindable(context, std::as_bytes(std::span(records.weights)).size(),
                             "planish weights of places")) {}
@@ -87,7 +87,6 @@ GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTa
     parameters.first_place = from.shift;
     parameters.place_stride = list.stride / kWord;
     parameters.face_count = tables.face_count;
-    parameters.first_corner = tables.first_corner_word;
     parameters.first_target = to.shift;
     parameters.target_stride = layout.stride / kWord;
     parameters.position = words_of(layout.position_offset);

@@ -14,7 +14,7 @@ struct PlaceTables {
   /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
   PlaceTables(Context& context, const PlaceRecords& records);
 
-  std::uint32_t face_count, first_corner_word;
+  std::uint32_t face_count, corner_count;
   Buffer words, weights;
 
   /// Calls take(buffer, bytes) for all of them, in one order.

@@ -58,7 +58,7 @@ class PlacePacker {
   PlaceRecords pack() {
     const MeshTopology& topology = mesh_.topology();
     records_.face_count = static_cast<std::uint32_t>(topology.face_count());
-    records_.first_corner_word = records_.face_count + 1;
+    records_.corner_count = static_cast<std::uint32_t>(topology.corner_count());
     list_classes();
     require_fit();
     for (std::int32_t f = 0; f < topology.face_count(); ++f) add_word(topology.first_corner(f));
@@ -113,7 +113,7 @@ void PlacePacker::list_classes() {
     if (has_list(patch)) list_words += static_cast<std::uint64_t>(patch.column_count());
     classes_.try_emplace(patch, Entry{nullptr, 0});
   }
-  word_count_ = records_.first_corner_word + 2 * static_cast<std::uint64_t>(corner_count);
+  word_count_ = records_.face_count + 1 + 2 * static_cast<std::uint64_t>(corner_count);
   for (auto& [patch, entry] : classes_) {
     entry = {&forms_.of(patch), word_count_};
     word_count_ += shared::kPlaceClassWords;

@@ -15,7 +15,7 @@ struct PlaceRecords {
   std::vector<std::uint32_t> words;
   std::vector<std::array<float, 4>> weights;
   std::uint32_t face_count = 0;
-  std::uint32_t first_corner_word = 0;
+  std::uint32_t corner_count = 0;
 };
 
 /// Throws Error{OutOfMemory}, naming the limit, before memory is taken for the weights.

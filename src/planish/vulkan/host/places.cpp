@@ -53,6 +53,12 @@ const PlaceTables& tables_of(const std::optional<PlaceTables>& tables) {
   return *tables;
 }
 
+void check_instance(const Solve& solve, std::uint32_t instance) {
+  if (instance >= solve.instance_count())
+    refuse_places("instance " + std::to_string(instance) + " of places is none of the Solve's " +
+                  std::to_string(solve.instance_count()));
+}
+
 std::optional<Buffer> make_list(Context& context, const PlaceList& list) {
   check_list(list);
   if (list.buffer) return {};
@@ -80,12 +86,24 @@ struct Places::Parts {
   std::optional<GpuPlaces> places;
 };
 
+SurfaceBuffers surface_buffers(const DeviceSystem& system, const Solve& solve,
+                               std::uint32_t instance) {
+  const PlaceTables& tables = tables_of(system.parts_->places);
+  check_instance(solve, instance);
+  const SolvePoints points = solve.surface_points(instance);
+  const auto info = [](const BufferRange& range) {
+    return VkDescriptorBufferInfo{range.buffer, range.offset, range.size};
+  };
+  return {info(whole(tables.words)),   info(whole(system.parts_->patches->links)),
+          info(points.state),          info(points.given),
+          info(whole(tables.weights)), tables.face_count,
+          tables.corner_count};
+}
+
 Places::Places(Context& context, const DeviceSystem& system, const Solve& solve,
                const PlacesOptions& options) {
   const PlaceTables& tables = tables_of(system.parts_->places);
-  if (options.instance >= solve.instance_count())
-    refuse_places("instance " + std::to_string(options.instance) +
-                  " of places is none of the Solve's " + std::to_string(solve.instance_count()));
+  check_instance(solve, options.instance);
   parts_ = std::make_unique<Parts>(context, *system.parts_->patches, tables,
                                    solve.surface_points(options.instance), options);
 }

@@ -1,4 +1,6 @@
 // The normal and the tangent of a surface point from its derivatives.
+#ifndef PLANISH_UNIT_NORMAL
+#define PLANISH_UNIT_NORMAL
 
 // |du x dv| below this part of |du||dv| has no direction that rounding has not made.
 const float kParallel = 1e-6;
@@ -32,3 +34,4 @@ vec3 unit_tangent(vec3 along, vec3 normal) {
                                                       : vec3(0.0, 0.0, 1.0);
   return normalize(any - normal * dot(normal, any));
 }
+#endif
