@@ -50,6 +50,34 @@ def drawn(tab):
     return False
 
 
+def pixels(tab, condition, *shots):
+    """How many pixels fulfil a condition on a and b, their colours in two pictures or in one."""
+    return tab.evaluate(f"""(async () => {{
+        const read = async (shot) => {{
+            const bytes = Uint8Array.from(atob(shot), (letter) => letter.charCodeAt(0));
+            const image = await createImageBitmap(new Blob([bytes]));
+            const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+            context.drawImage(image, 0, 0);
+            return context.getImageData(0, 0, image.width, image.height).data;
+        }};
+        const [one, two] = await Promise.all({list(shots)}.map(read));
+        let count = 0;
+        for (let i = 0; i < one.length; i += 4) {{
+            const [a, b] = [one, two ?? one].map((data) => data.subarray(i, i + 3));
+            if ({condition}) ++count;
+        }}
+        return count;
+    }})()""")
+
+
+def changed(tab, *shots):
+    return pixels(tab, "a.some((value, k) => Math.abs(value - b[k]) > 8)", *shots)
+
+
+def orange(tab, shot):
+    return pixels(tab, "[217, 89, 0].every((value, k) => Math.abs(a[k] - value) < 3)", shot) > 20
+
+
 def problems(browser):
     return [event for event in browser.events
             if event.get("method") == "Runtime.exceptionThrown"
@@ -57,7 +85,7 @@ def problems(browser):
 
 
 def check_editing(browser, page, folder):
-    """A vertex is dragged, the surface follows; it is taken back, made again, and saved."""
+    """A vertex is dragged, the surface follows, and what is around it; it is taken back, made again, and saved; keys."""
     tab = browser.open(page)
     tab.wait("location.protocol === 'file:' && document.readyState === 'complete'")
     tab.evaluate("document.getElementById('example').click()")
@@ -66,7 +94,9 @@ def check_editing(browser, page, folder):
     tab.wait("!document.getElementById('editing').hidden", seconds=120)
     tab.evaluate("document.getElementById('editing').scrollIntoView()")
     box = tab.evaluate("(({x,y,width,height})=>({x,y,width,height,scale:1}))(document.getElementById('canvas').getBoundingClientRect())")
-    clip = {**box, "y": box["y"] + tab.evaluate("scrollY")}
+    edge = 9  # the ring of what has the focus, and corners
+    clip = {"x": box["x"] + edge, "y": box["y"] + edge + tab.evaluate("scrollY"), "width": box["width"] - 2 * edge,
+            "height": box["height"] - 2 * edge, "scale": 1}
 
     def shoot(name):
         tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
@@ -77,11 +107,17 @@ def check_editing(browser, page, folder):
         tab.wait(f"document.getElementById('undo').disabled === {undo} && document.getElementById('redo').disabled === {redo}")
         time.sleep(0.5)
 
+    def press(key, **more):
+        for kind in ["keyDown", "keyUp"]:
+            tab.call("Input.dispatchKeyEvent", type=kind, key=key, **more)
+
     settled("true", "true")
     before = shoot("edit_start.png")
     middle = [box["x"] + box["width"] / 2, box["y"] + box["height"] / 2]
     tab.drag(middle, [middle[0] + 30, middle[1] + 90])
     settled("false", "true")
+    check(orange(tab, shoot("edit_held.png")), "the held point looks like all others")
+    press("Escape")
     after = shoot("edit_moved.png")
     check(before != after, "the surface does not follow")
     said = tab.evaluate("document.getElementById('moved').textContent")
@@ -93,6 +129,36 @@ def check_editing(browser, page, folder):
     tab.evaluate("document.getElementById('redo').click()")
     settled("false", "true")
     check(shoot("edit_again.png") == after, "what is made again differs")
+    tab.evaluate("document.getElementById('undo').click()")
+    settled("true", "false")
+    tab.evaluate("document.getElementById('reach').value='0.3',document.getElementById('reach').dispatchEvent(new Event('input'))")
+    check(tab.evaluate("document.getElementById('reached').textContent") == "30 % of the diagonal", "the reach is not said")
+    tab.drag(middle, [middle[0] + 30, middle[1] + 90])
+    settled("false", "true")
+    press("Escape")
+    wide = shoot("edit_wide.png")
+    check(changed(tab, before, wide) > 3 * changed(tab, before, after), "what is around the vertex stays")
+    tab.evaluate("document.getElementById('undo').click()")
+    settled("true", "false")
+    check(shoot("edit_wide_back.png") == before, "what was around the vertex stays moved")
+    # By keys alone.
+    tab.evaluate("document.getElementById('canvas').focus()")
+    press("n")
+    held = shoot("edit_key.png")
+    check(orange(tab, held), "no point is taken hold of by a key")
+    press("ArrowUp", modifiers=8)
+    settled("false", "true")
+    check(shoot("edit_key_moved.png") != held, "no point is moved by a key")
+    press("z", modifiers=2)
+    settled("true", "false")
+    check(shoot("edit_key_back.png") == held, "what a key has moved is not taken back")
+    press("p")
+    check(shoot("edit_key_before.png") != held, "the point before is the same")
+    press("Escape")
+    check(shoot("edit_key_none.png") == before, "a point is held on")
+    press("ArrowLeft")
+    check(shoot("edit_key_turned.png") != before, "keys do not turn")
+    press("ArrowRight")
     # Beside the surface it turns.
     tab.drag([box["x"] + 20, box["y"] + 20], [box["x"] + 120, box["y"] + 40])
     check(shoot("edit_turned.png") != after, "the view does not turn")

@@ -7,10 +7,29 @@ const EDITS = {
     const fit = library.fit(mesh, { ...options, progress });
     const { indices, baseVertices } = fit.evaluate(level);
     this.editor = fit.edit(level, { origin: 'center' });
-    return { indices, baseVertices, rows: this.editor.rows(), origin: this.editor.origin, points: this.editor.points };
+    Object.assign(this, { diagonal: fit.info.diagonal, moves: [], at: 0 });
+    return { indices, baseVertices, rows: this.editor.rows(), origin: this.editor.origin };
   },
-  move({ vertex, place }) {
-    return this.editor.move([vertex], place);
+  /** A vertex is to be there, what is within `reach` of it (a part of the diagonal) along by its weight. */
+  drag({ vertex, place, reach, isFirst }) {
+    const { editor } = this;
+    if (isFirst) {
+      const { vertices, weights } = reach > 0 ? editor.select([vertex], reach * this.diagonal) : { vertices: [vertex], weights: [1] };
+      const points = editor.points;
+      const from = [...vertices].flatMap((v) => [...points.subarray(3 * v, 3 * v + 3)]);
+      this.moves.splice(this.at++, Infinity, { vertices, weights, from, lead: 3 * vertices.indexOf(vertex) });
+    }
+    const move = this.moves[this.at - 1], { vertices, weights, from, lead } = move;
+    move.to = from.map((x, i) => x + weights[Math.floor(i / 3)] * (place[i % 3] - from[lead + i % 3]));
+    return editor.move(vertices, move.to);
+  },
+  undo() {
+    const { vertices, from } = this.moves[--this.at];
+    return this.editor.move(vertices, from);
+  },
+  redo() {
+    const { vertices, to } = this.moves[this.at++];
+    return this.editor.move(vertices, to);
   },
   save({ name, level }) {
     const fit = this.editor.fit();
@@ -24,7 +43,9 @@ const EDITS = {
 
 async function edit({ edit: name, ...given }) {
   try {
-    self.postMessage({ ...await EDITS[name](given), errorBound: EDITS.editor?.state.errorBound });
+    const answer = await EDITS[name](given);
+    const { at, moves, editor } = EDITS;
+    self.postMessage({ ...answer, errorBound: editor.state.errorBound, canUndo: at > 0, canRedo: at < moves.length });
   } catch (error) {
     self.postMessage({ error: error.message });
   }

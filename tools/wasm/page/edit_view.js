@@ -7,24 +7,28 @@ layout(location = 1) in vec3 normal;
 uniform mat3 turn;
 uniform float away, pull;
 uniform vec4 lens;
+uniform int held;
 out vec3 at, upright;
+flat out int isHeld;
 void main() {
   at = turn * position - vec3(0, 0, away);
   upright = turn * normal;
-  gl_PointSize = 7.0;
+  isHeld = gl_VertexID == held ? 1 : 0;
+  gl_PointSize = isHeld == 1 ? 13.0 : 7.0;
   vec3 p = at * (1.0 - pull);
   gl_Position = vec4(lens.x * p.x, lens.y * p.y, lens.z * p.z + lens.w, -p.z);
 }`;
 const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
 in vec3 at, upright;
+flat in int isHeld;
 uniform bool isPoint;
 out vec4 color;
 void main() {
   if (isPoint) {
     vec2 off = gl_PointCoord - 0.5;
     if (dot(off, off) > 0.25) discard;
-    color = vec4(0.04, 0.36, 0.68, 1);
+    color = isHeld == 1 ? vec4(0.85, 0.35, 0.0, 1) : vec4(0.04, 0.36, 0.68, 1);
     return;
   }
   vec3 n = normalize(upright), view = normalize(-at), light = normalize(vec3(0.5, 0.8, 0.6));
@@ -33,11 +37,13 @@ void main() {
   color = vec4(vec3(0.78, 0.80, 0.83) * (0.43 + 0.11 * n.y + 0.5 * max(dot(n, light), 0.0)) + 0.18 * shine, 1);
 }`;
 const REACH = 14; // pixels from a point that take hold of it
+const KEY_TURN = 0.1, KEY_ZOOM = 0.9, KEY_MOVE = 0.01; // radians; a factor; parts of the radius
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 class EditView {
   /** `drag(vertex, place, isFirst)`: a given point is to be there; isFirst where it was only now taken hold of. */
   constructor(canvas, drag) {
-    Object.assign(this, { canvas, drag });
+    Object.assign(this, { canvas, drag, held: -1 });
     const gl = this.gl = canvas.getContext('webgl2', { antialias: true });
     if (!gl) throw new Error('moving vertices needs WebGL 2, which is missing here');
     const program = gl.createProgram();
@@ -63,7 +69,7 @@ class EditView {
       gl.bufferData(target, data, gl.DYNAMIC_DRAW);
       return made;
     };
-    Object.assign(this, { rows, indices, baseVertices, origin, buffers: {} });
+    Object.assign(this, { rows, indices, baseVertices, origin, buffers: {}, held: -1 });
     ['positions', 'normals'].forEach((name, i) => {
       this.buffers[name] = buffer(gl.ARRAY_BUFFER, rows[name]);
       gl.enableVertexAttribArray(i);
@@ -114,11 +120,21 @@ class EditView {
     gl.drawElements(gl.TRIANGLES, this.indices.length, gl.UNSIGNED_INT, 0);
     gl.uniform1f(at('pull'), 2e-3);
     gl.uniform1i(at('isPoint'), 1);
+    gl.uniform1i(at('held'), this.held);
     gl.drawArrays(gl.POINTS, 0, this.baseVertices.length);
   }
 
   point(i) {
     return [...this.rows.positions.subarray(3 * i, 3 * i + 3)];
+  }
+
+  hold(i) {
+    this.held = i;
+    this.draw();
+  }
+
+  faces(i, frame) {
+    return dot(transform(frame.rows, this.rows.normals.subarray(3 * i, 3 * i + 3)), frame.eye(this.point(i))) < 0;
   }
 
   /** The given point at a place of the picture, on the side and the sheet that is seen: its row, or -1. */
@@ -130,8 +146,7 @@ class EditView {
       const [u, v, depth] = frame.place(this.point(i), width, height);
       const gap = Math.hypot(u - x, v - y);
       if (gap > REACH) continue;
-      const normal = transform(frame.rows, this.rows.normals.subarray(3 * i, 3 * i + 3));
-      if (dot(normal, frame.eye(this.point(i))) < 0) near.push({ i, gap, depth });
+      if (this.faces(i, frame)) near.push({ i, gap, depth });
     }
     const front = Math.min(...near.map(({ depth }) => depth)) + 0.05 * this.scene.radius;
     const seen = near.filter(({ depth }) => depth < front).sort((a, b) => a.gap - b.gap);
@@ -147,13 +162,56 @@ class EditView {
     return [0, 1, 2].map((k) => rows[0][k] * p[0] + rows[1][k] * p[1] + rows[2][k] * p[2] + this.origin[k]);
   }
 
+  /** The next given point that faces the eye, in the mesh's order; `step` -1: the one before. */
+  next(step) {
+    const frame = projection(this.scene, this.canvas.clientWidth / this.canvas.clientHeight);
+    const count = this.baseVertices.length, from = this.held < 0 && step < 0 ? 0 : this.held;
+    for (let k = 1; k <= count; ++k) {
+      const i = (from + step * k + 2 * count) % count;
+      if (this.faces(i, frame)) return i;
+    }
+    return -1;
+  }
+
+  turn(yaw, pitch) {
+    camera.yaw += yaw;
+    camera.pitch = Math.max(-1.5, Math.min(1.5, camera.pitch + pitch));
+    this.draw();
+  }
+
+  zoom(factor) {
+    camera.distance *= factor;
+    this.draw();
+  }
+
+  /** What a key does; false: nothing. */
+  press({ key, shiftKey, repeat }) {
+    const arrow = ARROWS[key];
+    if (arrow && shiftKey && this.held >= 0) {
+      const { rows } = projection(this.scene, 1), step = KEY_MOVE * this.scene.radius;
+      const place = this.point(this.held).map((x, k) => x + this.origin[k] + step * (arrow[0] * rows[0][k] + arrow[1] * rows[1][k]));
+      this.drag(this.baseVertices[this.held], place, !repeat);
+    } else if (arrow) {
+      this.turn(arrow[0] * KEY_TURN, -arrow[1] * KEY_TURN);
+    } else if (key === '+' || key === '-') {
+      this.zoom(key === '+' ? KEY_ZOOM : 1 / KEY_ZOOM);
+    } else if (key === 'n' || key === 'p') {
+      this.hold(this.next(key === 'n' ? 1 : -1));
+    } else if (key === 'Escape') {
+      this.hold(-1);
+    } else {
+      return false;
+    }
+    return true;
+  }
+
   listen() {
     const { canvas } = this;
     let last, isFirst;
     canvas.addEventListener('pointerdown', (event) => {
       canvas.setPointerCapture(event.pointerId);
       [last, isFirst] = [event, true];
-      this.held = this.pick(event.offsetX, event.offsetY);
+      this.hold(this.pick(event.offsetX, event.offsetY));
     });
     canvas.addEventListener('pointermove', (event) => {
       if (!last) return;
@@ -161,18 +219,19 @@ class EditView {
         this.drag(this.baseVertices[this.held], this.place(event.offsetX, event.offsetY), isFirst);
         isFirst = false;
       } else {
-        camera.yaw -= (event.clientX - last.clientX) * 0.007;
-        camera.pitch = Math.max(-1.5, Math.min(1.5, camera.pitch + (event.clientY - last.clientY) * 0.007));
-        this.draw();
+        this.turn((last.clientX - event.clientX) * 0.007, (event.clientY - last.clientY) * 0.007);
       }
       last = event;
     });
     for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, () => (last = undefined));
     canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
-      camera.distance *= Math.exp(Math.max(-60, Math.min(60, event.deltaY)) * 0.003);
-      this.draw();
+      this.zoom(Math.exp(Math.max(-60, Math.min(60, event.deltaY)) * 0.003));
     }, { passive: false });
+    canvas.addEventListener('keydown', (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      if (this.press(event)) event.preventDefault();
+    });
     new ResizeObserver(() => this.scene && this.draw()).observe(canvas);
   }
 }

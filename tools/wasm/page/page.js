@@ -179,7 +179,7 @@ async function edit() {
   const within = $('within').value.trim();
   try {
     const { module, script } = await compiled();
-    editing = { worker: new Worker(script), waiting: [], history: [], at: 0, level };
+    editing = { worker: new Worker(script), waiting: [], next: [], level };
     const { waiting } = editing;
     editing.worker.onmessage = ({ data }) => {
       if (data.step !== undefined) {
@@ -195,7 +195,6 @@ async function edit() {
     const options = { method: $('method').value, creases: $('creases').value };
     if (within) options.within = within === 'auto' ? within : Number(within);
     const start = await ask({ edit: 'start', module, file, options, level });
-    editing.points = start.points;
     $('result').hidden = true;
     $('editing').hidden = false;
     view ??= new EditView($('canvas'), drag);
@@ -208,33 +207,28 @@ async function edit() {
   busy(false);
 }
 
-function told({ errorBound }) {
-  $('undo').disabled = editing.at === 0;
-  $('redo').disabled = editing.at === editing.history.length;
+function told({ errorBound, canUndo, canRedo }) {
+  $('undo').disabled = !canUndo;
+  $('redo').disabled = !canRedo;
   $('moved').textContent = `The surface is off its vertices by at most ${errorBound.toExponential(0)} of the diagonal.`;
 }
 
 function drag(vertex, place, isFirst) {
-  if (isFirst) {
-    const from = [...editing.points.subarray(3 * vertex, 3 * vertex + 3)];
-    editing.history.splice(editing.at++, Infinity, { vertex, from });
-  }
-  editing.history[editing.at - 1].to = place;
-  move(vertex, place);
+  const message = { edit: 'drag', vertex, place, isFirst, reach: Number($('reach').value) };
+  // What came while a move was made: the last place counts.
+  const last = editing.next.at(-1);
+  if (last?.edit === 'drag' && !isFirst) last.place = place;
+  else editing.next.push(message);
+  move();
 }
 
-// What came while a move was made: the last place counts.
-async function move(vertex, place) {
-  editing.points.set(place, 3 * vertex);
-  editing.next = { edit: 'move', vertex, place };
+async function move() {
   if (editing.isMoving) return;
   editing.isMoving = true;
   const job = editing;
   try {
-    while (job.next) {
-      const message = job.next;
-      job.next = undefined;
-      const change = await ask(message);
+    while (job.next.length > 0) {
+      const change = await ask(job.next.shift());
       if (editing !== job) return;
       view.follow(change);
       told(change);
@@ -245,17 +239,15 @@ async function move(vertex, place) {
   job.isMoving = false;
 }
 
-function takeBack() {
-  if (!editing || editing.at === 0) return;
-  const { vertex, from } = editing.history[--editing.at];
-  move(vertex, from);
+// After all that is asked for already, which may be none.
+function again(name) {
+  return () => {
+    if (!editing || $(name).disabled || editing.next.length > 0) return;
+    editing.next.push({ edit: name });
+    move();
+  };
 }
-
-function makeAgain() {
-  if (!editing || editing.at === editing.history.length) return;
-  const { vertex, to } = editing.history[editing.at++];
-  move(vertex, to);
-}
+const takeBack = again('undo'), makeAgain = again('redo');
 
 async function saveMoved() {
   const name = `${stemOf(mains()[0])}.${$('format').value}`;
@@ -297,6 +289,10 @@ $('stop').addEventListener('click', () => {
   fail('Stopped; nothing was written.');
 });
 for (const [id, deed] of Object.entries({ edit, leave, undo: takeBack, redo: makeAgain, saveMoved })) $(id).addEventListener('click', deed);
+$('reach').addEventListener('input', (event) => {
+  const part = Number(event.target.value);
+  $('reached').textContent = part > 0 ? `${Math.round(100 * part)} % of the diagonal` : 'one vertex';
+});
 addEventListener('keydown', (event) => {
   if (!editing || event.key.toLowerCase() !== 'z' || !(event.ctrlKey || event.metaKey)) return;
   event.preventDefault();
