@@ -21,8 +21,6 @@ namespace {
 
 using VertexPair = std::pair<std::int32_t, std::int32_t>;
 
-VertexPair edge_key(std::int32_t a, std::int32_t b) { return std::minmax(a, b); }
-
 // The steps in order, each leaving a mesh that the next can work on.
 class Repair {
  public:
