@@ -1,10 +1,18 @@
 // Based on: Meisters, "Polygons have ears", 1975.
 #include "planish/mesh/ear_clipping.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
 #include <optional>
+#include <queue>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "planish/mesh/reflex_corners.h"
 
@@ -13,57 +21,13 @@ namespace {
 
 constexpr std::uint32_t kNoCorner = ReflexCorners::kNone;
 
-// Corners of a polygon, by number, with the next one from any on: a tree of words of 64 bits.
-class CornerSet {
- public:
-  // All of so many.
-  explicit CornerSet(std::uint32_t count) {
-    for (std::size_t bits = count;; bits = levels_.back().size()) {
-      levels_.emplace_back((bits + 63) / 64, ~std::uint64_t{0});
-      if (bits % 64 != 0) levels_.back().back() = (std::uint64_t{1} << (bits % 64)) - 1;
-      if (levels_.back().size() == 1) break;
-    }
-  }
-
-  void insert(std::uint32_t i) {
-    for (auto& level : levels_) {
-      level[i / 64] |= std::uint64_t{1} << (i % 64);
-      i /= 64;
-    }
-  }
-  void erase(std::uint32_t i) {
-    for (auto& level : levels_) {
-      level[i / 64] &= ~(std::uint64_t{1} << (i % 64));
-      if (level[i / 64] != 0) return;
-      i /= 64;
-    }
-  }
-
-  // The first one from `start` on, and then from 0 on; none where it is empty.
-  [[nodiscard]] std::optional<std::uint32_t> from(std::uint32_t start) const {
-    if (const auto found = not_before(start)) return found;
-    return not_before(0);
-  }
-
- private:
-  [[nodiscard]] std::optional<std::uint32_t> not_before(std::uint32_t start) const {
-    std::size_t at = start;
-    for (std::size_t k = 0; k < levels_.size(); ++k) {
-      if (at / 64 >= levels_[k].size()) return std::nullopt;
-      const std::uint64_t word = levels_[k][at / 64] >> (at % 64);
-      if (word == 0) {
-        at = at / 64 + 1;
-        continue;
-      }
-      at += static_cast<std::size_t>(std::countr_zero(word));
-      while (k-- > 0) at = 64 * at + static_cast<std::size_t>(std::countr_zero(levels_[k][at]));
-      return static_cast<std::uint32_t>(at);
-    }
-    return std::nullopt;
-  }
-
-  std::vector<std::vector<std::uint64_t>> levels_;  // corners first
-};
+// In the order of sizes, by so many bits after the first: equal where rounding alone differs.
+std::uint32_t rounded(double size, int bits) {
+  const int dropped = 23 - bits;
+  const double most = std::numeric_limits<float>::max();
+  const auto all = std::bit_cast<std::uint32_t>(static_cast<float>(std::min(std::abs(size), most)));
+  return (all + (1U << (dropped - 1))) >> dropped;
+}
 
 // What is left of a polygon while ears are cut off.
 class Ears {
@@ -78,33 +42,38 @@ class Ears {
     for (std::uint32_t i = 0; i < count; ++i)
       if (!is_convex(i)) reflex.push_back(i);
     reflex_.emplace(flat, std::move(reflex));
-    open_.emplace(count);
+    for (std::uint32_t i = 0; i < count; ++i) open(i);
   }
 
   std::uint32_t next(std::uint32_t i) const { return corners_[i].next; }
   std::uint32_t previous(std::uint32_t i) const { return corners_[i].previous; }
 
-  // The first ear from a corner on; the corner itself where there is none.
-  std::uint32_t ear_from(std::uint32_t start) {
-    while (const std::optional<std::uint32_t> i = open_->from(start)) {
-      if (is_ear(*i)) return *i;
-      open_->erase(*i);
+  // That with the smallest circle, so that the triangles are nearly Delaunay's: bands get some from
+  // side to side, chains no fans. None where no corner is an ear.
+  std::optional<std::uint32_t> best_ear() {
+    while (!open_.empty()) {
+      const Candidate candidate = open_.top();
+      open_.pop();
+      const std::uint32_t i = candidate.corner;
+      const bool is_old = previous(i) != candidate.previous || next(i) != candidate.next;
+      const bool is_cut = next(previous(i)) != i;
+      if (is_old || is_cut || corners_[i].watched != kNoCorner) continue;
+      if (is_ear(i)) return i;
     }
-    return start;
+    return std::nullopt;
   }
 
   void cut(std::uint32_t i) {
     const std::uint32_t before = previous(i), after = next(i);
     corners_[before].next = after;
     corners_[after].previous = before;
-    open_->erase(i);
     unwatch(i);
     stop_blocking(i);
     // A cut can only open the corners beside it.
     for (const std::uint32_t beside : {before, after}) {
       if (is_convex(beside)) stop_blocking(beside);
       unwatch(beside);
-      open_->insert(beside);
+      open(beside);
     }
   }
 
@@ -115,6 +84,27 @@ class Ears {
     std::uint32_t first_watcher = kNoCorner, watcher_after = kNoCorner, watcher_before = kNoCorner;
     std::uint32_t watched = kNoCorner;  // the corner that keeps this one from being an ear
   };
+
+  // A corner that may be an ear, between these two.
+  struct Candidate {
+    std::uint32_t radius, diagonal;  // see rounded()
+    std::uint32_t corner, previous, next;
+
+    // Of those with circles alike, the one that cuts off less: a round polygon falls into even
+    // pieces.
+    bool operator>(const Candidate& other) const {
+      return std::tie(radius, diagonal, corner) >
+             std::tie(other.radius, other.diagonal, other.corner);
+    }
+  };
+
+  void open(std::uint32_t i) {
+    const glm::dvec2 &own = flat_[i], &before = flat_[previous(i)], &after = flat_[next(i)];
+    const double diagonal = glm::distance(before, after);
+    const double radius = glm::distance(before, own) * glm::distance(own, after) * diagonal /
+                          (2 * turn(before, own, after));
+    open_.push({rounded(radius, 2), rounded(diagonal, 12), i, previous(i), next(i)});
+  }
 
   bool is_convex(std::uint32_t i) const {
     return turn(flat_[previous(i)], flat_[i], flat_[next(i)]) > 0;
@@ -151,7 +141,7 @@ class Ears {
     reflex_->erase(i);
     for (std::uint32_t w = corners_[i].first_watcher; w != kNoCorner;
          w = corners_[w].watcher_after) {
-      open_->insert(w);
+      open(w);
       corners_[w].watched = kNoCorner;
     }
     corners_[i].first_watcher = kNoCorner;
@@ -160,7 +150,7 @@ class Ears {
   std::span<const glm::dvec2> flat_;
   std::vector<Corner> corners_;
   std::optional<ReflexCorners> reflex_;
-  std::optional<CornerSet> open_;  // those that may be ears
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> open_;
 };
 
 }  // namespace
@@ -169,14 +159,13 @@ std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const glm::dvec2> 
   std::vector<std::array<std::uint32_t, 3>> triangles;
   triangles.reserve(polygon.size());
   Ears ears(polygon);
-  std::uint32_t corner = 1;
+  std::uint32_t corner = 0;
   for (std::size_t left = polygon.size(); left > 2; --left) {
     // Where no corner is an ear the polygon crosses itself or has no area: cut it anyhow.
-    if (left > 3) corner = ears.ear_from(corner);
+    corner = ears.best_ear().value_or(corner);
     triangles.push_back({ears.previous(corner), corner, ears.next(corner)});
     ears.cut(corner);
-    // Every second corner first: a round polygon falls into even pieces, not into a fan.
-    corner = ears.next(ears.next(corner));
+    corner = ears.next(corner);
   }
   return triangles;
 }
