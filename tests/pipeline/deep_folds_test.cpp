@@ -45,5 +45,44 @@ TEST(DeepLook, FindsAgainWhatAFreshOneFinds) {
   EXPECT_GT(found, 10);
 }
 
+// Folds that do not end: nets with ellipses are made from the first ellipse on.
+TEST(DeeplyCuredNet, MakesNoNetTwice) {
+  for (const int first_ellipse : {0, 2, 100}) {
+    int nets = 0, choices = 0;
+    double area = 1;
+    std::vector<std::vector<std::uint8_t>> asked;
+    const FairNet net =
+        deeply_cured_net({.make_net =
+                              [&](const FairDecisions* decisions) {
+                                ++nets;
+                                FairNet made;
+                                if (decisions) made.decisions = *decisions;
+                                made.decisions.cures.resize(2, 0);
+                                if (decisions) asked.push_back(decisions->cures);
+                                made.decisions.leans.assign(2, glm::vec2(static_cast<float>(nets)));
+                                return made;
+                              },
+                          .folds_of =
+                              [&](FairNet&) {
+                                return DeepFolds{{1, 0}, area *= 0.8};
+                              },
+                          .choose_ellipses =
+                              [&](std::span<const std::uint8_t>, FairDecisions&) {
+                                std::vector<std::uint8_t> chosen(2, 0);
+                                chosen[0] = choices++ == first_ellipse;
+                                return chosen;
+                              }});
+    const int with_ellipses = first_ellipse < 6 ? 6 - first_ellipse : 0;
+    EXPECT_EQ(nets, 1 + 6 + with_ellipses);
+    EXPECT_EQ(choices, 6);
+    EXPECT_EQ(net.rounds.nets, nets);
+    // A vertex that has just got its ellipse is not cured in that round.
+    if (with_ellipses > 0) {
+      EXPECT_EQ(asked[6][0], first_ellipse);
+    }
+    EXPECT_EQ(asked[5][0], 6);
+  }
+}
+
 }  // namespace
 }  // namespace planish

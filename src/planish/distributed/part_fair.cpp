@@ -97,7 +97,7 @@ FairNet make_net(const PartMesh& mesh, PartHalo& halo, const PartFairOptions& op
     const FairTopology topology = make_fair_topology(mesh.sub.mesh, mesh.subdivision, &halo);
     return choose_ellipses(topology, mesh.given, flagged, decisions);
   };
-  return deeply_cured_net({net_of, folds_of, choose});
+  return deeply_cured_net({net_of, folds_of, choose, &halo});
 }
 
 }  // namespace

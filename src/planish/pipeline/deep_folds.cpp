@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
@@ -211,7 +214,8 @@ struct DeepLook::Parts {
   FoldedEdges folds;
   double mesh_area = 0;
   std::vector<double> areas, corner_areas;  // folded, per vertex and per corner
-  // Of the last look where it found something: another one asks again only for what has changed.
+  // By corner, of the last look where it found something: another one asks again only for what has
+  // changed.
   std::vector<std::uint8_t> is_known;
   std::vector<glm::dvec3> last_state;
 };
@@ -232,8 +236,8 @@ DeepLook::Parts::Parts(const PolygonMesh& of, const MeshTopology& its, const Fit
 
 void DeepLook::Parts::make_surface() {
   areas.assign(mesh.positions.size(), 0);
-  is_known.assign(mesh.positions.size(), 0);
   corner_areas.assign(static_cast<std::size_t>(topology.corner_count()), 0);
+  is_known.assign(corner_areas.size(), 0);
   mesh_area = area_of(mesh, halo);
   if (mesh.face_count() == 0) return;
   features = find_sharp_features(mesh, topology, mesh.positions, sharp);
@@ -243,7 +247,7 @@ void DeepLook::Parts::make_surface() {
   folds = folded_edges(mesh, topology);
 }
 
-// The patches at a vertex are of the points around the vertices of its faces.
+// A corner's patch is of the points around the vertices of its face.
 void DeepLook::Parts::forget_what_changed(std::span<const glm::dvec3> state) {
   if (!patch_mesh) return;
   if (last_state.empty()) {
@@ -264,7 +268,7 @@ void DeepLook::Parts::forget_what_changed(std::span<const glm::dvec3> state) {
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
     const auto face = topology.face(f);
     if (std::ranges::any_of(face, [&](std::int32_t v) { return changed[v] != 0; }))
-      for (const std::int32_t v : face) is_known[v] = 0;
+      std::fill_n(is_known.begin() + topology.first_corner(f), face.size(), 0);
   }
 }
 
@@ -275,9 +279,6 @@ void DeepLook::Parts::look(const LevelOne& level_one, std::span<const std::uint8
   const auto is_meant = [&](std::int32_t vertex) {
     return at[vertex] != 0 && owns_vertex(halo, vertex);
   };
-  const auto is_looked_at = [&](std::int32_t vertex) {
-    return is_meant(vertex) && is_known[vertex] == 0;
-  };
   const RawVector<glm::dvec3> with_sums =
       patch_mesh->has_sums() ? patch_mesh->with_sums(level_one.state) : RawVector<glm::dvec3>();
   const std::span<const glm::dvec3> points =
@@ -287,8 +288,10 @@ void DeepLook::Parts::look(const LevelOne& level_one, std::span<const std::uint8
     std::vector<std::int32_t> corners;
     for (std::size_t c = begin; c < end; ++c) {
       const auto corner = static_cast<std::int32_t>(c);
-      if (is_looked_at(topology.vertex_of(corner)) && !folds.is_beside[topology.face_of(corner)])
-        corners.push_back(corner);
+      if (is_known[c] == 0 && is_meant(topology.vertex_of(corner))) {
+        is_known[c] = 1;
+        if (!folds.is_beside[topology.face_of(corner)]) corners.push_back(corner);
+      }
       if (corners.size() < kCornersAtOnce && c + 1 < end) continue;
       meter.measure(corners);
       corners.clear();
@@ -301,7 +304,6 @@ void DeepLook::Parts::look(const LevelOne& level_one, std::span<const std::uint8
     areas[v] = 0;
     for (const std::int32_t c : topology.corners_at(vertex)) areas[v] += corner_areas[c];
     at_vertex[v] = areas[v] > 0;
-    is_known[v] = 1;
   }
 }
 
@@ -349,19 +351,28 @@ FairNet deeply_cured_net(const DeepCure& cure) {
   const DeepFolds first = cure.folds_of(net);
   const FairDecisions first_decisions = first.area > kNoDeepFolds ? net.decisions : FairDecisions{};
   double least = first.area;
+  // Of the rounds without ellipses: those with them are the same until one is chosen.
+  std::vector<std::pair<DeepFolds, std::vector<glm::vec2>>> seen;  // folds, leans
   for (const bool with_ellipses : {false, true}) {
     FairDecisions decisions = first_decisions;
     DeepFolds folds = first;
+    bool is_seen = with_ellipses;
     for (int round = 0; round < kDeepRounds && least > kNoDeepFolds; ++round) {
       std::vector<std::uint8_t> has_changed(folds.at_vertex.size(), 0);
       if (with_ellipses) has_changed = cure.choose_ellipses(folds.at_vertex, decisions);
       for (std::size_t v = 0; v < folds.at_vertex.size(); ++v)
         decisions.cures[v] += folds.at_vertex[v] != 0 && has_changed[v] == 0 ? 1 : 0;
+      is_seen = is_seen && !is_anywhere(has_changed, cure.halo);
+      if (is_seen) {
+        std::tie(folds, decisions.leans) = std::move(seen[static_cast<std::size_t>(round)]);
+        continue;
+      }
       FairNet next = cure.make_net(&decisions);
       ++rounds.nets;
       folds = cure.folds_of(next);
       // Vertices that this net cures for the first time have chosen how they lean.
       decisions.leans = next.decisions.leans;
+      if (!with_ellipses) seen.emplace_back(folds, decisions.leans);
       if (folds.area >= least) continue;
       least = folds.area;
       net = std::move(next);

@@ -52,6 +52,7 @@ struct DeepCure {
   std::function<std::vector<std::uint8_t>(std::span<const std::uint8_t> flagged,
                                           FairDecisions& decisions)>
       choose_ellipses;
+  FairHalo* halo = nullptr;  ///< where the mesh is a part: all parts take the same way
 };
 
 /// Folds between the places that the construction looks at shrink with the polygons around: those
