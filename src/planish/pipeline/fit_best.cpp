@@ -146,7 +146,7 @@ std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
   best.creased = creased.quality;
   const SurfaceQuality &sharp = creased.quality, &rounded = round.quality;
   const bool folds_more =
-      creased.folds() && sharp.folded_area_elsewhere > rounded.folded_area_elsewhere;
+      sharp.folded_area_elsewhere > rounded.folded_area_elsewhere + kWorthAllCreases;
   if (creased.fit.interpolation.converged && !folds_more &&
       sharp.rms_normal_deviation <= kCreasesBetter * rounded.rms_normal_deviation) {
     best.method = InterpolationMethod::Fair;

@@ -21,6 +21,8 @@ namespace {
 constexpr int kRounds = 4;
 // Of all turns; see pipeline/details.md.
 constexpr double kClearShare = 0.9;
+// Corners of a face from which on it is more than what lies around a vertex.
+constexpr std::size_t kLargeFace = 16;
 
 // A fit that is not given out yet, with its tags.
 struct CreasedCandidate {
@@ -83,7 +85,7 @@ std::vector<std::int32_t> numbers_of(std::span<const std::uint8_t> flags) {
 }
 
 // Adds the vertices that are folded, and from the second round on the faces around all of them:
-// what folds a vertex may run past it.
+// what folds a vertex may run past it. Of a large face only those beside them.
 void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
             const PolygonMesh& mesh, bool widens) {
   const PreparedMesh& prepared = *folded.fit.prepared;
@@ -93,8 +95,15 @@ void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
   const std::vector<std::uint8_t> before = smooth;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     const auto face = mesh.face(f);
-    if (std::ranges::any_of(face, [&](std::int32_t v) { return before[v] != 0; }))
+    const auto was_smooth = [&](std::int32_t v) { return before[v] != 0; };
+    if (face.size() <= kLargeFace && std::ranges::any_of(face, was_smooth)) {
       for (const std::int32_t v : face) smooth[v] = 1;
+      continue;
+    }
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const std::int32_t v0 = face[i], v1 = face[(i + 1) % face.size()];
+      if (was_smooth(v0) || was_smooth(v1)) smooth[v0] = smooth[v1] = 1;
+    }
   }
 }
 
@@ -172,20 +181,31 @@ CreasedFit creased_fit(PolygonMesh& mesh, const FoundCreases& found, Backend& ba
   CreasedCandidate best = creased_candidate(mesh, backend, prepared);
   prepared.prepared = best.fit.prepared;
   std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
+  const auto first_count = static_cast<double>(best.creases.size());
+  const auto lost = [&](std::size_t creases) {
+    return kWorthAllCreases * (1 - static_cast<double>(creases) / first_count);
+  };
+  double least = best.area;
+  // False where what is taken back costs more than all folds that are left.
   const auto try_smooth = [&] {
     std::vector<std::int32_t> smoothed = numbers_of(smooth);
     const std::size_t before = mesh.creases.size() + mesh.corners.size();
     leave_smooth(mesh, *prepared.prepared, found, smoothed);
-    if (mesh.creases.size() + mesh.corners.size() == before) return;
+    if (lost(mesh.creases.size()) >= least) return false;
+    if (mesh.creases.size() + mesh.corners.size() == before) return true;
     prepared.callbacks = rounds.next();
     CreasedCandidate next = creased_candidate(mesh, backend, prepared);
-    const bool is_better = next.area < best.area;
-    if (is_better) result.smoothed_vertices = std::move(smoothed);
-    if (is_better) best = std::move(next);
+    const double cost = next.area + lost(next.creases.size());
+    if (cost >= least) return true;
+    least = cost;
+    result.smoothed_vertices = std::move(smoothed);
+    best = std::move(next);
+    return true;
   };
-  for (int round = 0; round < kRounds && best.area > 0; ++round) {
+  bool is_worth_it = true;
+  for (int round = 0; round < kRounds && is_worth_it && best.area > 0; ++round) {
     spread(smooth, best, mesh, round > 0);
-    try_smooth();
+    is_worth_it = try_smooth();
   }
   if (best.area > 0) {
     std::ranges::fill(smooth, 1);

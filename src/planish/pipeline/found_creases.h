@@ -38,6 +38,11 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
 [[nodiscard]] std::optional<FoundCreases> add_clear_creases(
     PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
 
+/// The share of the area that may fold before all found creases are taken back, part of it before
+/// as large a part of them is: an edge that is rounded is seen from far, a fold of so little is
+/// not.
+inline constexpr double kWorthAllCreases = 3e-3;
+
 /// A fair surface whose creases only help.
 struct CreasedFit {
   Fit fit;
@@ -47,9 +52,10 @@ struct CreasedFit {
 
 /// Fits by the fair method a mesh whose creases were found. Where the surface is folded at level 3
 /// (see DeepLook), found creases around are taken back, four rounds at most; where folds
-/// remain, all of them if that folds less, by the worst of levels 1 to 3. `mesh` has the tags of
-/// what is given out then. A mesh that does not fold costs a look at its folds. options.prepared is
-/// the mesh's, or null. Warnings are those of the fit that is given out; throws as fit().
+/// remain, all of them; each time if the folds, by the worst of levels 1 to 3, are worth it (see
+/// kWorthAllCreases). `mesh` has the tags of what is given out then. A mesh that does not fold
+/// costs a look at its folds. options.prepared is the mesh's, or null. Warnings are those of the
+/// fit that is given out; throws as fit().
 [[nodiscard]] CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found,
                                                 Backend& backend, const FitOptions& options);
 
