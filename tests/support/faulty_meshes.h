@@ -53,6 +53,9 @@ inline std::vector<FaultyMesh> faulty_meshes() {
     add("crease" + number, Kind::UnknownCreaseEdge, [&](auto& m) { m.creases[0].v1 = wild; });
     add("corner" + number, Kind::UnknownCornerVertex, [&](auto& m) { m.corners[0].vertex = wild; });
   }
+  add("all offsets", Kind::IndexOutOfRange, [&](auto& m) {
+    for (std::int32_t& offset : m.face_offsets) offset += kFar;  // faces have the sizes they had
+  });
   for (const bool more : {false, true}) {
     const std::string number = more ? " more" : " fewer";
     const auto spoil = [&](auto& values) { more ? values.resize(200) : values.resize(1); };

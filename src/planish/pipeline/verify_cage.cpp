@@ -7,6 +7,7 @@
 #include "planish/core/error.h"
 #include "planish/core/safe_length.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/mesh_arrays.h"
 #include "planish/mesh/placement.h"
 #include "planish/pipeline/make_ready.h"
 #include "planish/surface/evaluate.h"
@@ -78,6 +79,8 @@ Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const Verify
                   .mesh,
               {}};
   require_usable(made.mesh, options.given_name);
+  // What is compared or taken for control points later may hold anything as yet.
+  require_sound_indices(arrays_of(cage), options.cage_name, ErrorCode::UnusableMesh);
   made.points = options.method == InterpolationMethod::Fair
                     ? fair_limits(cage, made.mesh, options)
                     : progressive_limits(cage, made.mesh, options);
