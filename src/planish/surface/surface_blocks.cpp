@@ -118,9 +118,10 @@ DegenerateRows make_all_rows(const SurfaceBlocks& blocks, const RowTarget& all,
 }
 
 VertexAttribute all_rows(const SurfaceBlocks& blocks, std::size_t attribute) {
-  const auto& [name, width] = blocks.info().attributes[attribute];
+  const auto& info = blocks.info().attributes[attribute];
+  const int width = info.width;
   VertexAttribute made =
-      attribute_of_size(name, width, static_cast<std::size_t>(blocks.info().row_count));
+      attribute_of_size(info.name, width, static_cast<std::size_t>(blocks.info().row_count));
   const std::vector<RowRange> ranges = ranges_of(blocks.info().row_count, kPieceRows);
   parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
