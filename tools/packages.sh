@@ -2,12 +2,12 @@
 # needs.
 
 # To build the command and the library.
-run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libmeshoptimizer-dev libdraco-dev
+run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
   nlohmann-json3-dev libcli11-dev libssl-dev zlib1g-dev libstb-dev libvulkan-dev glslang-tools spirv-tools libcgal-dev"
 
 # To build and run the tests and benchmarks: reference implementations, a software Vulkan device
 # and its validation layers.
-test_packages="libgtest-dev libgmock-dev libtinygltf-dev libbenchmark-dev libeigen3-dev libegl-dev
+test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libegl-dev
   libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3 zsh fish man-db bsdextrautils"
 
 # To test pages in a browser: 64 MB to fetch, so only where the test must not be skipped.
@@ -30,6 +30,6 @@ docs_packages="doxygen graphviz"
 check_packages="clang-format clang-tidy"
 
 # To compile to WebAssembly, beside what tools/wasm/setup.sh fetches; and the packages whose sources are compiled so.
-wasm_packages="clang-19 lld-19 llvm-19 dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev
+wasm_packages="clang-19 lld-19 llvm-19 dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtinygltf-dev
   libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libstb-dev"
 wasm_sources="libosd-dev libmeshoptimizer-dev zlib1g-dev"

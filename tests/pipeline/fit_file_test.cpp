@@ -76,6 +76,18 @@ TEST_F(FitFilePlaces, HolesAloneMakeNoGltfAndNoStep) {
   EXPECT_TRUE(fs::exists(folder_ / "b.ply"));
 }
 
+// glTF is UTF-8: what is none stands as U+FFFD, and the material is found all the same.
+TEST_F(FitFilePlaces, MaterialsOfAnyNameAreFound) {
+  std::ofstream(folder_ / "box.mtl") << "newmtl caf\xE9\nKd 0.25 0.5 1\n";
+  std::ifstream given(input_);
+  std::ofstream(folder_ / "box.obj") << "mtllib box.mtl\nusemtl caf\xE9\n" << given.rdbuf();
+  (void)fit_file(folder_ / "box.obj", folder_ / "b.gltf");
+  std::ifstream made(folder_ / "b.gltf");
+  const std::string text{std::istreambuf_iterator<char>(made), {}};
+  EXPECT_THAT(text, HasSubstr("caf\xEF\xBF\xBD"));
+  EXPECT_THAT(text, HasSubstr("baseColorFactor"));
+}
+
 // A cage has the materials of its mesh, with textures as seen from where it stands.
 TEST_F(FitFilePlaces, ACageHasItsMaterials) {
   fs::create_directory(folder_ / "cages");

@@ -308,6 +308,6 @@ test('a file that is larger than all memory is refused before it is read', async
 
 test('what is compiled in has its notices', () => {
   const notices = readFileSync(join(folder, 'node_modules/planish/NOTICES.txt'), 'utf8');
-  for (const name of ['planish', 'libosd-dev', 'libglm-dev', 'nlohmann', 'meshoptimizer', 'zlib', 'cli11', 'stb', 'emscripten', 'musl'])
+  for (const name of ['planish', 'libosd-dev', 'libglm-dev', 'nlohmann', 'tinygltf', 'meshoptimizer', 'zlib', 'cli11', 'stb', 'emscripten', 'musl'])
     assert.match(notices, new RegExp(name, 'i'));
 });

@@ -21,6 +21,7 @@ class Planish(ConanFile):
         "nlohmann_json/[>=3.11]",
         "onetbb/[>=2021.8]",
         "opensubdiv/[>=3.5]",
+        "tinygltf/[>=2.5]",
     )
 
     def export_sources(self):

@@ -1,12 +1,13 @@
 // Based on: Khronos, "glTF 2.0 Specification", 2021.
 #include "planish/files/gltf/gltf_document.h"
 
+#include <tiny_gltf.h>
+
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <utility>
-#include <variant>
+#include <sstream>
 
 #include "planish/core/version.h"
 #include "planish/files/gltf/gltf_materials.h"
@@ -15,121 +16,126 @@ namespace planish {
 namespace {
 
 using nlohmann::json;
+using tinygltf::Value;
 
 constexpr double kRoughness = 0.5;
-constexpr int kTriangles = 4, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
 constexpr std::string_view kMeshopt = "EXT_meshopt_compression";
 
 template <class Vector>
-json array_of(const Vector& v) {
+std::vector<double> array_of(const Vector& v) {
   return {v.x, v.y, v.z};
 }
 
-template <class Vector>
-json integers_of(const Vector& v) {
-  return {static_cast<int>(v.x), static_cast<int>(v.y), static_cast<int>(v.z)};
+Value value_of(const std::variant<bool, std::int64_t, double, std::string>& held) {
+  if (const auto* flag = std::get_if<bool>(&held)) return Value(*flag);
+  if (const auto* number = std::get_if<double>(&held)) return Value(*number);
+  if (const auto* text = std::get_if<std::string>(&held)) return Value(valid_utf8(*text));
+  const std::int64_t integer = std::get<std::int64_t>(held);
+  // tinygltf's integers have 32 bits.
+  const int narrow = static_cast<int>(integer);
+  return narrow == integer ? Value(narrow) : Value(static_cast<double>(integer));
 }
 
-json asset_of(const GltfOptions& options) {
-  json asset;
-  asset["version"] = "2.0";
-  asset["generator"] = "planish " PLANISH_VERSION;
-  for (const auto& [key, held] : options.extras)
-    std::visit([&, &to = asset["extras"][key]](const auto& value) { to = value; }, held);
+tinygltf::Asset asset_of(const GltfOptions& options) {
+  tinygltf::Asset asset;
+  asset.version = "2.0";
+  asset.generator = "planish " PLANISH_VERSION;
+  Value::Object extras;
+  for (const auto& [key, held] : options.extras) extras[valid_utf8(key)] = value_of(held);
+  if (!extras.empty()) asset.extras = Value(std::move(extras));
   return asset;
-}
-
-void set_name(json& to, const std::string& name) {
-  if (!name.empty()) to["name"] = name;
 }
 
 // Of a mesh and its node.
 std::string name_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
-  return options.name + (document.mesh_count > 1 ? " " + std::to_string(mesh + 1) : "");
+  const std::string number = document.mesh_count > 1 ? " " + std::to_string(mesh + 1) : "";
+  return valid_utf8(options.name + number);
 }
 
-json node_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
-  json node;
-  node["mesh"] = mesh;
-  set_name(node, name_of(document, options, mesh));
-  if (document.translation != glm::dvec3(0.0)) node["translation"] = array_of(document.translation);
-  if (document.scale != 1.0) node["scale"] = array_of(glm::dvec3(document.scale));
+tinygltf::Node node_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
+  tinygltf::Node node;
+  node.mesh = static_cast<int>(mesh);
+  node.name = name_of(document, options, mesh);
+  if (document.translation != glm::dvec3(0.0)) node.translation = array_of(document.translation);
+  if (document.scale != 1.0) node.scale = array_of(glm::dvec3(document.scale));
   return node;
 }
 
-json buffer_view_of(const GltfArray& array) {
-  json view;
-  view["buffer"] = array.stream ? 1 : array.buffer;
-  view["byteLength"] = array.bytes;
-  if (array.offset > 0) view["byteOffset"] = array.offset;
-  if (array.stride > 0) view["byteStride"] = array.stride;
-  view["target"] = array.is_indices ? kElementArrayBuffer : kArrayBuffer;
-  return view;
+int type_of(std::string_view name) {
+  if (name == "SCALAR") return TINYGLTF_TYPE_SCALAR;
+  if (name == "VEC2") return TINYGLTF_TYPE_VEC2;
+  return name == "VEC3" ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4;
 }
 
-json accessor_of(const GltfArray& array, std::size_t view) {
-  json accessor;
-  accessor["bufferView"] = view;
-  accessor["componentType"] = static_cast<int>(array.component);
-  accessor["count"] = array.count;
-  accessor["type"] = array.type;
-  if (array.normalized) accessor["normalized"] = true;
-  if (!array.bounds) return accessor;
-  const bool is_float = array.component == GltfComponent::Float;
-  for (const auto& [key, bound] :
-       {std::pair("min", array.bounds->minimum), std::pair("max", array.bounds->maximum)})
-    accessor[key] = is_float ? array_of(glm::dvec3(bound)) : integers_of(bound);
-  return accessor;
+void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
+  for (std::size_t i = 0; i < document.arrays.size(); ++i) {
+    const GltfArray& array = document.arrays[i];
+    tinygltf::BufferView& view = model.bufferViews.emplace_back();
+    view.buffer = array.stream ? 1 : static_cast<int>(array.buffer);
+    view.byteOffset = array.offset;
+    view.byteLength = array.bytes;
+    view.byteStride = array.stride;
+    view.target =
+        array.is_indices ? TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER : TINYGLTF_TARGET_ARRAY_BUFFER;
+    tinygltf::Accessor& accessor = model.accessors.emplace_back();
+    accessor.bufferView = static_cast<int>(i);
+    accessor.componentType = static_cast<int>(array.component);
+    accessor.normalized = array.normalized;
+    accessor.count = array.count;
+    accessor.type = type_of(array.type);
+    if (!array.bounds) continue;
+    accessor.minValues = array_of(array.bounds->minimum);
+    accessor.maxValues = array_of(array.bounds->maximum);
+  }
 }
 
-const std::string& material_name(const GltfArrays& primitive) {
-  return primitive.material.empty() ? primitive.name : primitive.material;
+std::string material_name(const GltfArrays& primitive) {
+  return valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
 }
 
 // Materials of the primitives, each with its number.
-std::vector<std::size_t> add_materials(const GltfDocument& document, const GltfOptions& options,
-                                       json& to) {
-  std::vector<std::size_t> numbers;
-  std::map<std::string, std::size_t> known;
-  json& materials = to["materials"];
+std::vector<int> add_materials(const GltfDocument& document, const GltfOptions& options,
+                               tinygltf::Model& model) {
+  std::vector<int> numbers;
+  std::map<std::string, int> known;
   for (const GltfArrays& primitive : document.primitives) {
-    const std::string& name = material_name(primitive);
-    const std::size_t next = materials.size();
+    std::string name = material_name(primitive);
+    const auto next = static_cast<int>(model.materials.size());
     const auto [entry, is_new] = known.try_emplace(name, next);
     numbers.push_back(document.shares_materials ? entry->second : next);
     if (document.shares_materials && !is_new) continue;
-    json material;
-    material["pbrMetallicRoughness"] = {{"metallicFactor", 0.0}, {"roughnessFactor", kRoughness}};
-    if (options.double_sided) material["doubleSided"] = true;
-    set_name(material, name);
-    materials.push_back(std::move(material));
+    tinygltf::Material& material = model.materials.emplace_back();
+    material.pbrMetallicRoughness.metallicFactor = 0.0;
+    material.pbrMetallicRoughness.roughnessFactor = kRoughness;
+    material.doubleSided = options.double_sided;
+    material.name = std::move(name);
   }
   return numbers;
 }
 
-void add_meshes(const GltfDocument& document, const GltfOptions& options, json& to) {
-  json &nodes = to["nodes"], &scene = to["scenes"][0]["nodes"], &meshes = to["meshes"];
+void add_meshes(const GltfDocument& document, const GltfOptions& options, tinygltf::Model& model) {
+  const std::vector<int> materials = add_materials(document, options, model);
   for (std::size_t m = 0; m < document.mesh_count; ++m) {
-    nodes.push_back(node_of(document, options, m));
-    scene.push_back(m);
-    set_name(meshes[m], name_of(document, options, m));
+    model.nodes.push_back(node_of(document, options, m));
+    model.scenes.front().nodes.push_back(static_cast<int>(m));
+    model.meshes.emplace_back().name = name_of(document, options, m);
   }
-  const std::vector<std::size_t> materials = add_materials(document, options, to);
   for (std::size_t i = 0; i < document.primitives.size(); ++i) {
     const GltfArrays& arrays = document.primitives[i];
-    json primitive;
-    primitive["attributes"] = arrays.attributes;
-    primitive["indices"] = arrays.indices;
-    primitive["material"] = materials[i];
-    primitive["mode"] = kTriangles;
+    tinygltf::Primitive& primitive = model.meshes[arrays.mesh].primitives.emplace_back();
+    for (const auto& [name, array] : arrays.attributes)
+      primitive.attributes[valid_utf8(name)] = static_cast<int>(array);
+    primitive.indices = static_cast<int>(arrays.indices);
+    primitive.material = materials[i];
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
     // Primitives have no name of their own.
-    if (!arrays.name.empty()) primitive["extras"]["group"] = arrays.name;
-    meshes[arrays.mesh]["primitives"].push_back(std::move(primitive));
+    if (!arrays.name.empty())
+      primitive.extras = Value(Value::Object{{"group", Value(valid_utf8(arrays.name))}});
   }
 }
 
-// Without their bytes; and where streams lie.
+// What tinygltf cannot serialise: buffers without their bytes, and extensions of buffer views.
 void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
   json& buffers = to["buffers"] = json::array();
   for (const GltfBuffer& buffer : document.buffers)
@@ -191,20 +197,20 @@ bool takes_materials(const GltfDocument& document, const GltfOptions& options) {
 
 std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
                       std::string_view buffer_uri) {
-  json written;
-  written["asset"] = asset_of(options);
-  written["scene"] = 0;
-  add_meshes(document, options, written);
-  if (!document.extensions.empty())
-    written["extensionsUsed"] = written["extensionsRequired"] = document.extensions;
-  for (std::size_t i = 0; i < document.arrays.size(); ++i) {
-    written["bufferViews"].push_back(buffer_view_of(document.arrays[i]));
-    written["accessors"].push_back(accessor_of(document.arrays[i], i));
-  }
+  tinygltf::Model model;
+  model.asset = asset_of(options);
+  model.defaultScene = 0;
+  model.scenes.emplace_back();
+  add_meshes(document, options, model);
+  model.extensionsUsed = model.extensionsRequired = document.extensions;
+  add_arrays(document, model);
+  std::ostringstream text;
+  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
+  json written = json::parse(text.str());
   add_buffers(document, buffer_uri, written);
   if (takes_materials(document, options))
     options.materials->apply(written, options.image_folder, document.buffer_bytes);
-  return written.dump(buffer_uri.empty() ? -1 : 2, ' ', false, json::error_handler_t::replace);
+  return written.dump(buffer_uri.empty() ? -1 : 2);
 }
 
 void append(GltfDocument& all, const GltfDocument& block) {

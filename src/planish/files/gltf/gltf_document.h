@@ -79,7 +79,7 @@ struct GltfDocument {
 /// Whether it gets any of the options' materials.
 [[nodiscard]] bool takes_materials(const GltfDocument& document, const GltfOptions& options);
 
-/// The glTF JSON, keys sorted. An empty buffer_uri stands for a GLB's binary
+/// The glTF JSON as tinygltf writes it, keys sorted. An empty buffer_uri stands for a GLB's binary
 /// chunk and gives the text without white space. Text that is not UTF-8 and non-finite numbers
 /// become U+FFFD and null.
 [[nodiscard]] std::string gltf_json(const GltfDocument& document, const GltfOptions& options,

@@ -90,10 +90,16 @@ GltfMaterials made_of(const GltfAsset& asset) {
 
 }  // namespace
 
+std::string valid_utf8(const std::string& text) {
+  const json value = text;
+  return json::parse(value.dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+}
+
 std::optional<glm::dvec3> GltfMaterials::display_color(std::string_view name) const {
   if (!lists.contains("materials")) return std::nullopt;
+  const std::string wanted = valid_utf8(std::string(name));
   for (const json& material : lists["materials"]) {
-    if (material.value("name", std::string()) != name) continue;
+    if (material.value("name", std::string()) != wanted) continue;
     const json factor = material.value("pbrMetallicRoughness", json::object())
                             .value("baseColorFactor", json::array());
     if (factor.size() < 3) return std::nullopt;
@@ -110,7 +116,9 @@ std::optional<glm::dvec3> GltfMaterials::display_color(std::string_view name) co
 bool GltfMaterials::has(const std::string& name) const {
   const auto all = lists.find("materials");
   return all != lists.end() &&
-         std::ranges::any_of(*all, [&](const json& material) { return material["name"] == name; });
+         std::ranges::any_of(*all, [wanted = valid_utf8(name)](const json& material) {
+           return material["name"] == wanted;
+         });
 }
 
 void GltfMaterials::apply(json& document, std::string_view folder,

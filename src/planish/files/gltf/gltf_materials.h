@@ -15,6 +15,9 @@
 
 namespace planish {
 
+/// Text with U+FFFD where it is no UTF-8: glTF is UTF-8, tinygltf and JSON throw else.
+[[nodiscard]] std::string valid_utf8(const std::string& text);
+
 /// An image as it stands in a file.
 struct GltfImage {
   std::string type;  ///< "image/png"
@@ -32,6 +35,7 @@ struct GltfMaterials {
   bool has_sides = true;  ///< false: "doubleSided" is that of the material whose place they take
   std::vector<Warning> warnings;
 
+  /// By the name in any bytes.
   [[nodiscard]] bool has(const std::string& name) const;
   /// The base colour of the material of that name as displays have it (sRGB), each 0 to 1; empty:
   /// there is none, or nothing says its colour.

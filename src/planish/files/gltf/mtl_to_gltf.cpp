@@ -33,7 +33,7 @@ class Converter {
 
  private:
   void add(const std::string& name, const std::vector<MaterialStatement>& statements) {
-    json material{{"name", name}}, pbr = json::object();
+    json material{{"name", valid_utf8(name)}}, pbr = json::object();
     std::vector<double> color{1, 1, 1}, glow{0, 0, 0};
     double alpha = 1, metallic = 0;
     std::optional<double> roughness, shininess;

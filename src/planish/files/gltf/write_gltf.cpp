@@ -1,4 +1,6 @@
-// Based on: Khronos, "glTF 2.0 Specification", 2021.
+// Based on: Khronos, "glTF 2.0 Specification", 2021. tinygltf writes the document
+// (gltf_document.h), the container is written here: tinygltf copies the buffer several times and
+// corrupts files above 4 GiB.
 #include "planish/files/gltf/write_gltf.h"
 
 #include <algorithm>

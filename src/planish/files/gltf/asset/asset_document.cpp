@@ -1,5 +1,5 @@
 // Based on: Khronos Group, "glTF 2.0 Specification", 2021. The asset's own JSON is changed in
-// place, so that keys that nobody here knows stay.
+// place: tinygltf, which writes what is new (gltf_document.h), drops keys that it does not know.
 #include "planish/files/gltf/asset/asset_document.h"
 
 #include <algorithm>
