@@ -102,7 +102,12 @@ void Application::make_device() {
   queue_info.queueFamilyIndex = family;
   queue_info.queueCount = 1;
   queue_info.pQueuePriorities = &priority;
+  VkPhysicalDeviceFeatures offered, wanted{};
+  LOAD(*this, vkGetPhysicalDeviceFeatures)(physical_device, &offered);
+  has_tessellation = offered.tessellationShader == VK_TRUE;
+  wanted.tessellationShader = offered.tessellationShader;
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+  info.pEnabledFeatures = &wanted;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue_info;
   check(LOAD(*this, vkCreateDevice)(physical_device, &info, nullptr, &device), "vkCreateDevice");

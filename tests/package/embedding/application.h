@@ -34,6 +34,7 @@ class Application {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;  // of graphics and compute
   std::uint32_t family = 0;
+  bool has_tessellation = false;  ///< then it is enabled
 
   template <class Function>
   [[nodiscard]] Function load(const char* name) const {

@@ -101,11 +101,10 @@ VkPipelineLayout FrameObjects::make_layout(VkShaderStageFlags stages, std::uint3
 }
 
 Pass FrameObjects::make_pass(std::uint32_t side, std::initializer_list<VkFormat> colours,
-                             std::span<const std::uint32_t> vertex,
-                             std::span<const std::uint32_t> fragment,
-                             std::initializer_list<std::uint32_t> strides,
+                             const Stages& code, std::initializer_list<std::uint32_t> strides,
                              std::initializer_list<Attribute> attributes,
-                             std::uint32_t parameter_bytes) {
+                             std::uint32_t parameter_bytes,
+                             const std::vector<VkDescriptorBufferInfo>& buffers) {
   Pass result;
   std::vector<VkImageView> views;
   result.formats = colours;
@@ -126,18 +125,28 @@ Pass FrameObjects::make_pass(std::uint32_t side, std::initializer_list<VkFormat>
   frame.width = frame.height = side;
   frame.layers = 1;
   MAKE(result.framebuffer, vkCreateFramebuffer, vkDestroyFramebuffer, frame);
-  result.layout = make_layout(VK_SHADER_STAGE_VERTEX_BIT, parameter_bytes, VK_NULL_HANDLE);
+  const bool has_patches = !code.control.empty();
+  result.parameter_stages =
+      VK_SHADER_STAGE_VERTEX_BIT | (has_patches ? VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT : 0);
+  std::vector<VkDescriptorSet> sets;
+  const VkDescriptorSetLayout set_layout =
+      buffers.empty() ? VK_NULL_HANDLE : make_sets(result.parameter_stages, {buffers}, sets);
+  if (!sets.empty()) result.set = sets.front();
+  result.layout = make_layout(result.parameter_stages, parameter_bytes, set_layout);
 
   std::vector<VkPipelineShaderStageCreateInfo> stages;
-  const auto add_stage = [&](VkShaderStageFlagBits stage, std::span<const std::uint32_t> code) {
+  const auto add_stage = [&](VkShaderStageFlagBits stage, std::span<const std::uint32_t> words) {
+    if (words.empty()) return;
     VkPipelineShaderStageCreateInfo& made = stages.emplace_back(
         VkPipelineShaderStageCreateInfo{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO});
     made.stage = stage;
-    made.module = make_module(code);
+    made.module = make_module(words);
     made.pName = "main";
   };
-  add_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex);
-  if (!fragment.empty()) add_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment);
+  add_stage(VK_SHADER_STAGE_VERTEX_BIT, code.vertex);
+  add_stage(VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT, code.control);
+  add_stage(VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT, code.evaluation);
+  add_stage(VK_SHADER_STAGE_FRAGMENT_BIT, code.fragment);
   std::vector<VkVertexInputBindingDescription> bindings;
   for (const std::uint32_t stride : strides)
     bindings.push_back(
@@ -154,7 +163,11 @@ Pass FrameObjects::make_pass(std::uint32_t side, std::initializer_list<VkFormat>
   input.pVertexAttributeDescriptions = inputs.data();
   VkPipelineInputAssemblyStateCreateInfo assembly{
       VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  assembly.topology =
+      has_patches ? VK_PRIMITIVE_TOPOLOGY_PATCH_LIST : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  VkPipelineTessellationStateCreateInfo patches{
+      VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO};
+  patches.patchControlPoints = 1;
   const VkViewport viewport{0, 0, float(side), float(side), 0, 1};
   const VkRect2D scissor{{0, 0}, {side, side}};
   VkPipelineViewportStateCreateInfo view{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
@@ -164,6 +177,8 @@ Pass FrameObjects::make_pass(std::uint32_t side, std::initializer_list<VkFormat>
   VkPipelineRasterizationStateCreateInfo raster{
       VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
   raster.lineWidth = 1;
+  // Where a crack were, the background would be seen.
+  if (has_patches) raster.cullMode = VK_CULL_MODE_FRONT_BIT;
   VkPipelineMultisampleStateCreateInfo samples{
       VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
@@ -183,6 +198,7 @@ Pass FrameObjects::make_pass(std::uint32_t side, std::initializer_list<VkFormat>
   info.pStages = stages.data();
   info.pVertexInputState = &input;
   info.pInputAssemblyState = &assembly;
+  info.pTessellationState = has_patches ? &patches : nullptr;
   info.pViewportState = &view;
   info.pRasterizationState = &raster;
   info.pMultisampleState = &samples;
@@ -197,19 +213,19 @@ Pass FrameObjects::make_pass(std::uint32_t side, std::initializer_list<VkFormat>
   return result;
 }
 
-Kernel FrameObjects::make_kernel(std::span<const std::uint32_t> code, std::uint32_t parameter_bytes,
-                                 const std::vector<std::vector<VkBuffer>>& sets) {
-  const auto count = static_cast<std::uint32_t>(sets.front().size());
-  const auto set_count = static_cast<std::uint32_t>(sets.size());
+VkDescriptorSetLayout FrameObjects::make_sets(
+    VkShaderStageFlags stages, const std::vector<std::vector<VkDescriptorBufferInfo>>& buffers,
+    std::vector<VkDescriptorSet>& sets) {
+  const auto count = static_cast<std::uint32_t>(buffers.front().size());
+  const auto set_count = static_cast<std::uint32_t>(buffers.size());
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   for (std::uint32_t i = 0; i < count; ++i)
-    bindings.push_back(
-        {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, stages, nullptr});
   VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   set_info.bindingCount = count;
   set_info.pBindings = bindings.data();
-  VkDescriptorSetLayout set_layout;
-  MAKE(set_layout, vkCreateDescriptorSetLayout, vkDestroyDescriptorSetLayout, set_info);
+  VkDescriptorSetLayout layout;
+  MAKE(layout, vkCreateDescriptorSetLayout, vkDestroyDescriptorSetLayout, set_info);
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count * set_count};
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool_info.maxSets = set_count;
@@ -217,25 +233,31 @@ Kernel FrameObjects::make_kernel(std::span<const std::uint32_t> code, std::uint3
   pool_info.pPoolSizes = &size;
   VkDescriptorPool pool;
   MAKE(pool, vkCreateDescriptorPool, vkDestroyDescriptorPool, pool_info);
-  Kernel result;
-  for (const std::vector<VkBuffer>& buffers : sets) {
+  for (const std::vector<VkDescriptorBufferInfo>& of_set : buffers) {
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
     allocate.descriptorPool = pool;
     allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &set_layout;
-    check(LOAD(app_, vkAllocateDescriptorSets)(app_.device, &allocate, &result.sets.emplace_back()),
+    allocate.pSetLayouts = &layout;
+    check(LOAD(app_, vkAllocateDescriptorSets)(app_.device, &allocate, &sets.emplace_back()),
           "vkAllocateDescriptorSets");
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const VkDescriptorBufferInfo buffer{buffers[i], 0, VK_WHOLE_SIZE};
-      VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-      write.dstSet = result.sets.back();
-      write.dstBinding = i;
-      write.descriptorCount = 1;
-      write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-      write.pBufferInfo = &buffer;
-      LOAD(app_, vkUpdateDescriptorSets)(app_.device, 1, &write, 0, nullptr);
-    }
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstSet = sets.back();
+    write.descriptorCount = count;  // from binding to binding
+    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    write.pBufferInfo = of_set.data();
+    LOAD(app_, vkUpdateDescriptorSets)(app_.device, 1, &write, 0, nullptr);
   }
+  return layout;
+}
+
+Kernel FrameObjects::make_kernel(std::span<const std::uint32_t> code, std::uint32_t parameter_bytes,
+                                 const std::vector<std::vector<VkBuffer>>& sets) {
+  std::vector<std::vector<VkDescriptorBufferInfo>> buffers(sets.size());
+  for (std::size_t i = 0; i < sets.size(); ++i)
+    for (const VkBuffer buffer : sets[i]) buffers[i].push_back({buffer, 0, VK_WHOLE_SIZE});
+  Kernel result;
+  const VkDescriptorSetLayout set_layout =
+      make_sets(VK_SHADER_STAGE_COMPUTE_BIT, buffers, result.sets);
   result.layout = make_layout(VK_SHADER_STAGE_COMPUTE_BIT, parameter_bytes, set_layout);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;

@@ -15,12 +15,20 @@ struct Attribute {
   std::uint32_t offset;
 };
 
-/// Images that a pass draws, and what is drawn into them: one pipeline, of triangles.
+/// SPIR-V of a pass's stages. Without a fragment stage depth alone is written; with those of
+/// tessellation patches of one vertex are drawn instead of triangles, front faces only.
+struct Stages {
+  std::span<const std::uint32_t> vertex, fragment, control, evaluation;
+};
+
+/// Images that a pass draws, and what is drawn into them: one pipeline.
 struct Pass {
   VkRenderPass pass = VK_NULL_HANDLE;
   VkFramebuffer framebuffer = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipeline pipeline = VK_NULL_HANDLE;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  VkShaderStageFlags parameter_stages = 0;
   std::vector<VkImage> images;  ///< as attached, depth last
   std::vector<VkFormat> formats;
 };
@@ -41,11 +49,11 @@ class FrameObjects {
   FrameObjects& operator=(const FrameObjects&) = delete;
 
   /// Colours of these formats and depth, `side` pixels square; afterwards they can be copied.
-  /// Without fragment code depth alone is written. `strides`: of each vertex buffer.
-  Pass make_pass(std::uint32_t side, std::initializer_list<VkFormat> colours,
-                 std::span<const std::uint32_t> vertex, std::span<const std::uint32_t> fragment,
+  /// `strides`: of each vertex buffer; `buffers`: what the stages read at bindings 0, 1, ...
+  Pass make_pass(std::uint32_t side, std::initializer_list<VkFormat> colours, const Stages& stages,
                  std::initializer_list<std::uint32_t> strides,
-                 std::initializer_list<Attribute> attributes, std::uint32_t parameter_bytes);
+                 std::initializer_list<Attribute> attributes, std::uint32_t parameter_bytes,
+                 const std::vector<VkDescriptorBufferInfo>& buffers = {});
   Kernel make_kernel(std::span<const std::uint32_t> code, std::uint32_t parameter_bytes,
                      const std::vector<std::vector<VkBuffer>>& sets);
   VkCommandBuffer make_commands();
@@ -56,6 +64,9 @@ class FrameObjects {
                          VkImageAspectFlags aspect, VkImage& image);
   VkRenderPass make_render_pass(const Pass& pass);
   VkShaderModule make_module(std::span<const std::uint32_t> code);
+  VkDescriptorSetLayout make_sets(VkShaderStageFlags stages,
+                                  const std::vector<std::vector<VkDescriptorBufferInfo>>& buffers,
+                                  std::vector<VkDescriptorSet>& sets);
   VkPipelineLayout make_layout(VkShaderStageFlags stages, std::uint32_t parameter_bytes,
                                VkDescriptorSetLayout sets);
   template <class Handle, class Destroy>

@@ -9,6 +9,10 @@
 #include <utility>
 
 #include "frame_objects.h"
+#include "patches_frag.h"
+#include "patches_tesc.h"
+#include "patches_tese.h"
+#include "patches_vert.h"
 #include "scene_frag.h"
 #include "scene_vert.h"
 #include "shadow_vert.h"
@@ -28,6 +32,11 @@ constexpr std::uint32_t kPositionBytes = 8, kAttributeBytes = 20;
 struct Bones {
   glm::vec4 rows[6];
   std::uint32_t count;
+};
+struct View {
+  glm::mat4 clip_from_world;
+  std::uint32_t face_count;
+  float edges;
 };
 struct Camera {
   glm::mat4 clip_from_world;
@@ -50,7 +59,7 @@ class Renderer {
         system_(mesh, {.level = 3, .textured = true}),
         context_(
             pv::HostDevice{app.get_instance_proc, app.instance, app.physical_device, app.device}),
-        tables_(context_, system_),
+        tables_(context_, system_, {.answers_places = true}),
         half_(half) {
     make_buffers(mesh);
     make_solve();
@@ -58,9 +67,9 @@ class Renderer {
         skin_comp, sizeof(Bones),
         {{rest_.handle, frames_[0].points.handle}, {rest_.handle, frames_[1].points.handle}});
     // Shadows, and depth before colours, read positions alone.
-    shadow_ = objects_.make_pass(kSide, {}, shadow_vert, {}, {kPositionBytes},
+    shadow_ = objects_.make_pass(kSide, {}, {shadow_vert}, {kPositionBytes},
                                  {{0, VK_FORMAT_R16G16B16A16_SNORM, 0}}, sizeof(Camera));
-    scene_ = objects_.make_pass(kSide, {kColour, kNumbers, kNumbers}, scene_vert, scene_frag,
+    scene_ = objects_.make_pass(kSide, {kColour, kNumbers, kNumbers}, {scene_vert, scene_frag},
                                 {kPositionBytes, kPositionBytes, kAttributeBytes, 8},
                                 {{0, VK_FORMAT_R16G16B16A16_SNORM, 0},
                                  {1, VK_FORMAT_R16G16B16A16_SNORM, 0},
@@ -68,6 +77,12 @@ class Renderer {
                                  {2, VK_FORMAT_R32G32B32A32_SFLOAT, 4},
                                  {3, VK_FORMAT_R32G32_SFLOAT, 0}},
                                 sizeof(Camera));
+    if (!app.has_tessellation) return;
+    surface_ = pv::surface_buffers(tables_, *solve_);
+    patches_ = objects_.make_pass(
+        kSide, {kColour}, {patches_vert, patches_frag, patches_tesc, patches_tese}, {}, {},
+        sizeof(View),
+        {surface_.words, surface_.links, surface_.state, surface_.given, surface_.weights});
   }
 
   // Waits for the frame that the slot's buffers were last used by, and for no other.
@@ -87,15 +102,16 @@ class Renderer {
     take(drawn.motions);
     take(drawn.textures);
     take(drawn.shadow);
+    if (app_.has_tessellation) take(drawn.patches);
     return std::exchange(frame.number, {});
   }
 
-  void draw(int number, const std::array<glm::mat4x3, 2>& bones) {
+  void draw(int number, const std::array<glm::mat4x3, 2>& bones, const glm::mat4& view) {
     Frame& frame = frames_[number % kInFlight];
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(LOAD(app_, vkBeginCommandBuffer)(frame.commands, &begin), "vkBeginCommandBuffer");
-    record(number, bones);
+    record(number, bones, view);
     check(LOAD(app_, vkEndCommandBuffer)(frame.commands), "vkEndCommandBuffer");
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.commandBufferCount = 1;
@@ -121,7 +137,7 @@ class Renderer {
       frame.points = app_.make_buffer(rest_.bytes.size(), kStorage);
       frame.positions = app_.make_buffer(kPositionBytes * vertex_count, kStorage | kVertices);
       frame.attributes = app_.make_buffer(kAttributeBytes * vertex_count, kStorage | kVertices);
-      frame.images = app_.make_buffer(40 * kPixels, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+      frame.images = app_.make_buffer(44 * kPixels, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
       frame.commands = objects_.make_commands();
       frame.fence = objects_.make_fence();
     }
@@ -163,25 +179,42 @@ class Renderer {
     (commands, from, to, 0, 1, &memory, 0, nullptr, 0, nullptr);
   }
 
-  void record(int number, const std::array<glm::mat4x3, 2>& bones) {
+  void record(int number, const std::array<glm::mat4x3, 2>& bones, const glm::mat4& view) {
     const std::uint32_t slot = number % kInFlight;
     const Frame &frame = frames_[slot], &last = frames_[(number + 1) % kInFlight];
     const VkCommandBuffer commands = frame.commands;
     skin(commands, slot, bones);
     // Before planish: the points are there, and the draws that read this slot's vertices, the last
-    // frame's motion vectors among them, have read them.
-    barrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT,
-            VK_ACCESS_SHADER_WRITE_BIT, pv::kEntryScope.stages, pv::kEntryScope.accesses);
+    // frame's motion vectors among them, have read them, as its patches the control points.
+    barrier(
+        commands,
+        VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | patch_stages(),
+        VK_ACCESS_SHADER_WRITE_BIT, pv::kEntryScope.stages, pv::kEntryScope.accesses);
     solve_->record_solve(commands, {.iterations = 12, .warm_start = number > 0, .slot = slot});
     solve_->record_evaluate(commands, {slot});
-    barrier(commands, pv::kExitScope.stages, pv::kExitScope.accesses,
-            VK_PIPELINE_STAGE_VERTEX_INPUT_BIT,
-            VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDEX_READ_BIT);
+    barrier(
+        commands, pv::kExitScope.stages, pv::kExitScope.accesses,
+        VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | patch_stages(),
+        VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_SHADER_READ_BIT);
+    // At a slant, without perspective, from where z is least.
+    glm::mat4 clip(1.0f);
+    clip = glm::scale(clip, glm::vec3(1, 1, 0.5f) / (1.2f * half_));
+    clip[3][2] = 0.5f;
+    clip *= view;
+    const Camera camera{clip, glm::vec4(0), glm::vec4(half_)};
     // The first frame has no last one.
     const MappedBuffer& before = number > 0 ? last.positions : frame.positions;
-    draw_pass(commands, shadow_, {frame.positions.handle});
-    draw_pass(commands, scene_,
-              {frame.positions.handle, before.handle, frame.attributes.handle, uvs_.handle});
+    const auto draw_triangles = [&] {
+      LOAD(app_, vkCmdDrawIndexed)(commands, tables_.index_count(), 1, 0, 0, 0);
+    };
+    draw_pass(commands, shadow_, camera, {frame.positions.handle}, draw_triangles);
+    draw_pass(commands, scene_, camera,
+              {frame.positions.handle, before.handle, frame.attributes.handle, uvs_.handle},
+              draw_triangles);
+    if (app_.has_tessellation)
+      draw_pass(commands, patches_, View{clip, surface_.face_count, kSide / 2 / 6.0f}, {}, [&] {
+        LOAD(app_, vkCmdDraw)(commands, surface_.corner_count, 1, 0, 0);
+      });
     fetch(commands, frame);
   }
 
@@ -200,8 +233,15 @@ class Renderer {
     LOAD(app_, vkCmdDispatch)(commands, (parameters.count + 63) / 64, 1, 1);
   }
 
-  void draw_pass(VkCommandBuffer commands, const Pass& pass,
-                 const std::vector<VkBuffer>& vertices) {
+  [[nodiscard]] VkPipelineStageFlags patch_stages() const {
+    return app_.has_tessellation ? VK_PIPELINE_STAGE_VERTEX_SHADER_BIT |
+                                       VK_PIPELINE_STAGE_TESSELLATION_EVALUATION_SHADER_BIT
+                                 : 0;
+  }
+
+  template <class Parameters, class Draw>
+  void draw_pass(VkCommandBuffer commands, const Pass& pass, const Parameters& parameters,
+                 const std::vector<VkBuffer>& vertices, const Draw& draw) {
     std::vector<VkClearValue> clears(pass.images.size());
     clears.back().depthStencil = {1, 0};
     VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
@@ -212,19 +252,15 @@ class Renderer {
     begin.pClearValues = clears.data();
     LOAD(app_, vkCmdBeginRenderPass)(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
     LOAD(app_, vkCmdBindPipeline)(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline);
-    // At a slant, without perspective, from where z is least.
-    glm::mat4 clip(1.0f);
-    clip = glm::scale(clip, glm::vec3(1, 1, 0.5f) / (1.2f * half_));
-    clip = glm::rotate(clip, -0.9f, glm::vec3(1, 0, 0));
-    clip[3][2] = 0.5f;
-    const Camera camera{clip, glm::vec4(0), glm::vec4(half_)};
     LOAD(app_, vkCmdPushConstants)
-    (commands, pass.layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof camera, &camera);
+    (commands, pass.layout, pass.parameter_stages, 0, sizeof parameters, &parameters);
+    if (pass.set) LOAD(app_, vkCmdBindDescriptorSets)
+    (commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.layout, 0, 1, &pass.set, 0, nullptr);
     const std::vector<VkDeviceSize> offsets(vertices.size(), 0);
-    LOAD(app_, vkCmdBindVertexBuffers)
+    if (!vertices.empty()) LOAD(app_, vkCmdBindVertexBuffers)
     (commands, 0, static_cast<std::uint32_t>(vertices.size()), vertices.data(), offsets.data());
     LOAD(app_, vkCmdBindIndexBuffer)(commands, indices_.handle, 0, VK_INDEX_TYPE_UINT32);
-    LOAD(app_, vkCmdDrawIndexed)(commands, tables_.index_count(), 1, 0, 0, 0);
+    draw();
     LOAD(app_, vkCmdEndRenderPass)(commands);
   }
 
@@ -245,6 +281,7 @@ class Renderer {
     };
     for (std::size_t i = 0; i < 3; ++i) copy(scene_, i);
     copy(shadow_, 0);
+    if (app_.has_tessellation) copy(patches_, 0);
     barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
             VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
   }
@@ -259,18 +296,20 @@ class Renderer {
   std::array<Frame, kInFlight> frames_;
   std::optional<pv::Solve> solve_;
   Kernel skin_;
-  Pass shadow_, scene_;
+  Pass shadow_, scene_, patches_;
+  pv::SurfaceBuffers surface_{};
 };
 
 }  // namespace
 
 void render_frames(Application& app, const planish::PolygonMesh& mesh, float half, int frame_count,
                    const std::function<std::array<glm::mat4x3, 2>(int)>& pose,
+                   const std::function<glm::mat4(int)>& view,
                    const std::function<void(int, const DrawnFrame&)>& drawn) {
   Renderer renderer(app, mesh, half);
   DrawnFrame images;
   for (int frame = 0; frame < frame_count + int(kInFlight); ++frame) {
     if (const auto done = renderer.wait(frame % kInFlight, images)) drawn(*done, images);
-    if (frame < frame_count) renderer.draw(frame, pose(frame));
+    if (frame < frame_count) renderer.draw(frame, pose(frame), view(frame));
   }
 }
