@@ -4,16 +4,41 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace planish::bench {
 
 namespace {
 
-using Ranges = std::map<std::uint32_t, std::uint64_t>;  // bytes of each binding
+// Of a buffer.
+struct Range {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  std::uint64_t offset = 0, bytes = 0;
+};
+using Ranges = std::map<std::uint32_t, Range>;  // by binding
+
+// What two bindings share counts once: vertices' positions and attributes may lie in one buffer.
+std::uint64_t bytes_of(const Ranges& ranges) {
+  std::vector<Range> sorted;
+  for (const auto& [binding, range] : ranges) sorted.push_back(range);
+  std::ranges::sort(sorted, std::less(),
+                    [](const Range& range) { return std::pair(range.buffer, range.offset); });
+  std::uint64_t bytes = 0, end = 0;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  for (const Range& range : sorted) {
+    if (range.buffer != buffer) end = 0;
+    buffer = range.buffer;
+    const std::uint64_t range_end = range.offset + range.bytes;
+    bytes += range_end - std::clamp(end, range.offset, range_end);
+    end = std::max(end, range_end);
+  }
+  return bytes;
+}
 
 #define TRACED_FUNCTIONS(X)   \
   X(vkCreateBuffer)           \
@@ -32,7 +57,7 @@ struct Trace {
   PFN_vkCmdWriteTimestamp write_timestamp = nullptr;
   TRACED_FUNCTIONS(TRACED_MEMBER)
   std::map<VkBuffer, std::uint64_t> buffers;
-  std::map<VkBufferView, std::uint64_t> views;
+  std::map<VkBufferView, Range> views;
   std::map<VkDescriptorSet, Ranges> sets;
   VkPipelineLayout layout = VK_NULL_HANDLE;  // bound last
   VkDescriptorSet set = VK_NULL_HANDLE;
@@ -40,20 +65,17 @@ struct Trace {
   vulkan::Timestamps timestamps;
   std::vector<TracedDispatch> dispatches;
 
-  [[nodiscard]] std::uint64_t bytes_of(VkBuffer buffer, VkDeviceSize offset,
-                                       VkDeviceSize range) const {
+  [[nodiscard]] Range range_of(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize range) const {
     const auto found = buffers.find(buffer);
-    if (range != VK_WHOLE_SIZE || found == buffers.end()) return range;
-    return found->second - std::min<std::uint64_t>(offset, found->second);
+    if (range != VK_WHOLE_SIZE || found == buffers.end()) return {buffer, offset, range};
+    return {buffer, offset, found->second - std::min<std::uint64_t>(offset, found->second)};
   }
 
   template <class Dispatch>
   void record(VkCommandBuffer commands, bool is_indirect, const Dispatch& dispatch) {
     if (!keeps) return dispatch();
-    std::uint64_t bytes = 0;
-    for (const auto& [binding, size] : sets[set]) bytes += size;
     const auto query = timestamps.first + 2 * static_cast<std::uint32_t>(dispatches.size());
-    dispatches.push_back({layout, bytes, is_indirect});
+    dispatches.push_back({layout, bytes_of(sets[set]), is_indirect});
     write(commands, query);
     dispatch();
     write(commands, query + 1);
@@ -77,7 +99,7 @@ VkResult VKAPI_CALL create_view(VkDevice device, const VkBufferViewCreateInfo* i
                                 const VkAllocationCallbacks* callbacks, VkBufferView* view) {
   const VkResult result = trace.vkCreateBufferView(device, info, callbacks, view);
   if (result == VK_SUCCESS)
-    trace.views[*view] = trace.bytes_of(info->buffer, info->offset, info->range);
+    trace.views[*view] = trace.range_of(info->buffer, info->offset, info->range);
   return result;
 }
 
@@ -96,11 +118,11 @@ void VKAPI_CALL update_sets(VkDevice device, std::uint32_t write_count,
   for (std::uint32_t i = 0; i < write_count; ++i) {
     const VkWriteDescriptorSet& write = writes[i];
     for (std::uint32_t k = 0; k < write.descriptorCount; ++k) {
-      std::uint64_t& bytes = trace.sets[write.dstSet][write.dstBinding + k];
+      Range& range = trace.sets[write.dstSet][write.dstBinding + k];
       if (write.descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
-        bytes = trace.views[write.pTexelBufferView[k]];
+        range = trace.views[write.pTexelBufferView[k]];
       else
-        bytes = trace.bytes_of(write.pBufferInfo[k].buffer, write.pBufferInfo[k].offset,
+        range = trace.range_of(write.pBufferInfo[k].buffer, write.pBufferInfo[k].offset,
                                write.pBufferInfo[k].range);
     }
   }
