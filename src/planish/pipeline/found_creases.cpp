@@ -23,6 +23,8 @@ constexpr int kRounds = 4;
 constexpr double kClearShare = 0.9;
 // Corners of a face from which on it is more than what lies around a vertex.
 constexpr std::size_t kLargeFace = 16;
+// So many creases are no loss: parts of few are not to fold at all.
+constexpr double kFewCreases = 16;
 
 // A fit that is not given out yet, with its tags.
 struct CreasedCandidate {
@@ -183,7 +185,8 @@ CreasedFit creased_fit(PolygonMesh& mesh, const FoundCreases& found, Backend& ba
   std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
   const auto first_count = static_cast<double>(best.creases.size());
   const auto lost = [&](std::size_t creases) {
-    return kWorthAllCreases * (1 - static_cast<double>(creases) / first_count);
+    const double count = first_count - static_cast<double>(creases) - kFewCreases;
+    return kWorthAllCreases * std::max(count / first_count, 0.0);
   };
   double least = best.area;
   // False where what is taken back costs more than all folds that are left.

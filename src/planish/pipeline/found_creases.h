@@ -39,8 +39,8 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
     PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
 
 /// The share of the area that may fold before all found creases are taken back, part of it before
-/// as large a part of them is: an edge that is rounded is seen from far, a fold of so little is
-/// not.
+/// as large a part of them is, but for a few: an edge that is rounded is seen from far, a fold of
+/// so little is not.
 inline constexpr double kWorthAllCreases = 3e-3;
 
 /// A fair surface whose creases only help.
