@@ -1,6 +1,6 @@
 // The limit surface as shader code, in any stage: its point at any place, with derivatives, from the
 // control points as a Solve's last record_evaluate or record_surface left them. Before it is included
-// the shader declares what planish/vulkan/embed.h's Solve::surface_buffers() has, wherever its own
+// the shader declares what planish/vulkan/embed.h's surface_buffers() has, wherever its own
 // bindings are, by five functions, each item i of an array:
 //   uint planish_words_at(uint i);
 //   uvec2 planish_links_at(uint i);

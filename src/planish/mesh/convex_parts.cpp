@@ -48,7 +48,7 @@ class Parts {
     }
   }
 
-  // To a Delaunay triangulation: ears are often slivers.
+  // To a Delaunay triangulation, which ears nearly are.
   void flip_all() {
     std::vector<std::uint32_t> open;
     for (std::uint32_t h = 0; h < edges_.size(); ++h)

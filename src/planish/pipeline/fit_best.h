@@ -55,7 +55,8 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 ///
 /// Where `tries_creases`, the mesh has no tags and creases that are found are clear (see
 /// add_clear_creases()), the fair surface that has them comes second, whatever the first, and is
-/// taken where it does not fold more and is off by kCreasesBetter of what progressive is at most.
+/// taken where it does not fold more, by kWorthAllCreases of the area, and is off by kCreasesBetter
+/// of what progressive is at most.
 ///
 /// Progressive is left out where faces of a thousand corners and more would make its limit masks a
 /// square.

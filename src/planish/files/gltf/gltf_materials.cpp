@@ -116,9 +116,7 @@ std::optional<glm::dvec3> GltfMaterials::display_color(std::string_view name) co
 bool GltfMaterials::has(const std::string& name) const {
   const auto all = lists.find("materials");
   return all != lists.end() &&
-         std::ranges::any_of(*all, [wanted = valid_utf8(name)](const json& material) {
-           return material["name"] == wanted;
-         });
+         std::ranges::any_of(*all, [&](const json& material) { return material["name"] == name; });
 }
 
 void GltfMaterials::apply(json& document, std::string_view folder,

@@ -35,10 +35,10 @@ struct GltfMaterials {
   bool has_sides = true;  ///< false: "doubleSided" is that of the material whose place they take
   std::vector<Warning> warnings;
 
-  /// By the name in any bytes.
+  /// By the name as a document has it, see valid_utf8().
   [[nodiscard]] bool has(const std::string& name) const;
-  /// The base colour of the material of that name as displays have it (sRGB), each 0 to 1; empty:
-  /// there is none, or nothing says its colour.
+  /// The base colour of the material of that name, in any bytes, as displays have it (sRGB), each 0
+  /// to 1; empty: there is none, or nothing says its colour.
   [[nodiscard]] std::optional<glm::dvec3> display_color(std::string_view name) const;
   /// Puts them in the place of a document's materials of these names, of which there is one. Its
   /// images are found by `folder`, as image_name() has them; where that is empty they are embedded

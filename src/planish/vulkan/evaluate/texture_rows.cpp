@@ -45,6 +45,13 @@ struct Direction {
   [[nodiscard]] Direction turned_back() const { return {{along.y, -along.x}, area}; }
 };
 
+// Of tangents that are turned by `place` of so many equal parts of a circle.
+glm::dmat2 turned_by(std::int32_t place, std::int32_t parts) {
+  const double angle = 2 * std::numbers::pi * place / parts;
+  const double cosine = std::cos(angle), sine = std::sin(angle);
+  return {cosine, sine, -sine, cosine};
+}
+
 RowFrame packed(const Direction& direction) {
   const glm::vec2 along(direction.along);
   const std::uint32_t is_mirrored = direction.area < 0 ? 1 : 0;
@@ -293,9 +300,7 @@ Direction FrameMaker::at_vertex(std::int32_t corner) const {
   std::int32_t c = corner;
   do {
     if (is_even) {
-      const double angle = 2 * std::numbers::pi * place / point.patch.ring_size;
-      const double cosine = std::cos(angle), sine = std::sin(angle);
-      sum.add(by(class_of(c).vertex, own(c, 0, 0)).by({cosine, sine, -sine, cosine}));
+      sum.add(by(class_of(c).vertex, own(c, 0, 0)).by(turned_by(place, point.patch.ring_size)));
     } else if (!point.patch.has_ring_sums || c == point.corner) {
       sum.add(by(to_point(point, c), own(c, 0, 0)));
     }
@@ -309,10 +314,7 @@ Direction FrameMaker::at_face(std::int32_t corner) const {
   const std::int32_t m = topology_.face_size(topology_.face_of(corner));
   Direction sum;
   for (std::int32_t i = 0; i < m; ++i) {
-    const double angle = 2 * std::numbers::pi * i / m;
-    const double cosine = std::cos(angle), sine = std::sin(angle);
-    sum.add(
-        by(class_of(corner + i).face, own(corner + i, n_, n_)).by({cosine, sine, -sine, cosine}));
+    sum.add(by(class_of(corner + i).face, own(corner + i, n_, n_)).by(turned_by(i, m)));
   }
   return sum;
 }

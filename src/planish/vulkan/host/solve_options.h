@@ -81,12 +81,12 @@ struct VertexLayout {
   /// Of compact positions: the box that they lie in, of any pose. Halves are above 0.
   std::array<float, 3> box_center = {0, 0, 0};
   std::array<float, 3> box_half = {1, 1, 1};
-  /// Of tangents; kNotWritten: there are none. The
-  /// System is textured. As glTF's TANGENT: of unit length, square to the normal, where u grows;
-  /// fourth value 1 where the mesh's v (which images count against) grows along cross(normal,
-  /// tangent), else -1. It is the surface's own derivative, so exact at any level, and where faces
-  /// meet the mean of theirs; MikkTSpace's are means of triangles by angle, which come close as
-  /// levels rise. Normal textures that were baked for those of another mesh differ by as much.
+  /// Of tangents; kNotWritten: there are none. The System is textured. As glTF's TANGENT: of unit
+  /// length, square to the normal, where u grows; fourth value 1 where the mesh's v (which images
+  /// count against) grows along cross(normal, tangent), else -1. It is the surface's own
+  /// derivative, so exact at any level, and where faces meet the mean of theirs; MikkTSpace's are
+  /// means of triangles by angle, which come close as levels rise. Normal textures that were baked
+  /// for those of another mesh differ by as much.
   std::uint32_t tangent_offset = kNotWritten;
   VertexFormat tangent_format = VertexFormat::Float4;
 };
