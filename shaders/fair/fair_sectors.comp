@@ -34,6 +34,10 @@ float handle_factor(float handle_length, vec3 edge) {
   return arm > 0.0 ? min(kLongestFactor, handle_length / arm) : 1.0;
 }
 
+float moved(float factor, float coordinate) {
+  return (factor - 1.0) * coordinate * clamp(2.0 - abs(coordinate), 0.0, 1.0);
+}
+
 void main() {
   FOR_ELEMENTS(s) {
     FairSector sector = sectors[s];
@@ -53,9 +57,9 @@ void main() {
         float next_factor = i == 0u ? handle_factor(handle_length, next) : 1.0;
         float previous_factor =
             i + 1u == sector.count ? handle_factor(handle_length, previous) : 1.0;
-        vec2 scaled = next_factor * wedge.along_next * flat_next +
-                      previous_factor * wedge.along_previous * flat_previous;
-        flat_point += wedge_share(flat_next, flat_previous) * (scaled - flat_point);
+        flat_point += wedge_share(flat_next, flat_previous) *
+                      (moved(next_factor, wedge.along_next) * flat_next +
+                       moved(previous_factor, wedge.along_previous) * flat_previous);
       }
       result[place.corner] = vec4(shift.w * (offsets_at(place.corner).xyz + shift.xyz) +
                                       (1.0 - shift.w) * lift(frame, flat_point),

@@ -1,6 +1,7 @@
 #include "planish/fair/crease_sector.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "planish/fair/corner_offsets.h"
@@ -35,6 +36,12 @@ double handle_factor(double handle_length, const dvec3& edge) {
   return arm > 0 ? std::min(kLongestInSector, handle_length / arm) : 1.0;
 }
 
+// How far a control point at `coordinate` of the edge goes along with its handle. Deep in a large
+// face, where the edge's own length is little, it stays in the order of the face's others.
+double moved(double factor, double coordinate) {
+  return (factor - 1) * coordinate * std::clamp(2 - std::abs(coordinate), 0.0, 1.0);
+}
+
 }  // namespace
 
 void build_sector(const FairTopology& topology, std::span<const dvec3> given, const GivenStep& step,
@@ -54,9 +61,9 @@ void build_sector(const FairTopology& topology, std::span<const dvec3> given, co
       const double next_factor = i == 0 ? handle_factor(handle_length, next) : 1.0;
       const double previous_factor =
           i + 1 == sector.count ? handle_factor(handle_length, previous) : 1.0;
-      const dvec2 scaled = next_factor * wedge.along_next * flat_next +
-                           previous_factor * wedge.along_previous * flat_previous;
-      flat += wedge_share(flat_next, flat_previous) * (scaled - flat);
+      flat += wedge_share(flat_next, flat_previous) *
+              (moved(next_factor, wedge.along_next) * flat_next +
+               moved(previous_factor, wedge.along_previous) * flat_previous);
     }
     offsets[corner] = shape.share * (offsets[corner] + shape.tensor_shift) +
                       (1 - shape.share) * (flat.x * frame.tangent1 + flat.y * frame.tangent2);
