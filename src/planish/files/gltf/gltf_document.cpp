@@ -7,10 +7,17 @@
 #include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
+#ifndef __EMSCRIPTEN__
 #include <sstream>
+#endif
 
 #include "planish/core/version.h"
 #include "planish/files/gltf/gltf_materials.h"
+
+#ifdef __EMSCRIPTEN__
+// Of tools/wasm/libraries/tinygltf.cpp, without a stream.
+nlohmann::json tinygltf_document(const tinygltf::Model& model);
+#endif
 
 namespace planish {
 namespace {
@@ -135,6 +142,14 @@ void add_meshes(const GltfDocument& document, const GltfOptions& options, tinygl
   }
 }
 
+#ifndef __EMSCRIPTEN__
+json tinygltf_document(const tinygltf::Model& model) {
+  std::ostringstream text;
+  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
+  return json::parse(text.str());
+}
+#endif
+
 // What tinygltf cannot serialise: buffers without their bytes, and extensions of buffer views.
 void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
   json& buffers = to["buffers"] = json::array();
@@ -204,9 +219,7 @@ std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
   add_meshes(document, options, model);
   model.extensionsUsed = model.extensionsRequired = document.extensions;
   add_arrays(document, model);
-  std::ostringstream text;
-  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
-  json written = json::parse(text.str());
+  json written = tinygltf_document(model);
   add_buffers(document, buffer_uri, written);
   if (takes_materials(document, options))
     options.materials->apply(written, options.image_folder, document.buffer_bytes);
