@@ -106,7 +106,9 @@ fetch_sources() {
   rm -f ./*.tar.* ./*.dsc
 }
 
+# Anew: another checkout may have made what is there, from its own folder.
 build_libraries() {
+  rm -rf "$home/libraries"
   cmake -S "$root/tools/wasm/libraries" -B "$home/libraries" -G Ninja -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_TOOLCHAIN_FILE="$root/tools/wasm/toolchain.cmake" -DCMAKE_INSTALL_PREFIX="$home/prefix" \
     -DSOURCES="$home/sources"
