@@ -71,7 +71,8 @@ TEST_F(Fair, CutsConcaveFaces) {
   const nlohmann::json fair = fit(bracket, flags);
   EXPECT_EQ(fair["surface"]["folded_area"], 0.0);
   EXPECT_EQ(fair["input"]["changed_faces"], (nlohmann::json{0, 1}));
-  EXPECT_THAT(messages_, HasSubstr("faces with corners that turn inward, cut in parts"));
+  EXPECT_THAT(messages_,
+              HasSubstr("faces with corners that turn inward or lie unevenly, cut in parts"));
   EXPECT_EQ(run_planish({"verify", path("c.obj"), bracket}).exit_code, 0);
   // Left as they are, they fold and are named.
   flags.insert(flags.end(), {"--repair", "none"});

@@ -173,9 +173,10 @@ TEST(ConvexFaces, CutsArcsThatTurnInwardInAll) {
     const PolygonMesh mesh = plate(corners, turn);
     const ConvexMesh convex = with_convex_faces(mesh);
     expect_parts_of(convex, mesh);
-    // 2.4 radians in all, 0.1 a part, and two diagonals at each corner that is cut.
+    // 2.4 radians in all, 0.1 a part, two diagonals at each corner that is cut; what of it has many
+    // corners in rows.
     EXPECT_GE(convex.mesh.face_count(), 12) << corners;
-    EXPECT_LE(convex.mesh.face_count(), 49) << corners;
+    EXPECT_LE(convex.mesh.face_count(), 49 + corners / 25) << corners;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -14,7 +15,9 @@
 #include "planish/core/work.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/convex_parts.h"
+#include "planish/mesh/even_parts.h"
 #include "planish/mesh/mesh_arrays.h"
+#include "planish/mesh/plane.h"
 
 namespace planish {
 
@@ -31,8 +34,6 @@ constexpr double kStraightInAll = 0.1;
 // Of larger faces good diagonals are not searched for one by one, which takes time of the order of
 // their square, and leaves slivers between those that it takes first.
 constexpr std::size_t kMostCorners = 32;
-
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 // From a to b counter-clockwise, 0 to a full turn.
 double turn_between(const dvec2& a, const dvec2& b) {
@@ -173,7 +174,13 @@ class Cutter {
   std::vector<Part> cut(std::int32_t face, bool& clean) {
     const std::vector<dvec2> points = flat_points(mesh_, face);
     const std::vector<double> allowed = allowed_angles(points);
-    if (points.size() > kMostCorners) return cut_large(face, points, allowed, clean);
+    return points.size() > kMostCorners ? cut_large(face, points, allowed, clean)
+                                        : cut_small(face, points, allowed, clean);
+  }
+
+ private:
+  std::vector<Part> cut_small(std::int32_t face, std::span<const dvec2> points,
+                              std::span<const double> allowed, bool& clean) {
     std::vector<Part> open{whole_face(points.size())}, done;
     while (!open.empty()) {
       const Part part = std::move(open.back());
@@ -198,7 +205,6 @@ class Cutter {
     return done;
   }
 
- private:
   [[nodiscard]] std::pair<std::int32_t, std::int32_t> vertices_of(std::int32_t face, std::size_t a,
                                                                   std::size_t b) const {
     return std::minmax(mesh_.face(face)[a], mesh_.face(face)[b]);
@@ -206,11 +212,16 @@ class Cutter {
 
   std::vector<Part> cut_large(std::int32_t face, std::span<const dvec2> points,
                               std::span<const double> allowed, bool& clean) {
-    std::vector<Part> parts = convex_parts(points, allowed, [&](std::size_t a, std::size_t b) {
+    const auto may_cut = [&](std::size_t a, std::size_t b) {
       return edges_.insert(vertices_of(face, a, b)).second;
-    });
-    for (const Part& part : parts)
+    };
+    std::vector<Part> parts;
+    for (Part& part : convex_parts(points, allowed, may_cut)) {
       clean = clean && worst_corner(points, allowed, part) == part.size();
+      std::ranges::move(even_parts(points, std::move(part), may_cut), std::back_inserter(parts));
+    }
+    for (Part& part : parts) std::ranges::rotate(part, std::ranges::min_element(part));
+    std::ranges::sort(parts);
     return parts;
   }
 
@@ -263,24 +274,38 @@ bool may_be_concave(const PolygonMesh& mesh, std::int32_t face) {
   return false;
 }
 
+bool is_concave(const PolygonMesh& mesh, std::int32_t face) {
+  if (!may_be_concave(mesh, face)) return false;
+  const std::vector<dvec2> points = flat_points(mesh, face);
+  const Part part = whole_face(points.size());
+  return worst_corner(points, allowed_angles(points), part) < part.size();
+}
+
+bool is_uneven(const PolygonMesh& mesh, std::int32_t face) {
+  return mesh.face(face).size() > kMostCorners &&
+         corner_swirl(flat_points(mesh, face)) > kMostSwirl;
+}
+
+template <class Is>
+std::vector<std::int32_t> faces_that(const PolygonMesh& mesh, const Is& is) {
+  require_sound_indices(arrays_of(mesh), "mesh", ErrorCode::UnusableMesh);
+  std::vector<std::int32_t> faces;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (is(f)) faces.push_back(f);
+  return faces;
+}
+
 }  // namespace
 
 std::vector<std::int32_t> concave_faces(const PolygonMesh& mesh) {
-  require_sound_indices(arrays_of(mesh), "mesh", ErrorCode::UnusableMesh);
-  std::vector<std::int32_t> faces;
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (!may_be_concave(mesh, f)) continue;
-    const std::vector<dvec2> points = flat_points(mesh, f);
-    const Part part = whole_face(points.size());
-    if (worst_corner(points, allowed_angles(points), part) < part.size()) faces.push_back(f);
-  }
-  return faces;
+  return faces_that(mesh, [&](std::int32_t f) { return is_concave(mesh, f); });
 }
 
 ConvexMesh with_convex_faces(const PolygonMesh& mesh) {
   ConvexMesh result{mesh, {}, {}, {}};
-  const std::vector<std::int32_t> concave = concave_faces(mesh);
-  if (concave.empty()) {
+  const std::vector<std::int32_t> bad =
+      faces_that(mesh, [&](std::int32_t f) { return is_uneven(mesh, f) || is_concave(mesh, f); });
+  if (bad.empty()) {
     result.source_faces.resize(static_cast<std::size_t>(mesh.face_count()));
     std::iota(result.source_faces.begin(), result.source_faces.end(), 0);
     return result;
@@ -291,11 +316,11 @@ ConvexMesh with_convex_faces(const PolygonMesh& mesh) {
     corners->clear();
   cut.hole_faces.clear();
   const std::set<std::int32_t> holes(mesh.hole_faces.begin(), mesh.hole_faces.end());
-  Cutter cutter(mesh, concave);
-  auto next = concave.begin();
+  Cutter cutter(mesh, bad);
+  auto next = bad.begin();
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     std::vector<Part> parts;
-    if (next != concave.end() && *next == f) {
+    if (next != bad.end() && *next == f) {
       ++next;
       bool clean = true;
       parts = cutter.cut(f, clean);

@@ -22,11 +22,12 @@ struct ConvexMesh {
 /// the face.
 [[nodiscard]] std::vector<std::int32_t> concave_faces(const PolygonMesh& mesh);
 
-/// Cuts those faces along diagonals until no corner turns inward. No vertex is added or moved and
-/// no diagonal runs where the mesh has an edge. Faces that cross themselves may stay as they are.
-/// Those of more than 32 corners are cut by convex_parts() instead of by the best diagonals, in
-/// time of the order of n log n. What rides on the mesh rides on.
-/// The mesh must pass check(). Throws Error{UnusableMesh} for indices out of range.
+/// Cuts those faces along diagonals until no corner turns inward, and faces of more than 32 corners
+/// until these lie evenly, too: a surface folds within large faces where they do not. No vertex is
+/// added or moved and no diagonal runs where the mesh has an edge. Faces that cross themselves may
+/// stay as they are. Those of up to 32 corners are cut by the best diagonals, larger ones by
+/// convex_parts() and even_parts(), in time of the order of n log n. What rides on the mesh rides
+/// on. The mesh must pass check(). Throws Error{UnusableMesh} for indices out of range.
 [[nodiscard]] ConvexMesh with_convex_faces(const PolygonMesh& mesh);
 
 }  // namespace planish

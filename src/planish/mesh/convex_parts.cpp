@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "planish/mesh/ear_clipping.h"
-#include "planish/mesh/reflex_corners.h"
+#include "planish/mesh/plane.h"
 
 namespace planish {
 namespace {

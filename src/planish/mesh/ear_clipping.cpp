@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/mesh/plane.h"
 #include "planish/mesh/reflex_corners.h"
 
 namespace planish {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planish/core/work.h"
+#include "planish/mesh/plane.h"
 
 namespace planish {
 namespace {

@@ -9,11 +9,6 @@
 
 namespace planish {
 
-/// Twice the signed area of a, b, c: positive where they turn left.
-[[nodiscard]] inline double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
 /// The corners of a polygon that turn inward, to ask which of them lies in a triangle. A tree over
 /// their places, halved at the median: a question takes time of the order of the root of their
 /// number at most where it is answered by none, mostly of its logarithm.

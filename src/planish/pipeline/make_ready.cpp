@@ -21,7 +21,7 @@ void cut_concave_faces(ReadyMesh& prepared) {
   std::ranges::transform(convex.cut_faces, convex.cut_faces.begin(), source_of);
   prepared.changes.push_back(
       {"concave-faces",
-       "faces with corners that turn inward, cut in parts for the fair surface: " +
+       "faces with corners that turn inward or lie unevenly, cut in parts for the fair surface: " +
            std::to_string(count),
        count, convex.cut_faces.front()});
   std::vector<std::int32_t>& changed = prepared.changed_faces;
