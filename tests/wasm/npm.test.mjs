@@ -292,6 +292,13 @@ test('npx planish is the command', () => {
   assert.throws(() => run('fit', 'g.obj', '-o', 'out.glb'), (error) => error.status === 7 && /--force/.test(error.stderr));
   writeFileSync(join(folder, 'points.xyz'), '0 0 0\n1 0 0\n0 1 0\n0 0 1\n');
   assert.throws(() => run('fit', 'points.xyz', '-o', 'points.glb'), (error) => /planish-reconstruct/.test(error.stderr));
+  // Standard output is a terminal where it is one.
+  assert.match(run('--help'), /fit/);
+  const terminal = (command) => execFileSync('script', ['-qec', `npx --no-install planish ${command}`, '/dev/null'], { cwd: folder, encoding: 'utf8', stdio: 'pipe' });
+  assert.match(terminal('--help'), /fit/);
+  assert.throws(() => terminal('fit g.obj -o -'), (error) => error.status === 2 && /not written to a terminal/.test(error.stdout));
+  const written = execFileSync('npx', ['--no-install', 'planish', 'fit', 'g.obj', '-o', '-', '--quiet'], { cwd: folder, maxBuffer: 1e8 });
+  assert.deepEqual(written, readFileSync(join(folder, 'out.glb')));
 });
 
 test('a file that is larger than all memory is refused before it is read', async () => {
