@@ -1,7 +1,8 @@
 // outcomes CORPUS CHANGES [COPY]: what readers make of every file of the corpus
 // (tests/fuzz/corpus), and of CHANGES damaged copies of each, in a line apiece: what
 // tests/wasm/corpus.py compares of two builds. Names are written before files are read, so that the
-// last tells where a program ended; COPY is what it read last.
+// last tells where a program ended; COPY is what it read last. Without arguments: a document whose
+// streams stand for more than 32 bits of memory.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "fuzz/fuzz_read.h"
+#include "planish/files/gltf/gltf_document.h"
 #include "planish/files/read_file.h"
 
 namespace planish {
@@ -99,10 +101,28 @@ void tell_all(const Teller& teller) {
   teller.tell("lzf", FileFormat::Pcd, test::fuzz_read_lzf);
 }
 
+std::string large_document() {
+  constexpr std::uint64_t kGibibyte = std::uint64_t{1} << 30;
+  GltfDocument document;
+  document.primitives.push_back({.attributes = {{"POSITION", 0}, {"NORMAL", 1}}, .indices = 2});
+  document.extensions = {"EXT_meshopt_compression"};
+  for (std::uint64_t i = 0; i < 3; ++i)
+    document.arrays.push_back({.type = i < 2 ? "VEC3" : "SCALAR",
+                               .count = 1u << 28,
+                               .is_indices = i == 2,
+                               .offset = i * 3 * kGibibyte,
+                               .bytes = (i < 2 ? 3 : 1) * kGibibyte,
+                               .stream = GltfStream{1000 * i, 1000, "ATTRIBUTES"}});
+  document.buffer_bytes = 3000;
+  document.decoded_bytes = 7 * kGibibyte;
+  return gltf_json(document, {}, "");
+}
+
 }  // namespace
 }  // namespace planish
 
 int main(int argc, char** argv) {
-  if (argc < 3) return 2;
+  if (argc == 1) std::puts(planish::large_document().c_str());
+  if (argc < 3) return argc == 1 ? 0 : 2;
   planish::tell_all({argv[1], std::atoi(argv[2]), argc > 3 ? argv[3] : ""});
 }

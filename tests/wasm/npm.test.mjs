@@ -299,6 +299,9 @@ test('npx planish is the command', () => {
   assert.throws(() => terminal('fit g.obj -o -'), (error) => error.status === 2 && /not written to a terminal/.test(error.stdout));
   const written = execFileSync('npx', ['--no-install', 'planish', 'fit', 'g.obj', '-o', '-', '--quiet'], { cwd: folder, maxBuffer: 1e8 });
   assert.deepEqual(written, readFileSync(join(folder, 'out.glb')));
+  // 2.7 GB are not begun.
+  writeFileSync(join(folder, 'arm.obj'), scene('rocker_arm.obj'));
+  assert.throws(() => run('fit', 'arm.obj', '-o', '-', '--levels', '6'), (error) => error.status === 6 && /bytes are more than this program can hold/.test(error.stderr));
 });
 
 test('a file that is larger than all memory is refused before it is read', async () => {
@@ -309,6 +312,14 @@ test('a file that is larger than all memory is refused before it is read', async
   module.stringToUTF8('/large.ply', path, 16);
   assert.equal(module._planish_mesh_read(path, handle), 6);
   assert.match(module.UTF8ToString(module._planish_last_error()), /large.ply: 4294967396 bytes are more than this program can hold/);
+  // An array of more than all memory is no internal error.
+  const { Memory } = await installed('memory.js');
+  new Memory(module).use((memory) => {
+    const corners = memory.i32([0, 1, 2]);
+    const arrays = { positions: corners, vertex_count: 2e8, face_vertices: corners, corner_count: 3, face_count: 1, corners_per_face: 3 };
+    assert.equal(module._planish_mesh_create(memory.struct('mesh_arrays', arrays), handle), 6);
+    assert.match(module.UTF8ToString(module._planish_last_error()), /^out of memory/);
+  });
   // Nor are arrays cut to 32 bits.
   refused(() => planish.fit({ positions: { length: 3 * 2 ** 28 }, indices: [] }), 'NO_MEMORY', /6442450944 bytes/);
 });

@@ -2,6 +2,7 @@
 #include <csignal>
 #include <exception>
 #include <new>
+#include <stdexcept>
 
 #include "commands.h"
 #include "help/help_text.h"
@@ -124,6 +125,9 @@ ExitCode run_command_line(const std::vector<std::string>& arguments) {
     say_error(cancelled ? "interrupted; no partial file is left" : error.what());
     return exit_code_of(error.code());
   } catch (const std::bad_alloc& error) {
+    say_error(out_of_memory_text(error));
+    return ExitCode::NoDevice;
+  } catch (const std::length_error& error) {
     say_error(out_of_memory_text(error));
     return ExitCode::NoDevice;
   } catch (const std::exception& error) {

@@ -6,6 +6,7 @@
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
+#include "planish/core/memory_size.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 
@@ -100,7 +101,10 @@ void add_attributes(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
       refuse("attribute \"" + visible(std::string_view(given.name)) + "\" has a width of " +
              std::to_string(given.width) + "; 1 to 1024 is wanted");
     require_count(arrays.vertex_count, given.values, "the values of an attribute");
-    const std::size_t count = static_cast<std::size_t>(given.width) * arrays.vertex_count;
+    const std::size_t count = memory_size(std::uint64_t{sizeof(float)} * arrays.vertex_count *
+                                              static_cast<std::uint64_t>(given.width),
+                                          "the values of an attribute") /
+                              sizeof(float);
     mesh.attributes.push_back({given.name, {given.values, given.values + count}, given.width});
   }
   require_attributes(mesh.attributes);

@@ -3,6 +3,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <exception>
 #include <new>
+#include <stdexcept>
 
 #include "planish/core/version.h"
 
@@ -49,13 +50,17 @@ void note(const char* message, std::int64_t element) noexcept {
 }
 
 planish_status note_exception() noexcept {
+  constexpr const char* kNoMemory = "out of memory; take a lower level or a smaller mesh";
   try {
     throw;
   } catch (const Error& error) {
     note(error.what(), error.element());
     return status_of(error.code());
   } catch (const std::bad_alloc&) {
-    note("out of memory; take a lower level or a smaller mesh", -1);
+    note(kNoMemory, -1);
+    return PLANISH_NO_MEMORY;
+  } catch (const std::length_error&) {  // what 32 bits cannot count
+    note(kNoMemory, -1);
     return PLANISH_NO_MEMORY;
   } catch (const std::exception& error) {
     note(error.what(), -1);

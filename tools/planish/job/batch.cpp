@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <thread>
 
 #include "build_info.h"
@@ -59,6 +60,8 @@ JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, const JobC
     if (error.code() == ErrorCode::Cancelled) throw;
     return failure(planned, context.console, exit_code_of(error.code()), error.what());
   } catch (const std::bad_alloc& error) {
+    return failure(planned, context.console, ExitCode::NoDevice, out_of_memory_text(error));
+  } catch (const std::length_error& error) {
     return failure(planned, context.console, ExitCode::NoDevice, out_of_memory_text(error));
   }
 }

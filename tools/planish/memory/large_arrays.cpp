@@ -112,7 +112,7 @@ NoRoomForArray::NoRoomForArray(const char* folder, std::size_t bytes, int reason
                 folder, bytes, std::strerror(reason));
 }
 
-std::string out_of_memory_text(const std::bad_alloc& error) {
+std::string out_of_memory_text(const std::exception& error) {
   if (const auto* const disk = dynamic_cast<const NoRoomForArray*>(&error)) return disk->what();
   return "out of memory; a lower --levels or a smaller mesh needs less, --memory SIZE puts what is "
          "beyond that into a temporary file";

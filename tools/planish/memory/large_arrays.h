@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <optional>
@@ -20,8 +21,9 @@ class NoRoomForArray : public std::bad_alloc {
   char message_[512];
 };
 
-/// What to say of it; of the class above, its own words.
-[[nodiscard]] std::string out_of_memory_text(const std::bad_alloc& error);
+/// What to say of it; of the class above, its own words. An array that 32 bits cannot count is
+/// a std::length_error.
+[[nodiscard]] std::string out_of_memory_text(const std::exception& error);
 
 /// Arrays of so many bytes and more are counted.
 inline constexpr std::size_t kLargeArray = std::size_t{1} << 20;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "planish/core/memory_size.h"
 #include "planish/files/gltf/gltf_layout.h"
 
 namespace planish {
@@ -71,7 +72,7 @@ void write_padded(std::span<const std::byte> bytes, std::span<const ByteSink> si
 std::vector<std::byte> glb_bytes(const GltfWhole& whole, const GltfOptions& options) {
   const Glb glb(whole, options);
   std::vector<std::byte> bytes;
-  bytes.reserve(glb.byte_count);
+  bytes.reserve(memory_size(glb.byte_count, options.name));
   const ByteSink append = [&](std::span<const std::byte> piece) {
     bytes.insert(bytes.end(), piece.begin(), piece.end());
   };

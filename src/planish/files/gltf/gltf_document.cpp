@@ -80,8 +80,8 @@ void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
     const GltfArray& array = document.arrays[i];
     tinygltf::BufferView& view = model.bufferViews.emplace_back();
     view.buffer = array.stream ? 1 : static_cast<int>(array.buffer);
-    view.byteOffset = array.offset;
-    view.byteLength = array.bytes;
+    if (!array.stream) view.byteOffset = static_cast<std::size_t>(array.offset);
+    view.byteLength = static_cast<std::size_t>(array.bytes);
     view.byteStride = array.stride;
     view.target =
         array.is_indices ? TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER : TINYGLTF_TARGET_ARRAY_BUFFER;
@@ -89,7 +89,7 @@ void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
     accessor.bufferView = static_cast<int>(i);
     accessor.componentType = static_cast<int>(array.component);
     accessor.normalized = array.normalized;
-    accessor.count = array.count;
+    accessor.count = static_cast<std::size_t>(array.count);
     accessor.type = type_of(array.type);
     if (!array.bounds) continue;
     accessor.minValues = array_of(array.bounds->minimum);
@@ -150,7 +150,8 @@ json tinygltf_document(const tinygltf::Model& model) {
 }
 #endif
 
-// What tinygltf cannot serialise: buffers without their bytes, and extensions of buffer views.
+// What tinygltf cannot serialise: buffers without their bytes, extensions of buffer views, and
+// places in a buffer that streams stand for: it may be larger than the 32 bits of WebAssembly.
 void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
   json& buffers = to["buffers"] = json::array();
   for (const GltfBuffer& buffer : document.buffers)
@@ -171,7 +172,9 @@ void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
                 {"count", array.count},
                 {"mode", array.stream->mode}};
     if (array.stream->filter != "NONE") stream["filter"] = array.stream->filter;
-    to["bufferViews"][i]["extensions"][std::string(kMeshopt)] = std::move(stream);
+    json& view = to["bufferViews"][i];
+    if (array.offset > 0) view["byteOffset"] = array.offset;
+    view["extensions"][std::string(kMeshopt)] = std::move(stream);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "planish/core/host_scope.h"
 #include "planish/core/lower_case.h"
+#include "planish/core/memory_size.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
@@ -124,6 +125,8 @@ std::uint64_t least_buffer_bytes(const SurfaceInfo& info, const GltfOptions& opt
 
 std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOptions& options) {
   const HostScope host(options.callbacks);
+  if (options.compression == GltfCompression::None)
+    (void)memory_size(least_buffer_bytes(surface.info(), options), options.name);
   std::vector<std::byte> bytes = glb_bytes(whole_of(surface, options, {}), options);
   options.callbacks.report("write", 1);
   return bytes;
