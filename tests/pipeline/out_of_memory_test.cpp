@@ -5,11 +5,17 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <new>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/files/gltf/gltf_tangents.h"
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit_file.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "support/failing_memory.h"
 #include "support/meshes.h"
 #include "support/temporary_folder.h"
@@ -61,6 +67,56 @@ TEST(OutOfMemory, NoFileIsLeft) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / name));
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
       std::filesystem::remove(entry.path());
+  }
+}
+
+// A torus whose quads have texture coordinates of their own.
+class Textured {
+ public:
+  Textured(int around, int across)
+      : mesh_(with_uvs(test::torus(around, across, 3, 1))),
+        base_(mesh_, {}),
+        blocks_(base_.level(1)) {
+    uvs_.resize(static_cast<std::size_t>(blocks_->info().uv_count));
+    blocks_->uvs({0, blocks_->info().uv_count}, uvs_);
+  }
+  [[nodiscard]] RawVector<float> tangents() const {
+    return surface_tangents(*blocks_, {.sets = {uvs_}, .set_of_group = {0}}).values;
+  }
+
+ private:
+  static PolygonMesh with_uvs(PolygonMesh mesh) {
+    for (const std::int32_t v : mesh.face_vertices) {
+      mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
+      mesh.uvs.emplace_back(mesh.positions[static_cast<std::size_t>(v)]);
+    }
+    return mesh;
+  }
+
+  PolygonMesh mesh_;
+  DooSabinSurface base_;
+  std::unique_ptr<SurfaceBlocks> blocks_;
+  std::vector<glm::dvec2> uvs_;
+};
+
+// What a failure left in a thread's lanes is no part of the next surface, which has less room.
+TEST(OutOfMemory, TangentsThatFailAnywhereLeaveTheNextOnesRight) {
+  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism,
+                                               1);
+  const Textured large(8, 6), small(4, 3);
+  const RawVector<float> expected = small.tangents();
+  bool has_failed = true;
+  for (std::int64_t n = 0; has_failed; ++n) {
+    std::thread([&] {  // which has no lanes yet
+      has_failed = test::with_failing_request(n, [&] {
+        try {
+          (void)large.tangents();
+        } catch (const std::bad_alloc&) {
+        }
+      });
+      EXPECT_EQ(small.tangents(), expected) << n;
+    })
+        .join();
   }
 }
 

@@ -1,13 +1,15 @@
 #pragma once
 
 // For one source of a test program: replaces the operators that take memory by ones that fail when
-// they are told to.
+// they are told to, and that end the program where somebody wrote behind what he took.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <functional>
 #include <new>
 
@@ -21,6 +23,9 @@ thread_local std::int64_t requests_left = -1;
 // Bytes of the largest one since a test set it to 0.
 [[maybe_unused]] thread_local std::size_t largest_request = 0;
 
+constexpr std::size_t kGuardBytes = 16;  // behind each piece
+constexpr unsigned char kGuard = 0xa5;
+
 void* take(std::size_t size, std::size_t alignment) {
   largest_request = std::max(largest_request, size);
   if (requests_left == 0) {
@@ -28,12 +33,25 @@ void* take(std::size_t size, std::size_t alignment) {
     throw std::bad_alloc();
   }
   if (requests_left > 0) --requests_left;
+  const std::size_t whole = size + kGuardBytes;
   void* const place =
-      alignment > alignof(std::max_align_t)
-          ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
-          : std::malloc(std::max<std::size_t>(size, 1));
+      whole < size ? nullptr
+      : alignment > alignof(std::max_align_t)
+          ? std::aligned_alloc(alignment, (whole + alignment - 1) / alignment * alignment)
+          : std::malloc(whole);
   if (place == nullptr) throw std::bad_alloc();
+  std::memset(static_cast<unsigned char*>(place) + size, kGuard, kGuardBytes);
   return place;
+}
+
+void give_back(void* place, std::size_t size) noexcept {
+  if (place == nullptr) return;
+  const auto* const guard = static_cast<const unsigned char*>(place) + size;
+  if (!std::all_of(guard, guard + kGuardBytes, [](unsigned char byte) { return byte == kGuard; })) {
+    std::fprintf(stderr, "somebody wrote behind %zu bytes\n", size);
+    std::abort();
+  }
+  std::free(place);
 }
 
 }  // namespace
@@ -48,12 +66,16 @@ void* operator new[](std::size_t size, std::align_val_t alignment) {
 }
 void operator delete(void* place) noexcept { std::free(place); }
 void operator delete[](void* place) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t) noexcept { std::free(place); }
-void operator delete[](void* place, std::size_t) noexcept { std::free(place); }
+void operator delete(void* place, std::size_t size) noexcept { give_back(place, size); }
+void operator delete[](void* place, std::size_t size) noexcept { give_back(place, size); }
 void operator delete(void* place, std::align_val_t) noexcept { std::free(place); }
 void operator delete[](void* place, std::align_val_t) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t, std::align_val_t) noexcept { std::free(place); }
-void operator delete[](void* place, std::size_t, std::align_val_t) noexcept { std::free(place); }
+void operator delete(void* place, std::size_t size, std::align_val_t) noexcept {
+  give_back(place, size);
+}
+void operator delete[](void* place, std::size_t size, std::align_val_t) noexcept {
+  give_back(place, size);
+}
 
 namespace planish::test {
 namespace {

@@ -66,6 +66,7 @@ class Measurer {
    public:
     void begin(const TangentShape& shape) {
       shape_ = &shape;
+      count_ = 0;  // of a piece that ended by an exception some may be left
       vertices_.assign(shape.first.size() * kTangentNumbers * kTangentLanes, 0.0f);
       cuts_.assign(shape.corners.size() / 4 * kTangentLanes, 0);
     }
