@@ -5,8 +5,13 @@
 // give the same bits.
 
 /// Before a function: compiled for several widths, of which the widest that the processor has is
-/// chosen when the program is loaded. GCC's thread sanitizer crashes in functions that choose,
-/// since they run before it does.
+/// chosen when the program is loaded. The thread sanitizer crashes in functions that choose, since
+/// they run before it does.
+#ifdef __has_feature  // Clang has no macro for it
+#if __has_feature(thread_sanitizer) && !defined(__SANITIZE_THREAD__)
+#define __SANITIZE_THREAD__
+#endif
+#endif
 #if defined(__x86_64__) && defined(__ELF__) && !defined(__SANITIZE_THREAD__)
 #define PLANISH_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
