@@ -58,9 +58,6 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 /// taken where it does not fold more, by kWorthAllCreases of the area, and is off by kCreasesBetter
 /// of what progressive is at most.
 ///
-/// Progressive is left out where faces of a thousand corners and more would make its limit masks a
-/// square.
-///
 /// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.
 /// Throws as fit(), whatever options.method is.

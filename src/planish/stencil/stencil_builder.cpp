@@ -118,4 +118,12 @@ StencilTable expanded(const SummedView& table) {
   });
 }
 
+double expansion(const SummedView& table) {
+  const auto entries = static_cast<double>(table.rows.indices.size() + table.sums.indices.size());
+  double expanded = 0;
+  for (const std::int32_t source : table.rows.indices)
+    expanded += source < table.point_count() ? 1 : table.sums.sizes[source - table.point_count()];
+  return entries > 0 ? expanded / entries : 1;
+}
+
 }  // namespace planish

@@ -56,6 +56,9 @@ void require_entries_fit(std::int64_t entry_count);
 /// The rows over points alone, their entries by index. Throws as build_rows.
 [[nodiscard]] StencilTable expanded(const SummedView& table);
 
+/// How many entries expanded() has at most, by those of the table.
+[[nodiscard]] double expansion(const SummedView& table);
+
 void reserve(StencilTable& rows, std::size_t row_count, std::size_t entry_count,
              Derivatives derivatives);
 void append(StencilTable& rows, const StencilRow& row, Derivatives derivatives);

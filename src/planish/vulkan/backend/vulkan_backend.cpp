@@ -4,6 +4,7 @@
 #include <cstring>
 #include <glm/vec3.hpp>
 
+#include "planish/backend/cpu_backend.h"
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
 #include "planish/stencil/stencil_builder.h"
@@ -21,6 +22,8 @@ namespace {
 
 /// apply_limit writes a position and a normal for each row.
 constexpr std::uint64_t kLimitFloats = 6;
+/// Faces of some 90 corners, if the mesh has no others.
+constexpr double kMostExpansion = 8;
 
 DeviceDescription describe(const Capabilities& device) {
   DeviceDescription description;
@@ -64,7 +67,9 @@ class VulkanBackend final : public Backend, public FairBuilder, public PatchEval
   }
   [[nodiscard]] std::unique_ptr<planish::Solve> make_solve(const SummedView& masks) override {
     if (masks.sum_count() == 0) return std::make_unique<VulkanSolve>(machine_, masks.rows);
-    // Kernels have no sums between steps.
+    // Kernels have no sums between steps, and without them large faces take the square of their
+    // corners: the host is faster there than any device, and needs no more memory than the mesh.
+    if (expansion(masks) > kMostExpansion) return make_cpu_backend()->make_solve(masks);
     return std::make_unique<VulkanSolve>(machine_, expanded(masks).view());
   }
   [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
