@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -116,6 +117,19 @@ void expect_equal(const std::vector<NamedMesh>& meshes, const SharpFeatureOption
   EXPECT_GT(all.normals, 0);
   ::testing::Test::RecordProperty("worst_position", std::to_string(all.position * 1e16) + "e-16");
   ::testing::Test::RecordProperty("worst_normal", std::to_string(all.normal * 1e12) + "e-12");
+}
+
+TEST(PatchSamples, PlacesAreWhereIndicesLead) {
+  for (int level = 1; level <= 5; ++level) {
+    const PatchSamples samples(level);
+    const std::int32_t count = samples.first_trailing() + samples.trailing_count();
+    for (std::int32_t i = 0; i < count; ++i) {
+      const auto [a, b] = samples.place(i);
+      ASSERT_GE(std::min(a, b), 0) << level << " " << i;
+      ASSERT_LE(std::max(a, b), samples.side()) << level << " " << i;
+      ASSERT_EQ(samples.index(a, b), i) << level;
+    }
+  }
 }
 
 TEST(PatchTemplates, AgreeWithTablesOnSmallMeshes) { expect_equal(all_meshes(), {}, 40000); }

@@ -68,15 +68,11 @@ std::vector<FacetNormals::Sample> FacetNormals::samples_of(const PatchTile& tile
     }
     case Part::Corners: {
       const std::int32_t corner = numbering_.corner_of_row(row);
-      const auto s = static_cast<std::int32_t>(row - numbering_.corner_row(corner));
-      if (s < n - 1) {
-        samples.push_back({corner, s + 1, 0});
-        if (!mesh_.is_sharp(corner)) samples.push_back({topology.cw(corner), 0, s + 1});
-        break;
-      }
-      const std::int32_t b = (s - (n - 1)) / n + 1, a = (s - (n - 1)) % n + 1;
+      const auto [a, b] = numbering_.samples().place(
+          static_cast<std::int32_t>(row - numbering_.corner_row(corner)));
       samples.push_back({corner, a, b});
-      if (a == n) samples.push_back({topology.next(corner), b, n});
+      if (b == 0 && !mesh_.is_sharp(corner)) samples.push_back({topology.cw(corner), 0, a});
+      if (b > 0 && a == n) samples.push_back({topology.next(corner), b, n});
       break;
     }
   }

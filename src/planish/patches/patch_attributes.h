@@ -111,10 +111,7 @@ class BilinearRows {
       }
       const Vector own = at_(c), e1 = midpoint(c), e2 = midpoint(topology_.prev(c));
       for (; begin < last; ++begin) {
-        const auto s = static_cast<std::int32_t>(begin - first);
-        const bool leading = s < n - 1;
-        const std::int32_t a = leading ? s + 1 : (s - (n - 1)) % n + 1;
-        const std::int32_t b = leading ? 0 : (s - (n - 1)) / n + 1;
+        const auto [a, b] = numbering_.samples().place(static_cast<std::int32_t>(begin - first));
         const double u = static_cast<double>(a) / n, v = static_cast<double>(b) / n;
         result(begin, (1 - v) * ((1 - u) * own + u * e1) + v * ((1 - u) * e2 + u * centre));
       }

@@ -34,6 +34,16 @@ class PatchSamples {
     if (b == 0) return a == n_ ? shared + 1 : a - 1;
     return n_ - 1 + (b - 1) * n_ + a - 1;
   }
+  struct Place {
+    std::int32_t a, b;
+  };
+  /// Of a sample that is owned, or of the trailing edge: what index() leads from.
+  [[nodiscard]] Place place(std::int32_t index) const {
+    if (index < leading_count()) return {index + 1, 0};
+    if (index >= first_trailing()) return {0, index - first_trailing() + 1};
+    const std::int32_t inner = index - leading_count();
+    return {inner % n_ + 1, inner / n_ + 1};
+  }
 
  private:
   std::int32_t n_;
