@@ -17,6 +17,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/hole_flags.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/quad_rule.h"
 #include "planish/mesh/triangle_edges.h"
@@ -164,9 +165,7 @@ class Borders {
       const std::int32_t edge = a < 0 || b < 0 ? -1 : topology.find_edge(a, b);
       if (edge >= 0) is_tagged_[edge] = 1;
     }
-    if (mesh.hole_faces.empty()) return;
-    is_hole_.resize(static_cast<std::size_t>(mesh.face_count()), 0);
-    for (const std::int32_t face : mesh.hole_faces) is_hole_[face] = 1;
+    if (!mesh.hole_faces.empty()) is_hole_ = hole_flags(mesh);
   }
 
   // Whether the leading edge of a corner, which is that of `twin` too, has to stay.
@@ -346,8 +345,7 @@ PairedMesh with_paired_triangles(const PolygonMesh& mesh, const PreparedMesh& pr
   for (auto* const lists :
        {&paired.face_vertices, &paired.face_uvs, &paired.face_groups, &paired.hole_faces})
     lists->clear();
-  std::vector<std::uint8_t> is_hole(static_cast<std::size_t>(mesh.face_count()), 0);
-  for (const std::int32_t face : mesh.hole_faces) is_hole[face] = 1;
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
   std::size_t t = 0;  // the next triangle
   std::vector<std::int32_t> corners;
   const auto corner_of = [&](std::int32_t half_edge) {

@@ -13,6 +13,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
 #include "planish/doosabin/vertex_ring.h"
+#include "planish/mesh/hole_flags.h"
 #include "planish/surface/level_one_uvs.h"
 #include "planish/surface/subdivided_mesh.h"
 
@@ -28,8 +29,7 @@ class MeshBuilder {
     for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
       mesh_face_.insert(mesh_face_.end(), static_cast<std::size_t>(mesh_.face_size(f)), f);
     }
-    is_hole_.resize(static_cast<std::size_t>(mesh_.face_count()));
-    for (const std::int32_t f : mesh_.hole_faces) is_hole_[f] = true;
+    is_hole_ = hole_flags(mesh_);
   }
 
   void add_polygons() {
@@ -59,7 +59,9 @@ class MeshBuilder {
   [[nodiscard]] std::int32_t face(std::size_t place) const {
     return ring_.faces[place % ring_.faces.size()];
   }
-  [[nodiscard]] bool is_hole(std::size_t place) const { return is_hole_[mesh_face_[face(place)]]; }
+  [[nodiscard]] bool is_hole(std::size_t place) const {
+    return is_hole_[mesh_face_[face(place)]] != 0;
+  }
   [[nodiscard]] bool is_cut(const VertexRing::Sector& sector) const {
     return end_of_run(sector.first, sector.first + sector.count) < sector.first + sector.count;
   }
@@ -94,7 +96,7 @@ class MeshBuilder {
 
   void add_polygon(bool closed = false) {
     const std::int32_t owner = mesh_face_[polygon_.front().face];
-    if (is_hole_[owner]) net_.hole_faces.push_back(net_.face_count());
+    if (is_hole_[owner] != 0) net_.hole_faces.push_back(net_.face_count());
     vertices_.clear();
     for (const NetCorner& corner : polygon_) vertices_.push_back(corner.vertex);
     net_.add_face(vertices_);
@@ -239,7 +241,7 @@ class MeshBuilder {
   std::vector<std::int32_t>* rings_;
   LevelOneUvs uvs_;
   std::vector<std::int32_t> mesh_face_;  // of each corner
-  std::vector<bool> is_hole_;            // per face of the mesh
+  std::vector<std::uint8_t> is_hole_;    // per face of the mesh
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles_;
   VertexRing ring_;
   RingAround around_ = RingAround::Vertex;

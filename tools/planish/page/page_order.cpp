@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "planish/core/assert.h"
+#include "planish/mesh/hole_flags.h"
 
 namespace planish::command {
 namespace {
@@ -26,11 +27,10 @@ void start(PageOrder& order, const LevelFaces& faces, const SurfaceMesh& surface
   for (std::int32_t v = 0; v < given; ++v) order.rows.push_back(v);
   order.sources = surface.base_vertices;
   order.faces.offsets = faces.offsets;
-  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
-  for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
   std::vector<std::int32_t> corners;  // the mesh's vertices of the faces that are seen
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (is_hole[f]) continue;
+    if (is_hole[f] != 0) continue;
     corners.insert(corners.end(), mesh.face(f).begin(), mesh.face(f).end());
   }
   PLANISH_ASSERT(corners.size() == faces.vertices.size());

@@ -14,6 +14,7 @@
 #include "planish/core/stop.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/hole_flags.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
@@ -75,13 +76,12 @@ void check_decisions(const FairDecisions* decisions, std::size_t count) {
 template <class Take>
 void for_kept_faces(const PolygonMesh& mesh, const MeshTopology& topology,
                     const PatchNumbering& numbering, const Take& take) {
-  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
-  for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
   const PatchCells cells(std::max(numbering.level(), 1));
   const std::int32_t side = numbering.samples().side() + 1;
   std::vector<std::int32_t> corners, grid(static_cast<std::size_t>(side * side));
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (is_hole[f]) continue;
+    if (is_hole[f] != 0) continue;
     const std::int32_t first = topology.first_corner(f), end = first + topology.face_size(f);
     if (numbering.level() == 0) {
       corners.clear();
