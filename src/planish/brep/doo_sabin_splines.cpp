@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "planish/core/assert.h"
-#include "planish/limit/patch_box.h"
-#include "planish/limit/patch_pieces.h"
+#include "planish/limit/bezier_net.h"
+#include "planish/limit/patch_frame.h"
 
 namespace planish {
 namespace {
@@ -42,10 +42,8 @@ class DooSabinPatch : public SplinePatch {
   void add_pieces(const std::array<int, 2>& depths, std::vector<SquarePiece>& pieces,
                   std::vector<End>& ends) override {
     const PatchForm& form = corner_.form();
-    BezierNet net;
     if (form.is_polynomial()) {
-      bezier_points(form, corner_.points(), net);
-      pieces.push_back(in_patch({}, net, corner_.own()));
+      pieces.push_back(in_patch({}, bezier_net(form, corner_.points()), corner_.own()));
       return;
     }
     std::vector<glm::dvec3> points;
@@ -53,8 +51,8 @@ class DooSabinPatch : public SplinePatch {
       quarter_points(form, q, corner_.points(), points);
       const PatchForm& inner = *form.quarters[static_cast<std::size_t>(q)];
       if (inner.is_polynomial()) {
-        bezier_points(inner, points, net);
-        pieces.push_back(in_patch(PatchFrame().quarter(q), net, corner_.own()));
+        pieces.push_back(
+            in_patch(PatchFrame().quarter(q), bezier_net(inner, points), corner_.own()));
       } else {
         PLANISH_ASSERT(q == 0 || q == 2);
         ends.push_back({q == 2, add_rings(inner, q, depths[q == 0 ? 0 : 1], points, pieces)});
@@ -70,12 +68,11 @@ class DooSabinPatch : public SplinePatch {
     const PatchForm* form = &end;
     PatchFrame frame = PatchFrame().quarter(quarter);
     std::vector<glm::dvec3> next;
-    BezierNet net;
     for (int d = 1; d < depth; ++d) {
       for (int q = 1; q < 4; ++q) {
         quarter_points(*form, q, points, next);
-        bezier_points(*form->quarters[static_cast<std::size_t>(q)], next, net);
-        pieces.push_back(in_patch(frame.quarter(q), net, corner_.own()));
+        const PatchForm& inner = *form->quarters[static_cast<std::size_t>(q)];
+        pieces.push_back(in_patch(frame.quarter(q), bezier_net(inner, next), corner_.own()));
       }
       quarter_points(*form, 0, points, next);
       std::swap(points, next);

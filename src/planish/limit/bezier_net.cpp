@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "planish/patches/patch_form.h"
+
 namespace planish {
 namespace {
 
@@ -15,7 +17,36 @@ std::size_t turned_place(std::size_t i, std::size_t j, int turns) {
   return i + 3 * j;
 }
 
+// De Casteljau's halves of three points that are `step` apart.
+void halve(BezierNet& net, std::size_t first, std::size_t step, bool upper) {
+  const glm::dvec3 a = net[first], b = net[first + step], c = net[first + 2 * step];
+  const glm::dvec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), middle = 0.5 * (ab + bc);
+  net[first] = upper ? middle : a;
+  net[first + step] = upper ? bc : ab;
+  net[first + 2 * step] = upper ? c : middle;
+}
+
 }  // namespace
+
+BezierNet bezier_net(const PatchForm& form, std::span<const glm::dvec3> points) {
+  BezierNet net;
+  for (std::size_t i = 0; i < 9; ++i) net[i] = form.net.combine(i, points.data()).value();
+  // B-spline to Bezier along u, then along v: midpoints at the ends.
+  const auto convert = [&](std::size_t first, std::size_t step) {
+    const glm::dvec3 middle = net[first + step];
+    net[first] = 0.5 * (net[first] + middle);
+    net[first + 2 * step] = 0.5 * (middle + net[first + 2 * step]);
+  };
+  for (std::size_t i = 0; i < 3; ++i) convert(3 * i, 1);
+  for (std::size_t i = 0; i < 3; ++i) convert(i, 3);
+  return net;
+}
+
+BezierNet net_quarter(BezierNet net, bool upper_u, bool upper_v) {
+  for (std::size_t i = 0; i < 3; ++i) halve(net, 3 * i, 1, upper_u);
+  for (std::size_t i = 0; i < 3; ++i) halve(net, i, 3, upper_v);
+  return net;
+}
 
 BezierNet turned_net(const BezierNet& net, int turns) {
   BezierNet result;

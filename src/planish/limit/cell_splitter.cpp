@@ -218,9 +218,7 @@ void CellSplitter::split_net(const BezierNet& net, const AdaptiveCell& cell) {
 void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3> points, int turns,
                               const AdaptiveCell& cell) {
   if (form.is_polynomial()) {
-    BezierNet net;
-    bezier_points(form, points, net);
-    split_net(turned_net(net, turns), cell);
+    split_net(turned_net(bezier_net(form, points), turns), cell);
     return;
   }
   Quarters quarters;
@@ -231,7 +229,7 @@ void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3>
     quarter_points(form, q, points, of_quarter);
     if (inner.is_polynomial()) {
       BezierNet& net = quarters.nets[static_cast<std::size_t>(q)];
-      bezier_points(inner, of_quarter, net);
+      net = bezier_net(inner, of_quarter);
       hull.insert(hull.end(), net.begin(), net.end());
       std::array<glm::dvec3, 36> products;
       add_normals(net, products);

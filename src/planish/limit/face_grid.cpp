@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "planish/limit/adaptive_cells.h"
-#include "planish/limit/patch_box.h"
+#include "planish/limit/bezier_net.h"
 
 namespace planish {
 namespace {
@@ -50,8 +50,7 @@ bool GridFinder::take_nets(std::int32_t face) {
   for (int q = 0; q < 4; ++q) {
     corner_.move_to(topology.first_corner(face) + q);
     if (!corner_.form().is_polynomial()) return false;
-    BezierNet net;
-    bezier_points(corner_.form(), corner_.points(), net);
+    const BezierNet net = bezier_net(corner_.form(), corner_.points());
     at[static_cast<std::size_t>(q)] = corner_.own() + net[0];
     nets_[static_cast<std::size_t>(q)] = turned_net(net, q);
   }

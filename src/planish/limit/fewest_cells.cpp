@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "planish/core/parallel.h"
-#include "planish/limit/cell_bound.h"
-#include "planish/limit/patch_box.h"
+#include "planish/limit/bezier_net.h"
 
 namespace planish {
 namespace {
@@ -46,7 +45,6 @@ double fewest_cells(const LimitSurface& surface, std::span<const std::uint8_t> h
   parallel_for(of_block.size(), 1, [&](std::size_t begin, std::size_t end) {
     LimitSurface::Corner corner(surface);
     std::vector<glm::dvec3> points;
-    BezierNet net;
     for (std::size_t b = begin; b < end; ++b) {
       const std::size_t last = std::min(count, (b + 1) * kCornersTogether);
       for (std::size_t c = b * kCornersTogether; c < last; ++c) {
@@ -54,8 +52,7 @@ double fewest_cells(const LimitSurface& surface, std::span<const std::uint8_t> h
         corner.move_to(static_cast<std::int32_t>(c));
         const PatchForm& form = corner.form();
         if (form.is_polynomial()) {
-          bezier_points(form, corner.points(), net);
-          of_block[b] += cells_of_net(net, distance);
+          of_block[b] += cells_of_net(bezier_net(form, corner.points()), distance);
           continue;
         }
         // A corner may be one cell: quarters count where they are more.
@@ -64,7 +61,7 @@ double fewest_cells(const LimitSurface& surface, std::span<const std::uint8_t> h
           const PatchForm& quarter = *form.quarters[static_cast<std::size_t>(q)];
           if (!quarter.is_polynomial()) continue;
           quarter_points(form, q, corner.points(), points);
-          bezier_points(quarter, points, net);
+          const BezierNet net = bezier_net(quarter, points);
           quarters += std::max(0.0, cells_of_net(net, distance) - 1);
         }
         of_block[b] += 1 + quarters;

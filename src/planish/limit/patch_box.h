@@ -17,6 +17,9 @@ struct PatchBox {
   void add(const glm::dvec3& point);
 };
 
+/// Around points; low above high where there are none.
+[[nodiscard]] PatchBox box_of(std::span<const glm::dvec3> points);
+
 /// Of a point from a box with `low` and `high`; 0 inside.
 template <class Box>
 [[nodiscard]] double square_distance(const Box& box, const glm::dvec3& point) {
@@ -43,6 +46,9 @@ class PatchReaches {
   std::map<const PatchForm*, double> reaches_;
 };
 
+/// Around a patch of such a reach, by its control points.
+[[nodiscard]] PatchBox box_around(std::span<const glm::dvec3> points, double reach);
+
 /// A box around a patch: that of the Bezier points of its polynomial, or of its quarters' where it
 /// is none, and of the control points of those quarters that are none.
 [[nodiscard]] PatchBox patch_box(const PatchForm& form, std::span<const glm::dvec3> points,
@@ -53,12 +59,5 @@ class PatchReaches {
                                                     std::span<const glm::dvec3> points,
                                                     const PatchReaches& reaches,
                                                     std::vector<glm::dvec3>& scratch);
-
-/// The nine Bezier points of a patch that is one polynomial, (i, j) at i + 3 j.
-void bezier_points(const PatchForm& form, std::span<const glm::dvec3> points,
-                   std::span<glm::dvec3, 9> bezier);
-
-/// A quarter's Bezier points in their place.
-void bezier_quarter(std::span<glm::dvec3, 9> bezier, bool upper_u, bool upper_v);
 
 }  // namespace planish

@@ -10,13 +10,6 @@ namespace {
 
 constexpr std::size_t kUsualHalvings = 8;  // of a quarter that is searched
 
-PatchBox box_of(std::span<const glm::dvec3> points) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  PatchBox box{glm::dvec3(kFar), glm::dvec3(-kFar)};
-  for (const glm::dvec3& p : points) box.add(p);
-  return box;
-}
-
 // The point of a polynomial in its own square.
 PatchPoint bezier_point(const BezierNet& net, double u, double v) {
   std::array<glm::dvec3, 3> value, slope, second;
@@ -47,19 +40,6 @@ PatchPoint bezier_point(const BezierNet& net, double u, double v) {
 
 }  // namespace
 
-PatchFrame PatchFrame::quarter(int index) const {
-  // The corner that the quarter is seen from, and its quarter turns.
-  const double own_u = index == 1 || index == 2 ? 1 : 0, own_v = index >= 2 ? 1 : 0;
-  const glm::dvec2 origin = at(own_u, own_v);
-  PatchFrame result{origin.x, origin.y, 0.5 * size, c, s};
-  for (int turn = 0; turn < index; ++turn) {
-    const int before = result.c;
-    result.c = -result.s;
-    result.s = before;
-  }
-  return result;
-}
-
 PatchPoint PatchPiece::at(double own_u, double own_v) const {
   return bezier_point(net, own_u, own_v);
 }
@@ -76,20 +56,7 @@ double PatchPiece::least_distance(const glm::dvec3& point) const {
 PatchBox PatchPiece::box() const { return box_of(net); }
 
 PatchPiece PatchPiece::half(bool upper_u, bool upper_v) const {
-  PatchPiece result{net, frame};
-  bezier_quarter(result.net, upper_u, upper_v);
-  const glm::dvec2 origin = frame.at(upper_u ? 0.5 : 0, upper_v ? 0.5 : 0);
-  result.frame.u = origin.x;
-  result.frame.v = origin.y;
-  result.frame.size *= 0.5;
-  return result;
-}
-
-PatchBox PatchPieces::box_around(const PatchForm& form, std::span<const glm::dvec3> points) const {
-  const PatchBox box = box_of(points);
-  const glm::dvec3 middle = 0.5 * (box.low + box.high);
-  const glm::dvec3 half = 0.5 * reaches_.of(form) * (box.high - box.low);
-  return {middle - half, middle + half};
+  return {net_quarter(net, upper_u, upper_v), frame.half(upper_u, upper_v)};
 }
 
 void PatchPieces::move_to(std::int32_t corner) {
@@ -98,8 +65,7 @@ void PatchPieces::move_to(std::int32_t corner) {
   corner_.move_to(corner);
   const PatchForm& form = corner_.form();
   if (form.is_polynomial()) {
-    PatchPiece whole;
-    bezier_points(form, corner_.points(), whole.net);
+    const PatchPiece whole{bezier_net(form, corner_.points()), {}};
     has_piece_.fill(true);
     for (std::size_t q = 0; q < 4; ++q) {
       pieces_[q] = whole.half(q == 1 || q == 2, q >= 2);
@@ -113,11 +79,11 @@ void PatchPieces::move_to(std::int32_t corner) {
     if (has_piece_[q]) {
       quarter_points(form, static_cast<int>(q), corner_.points(), points_);
       pieces_[q].frame = PatchFrame().quarter(static_cast<int>(q));
-      bezier_points(inner, points_, pieces_[q].net);
+      pieces_[q].net = bezier_net(inner, points_);
       boxes_[q] = pieces_[q].box();
     } else {
       enter(q, inner);
-      boxes_[q] = box_around(inner, inside_[q].points);
+      boxes_[q] = box_around(inside_[q].points, reaches_.of(inner));
     }
   }
 }
@@ -143,7 +109,7 @@ const PatchRing* PatchPieces::ring(std::size_t quarter, std::size_t halving) {
     for (int q = 1; q < 4; ++q) {
       const auto at = static_cast<std::size_t>(q - 1);
       quarter_points(*inside.form, q, inside.points, points_);
-      bezier_points(*inside.form->quarters[q], points_, ring.pieces[at].net);
+      ring.pieces[at].net = bezier_net(*inside.form->quarters[q], points_);
       ring.pieces[at].frame = inside.frame.quarter(q);
       ring.boxes[at] = ring.pieces[at].box();
     }
@@ -151,7 +117,7 @@ const PatchRing* PatchPieces::ring(std::size_t quarter, std::size_t halving) {
     std::swap(inside.points, points_);
     inside.form = inside.form->quarters[0];
     inside.frame = inside.frame.quarter(0);
-    ring.rest = box_around(*inside.form, inside.points);
+    ring.rest = box_around(inside.points, reaches_.of(*inside.form));
   }
   return &inside.rings[halving];
 }

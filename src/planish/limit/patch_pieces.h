@@ -1,29 +1,15 @@
 #pragma once
 
 #include <array>
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <span>
 #include <vector>
 
-#include "planish/limit/cell_bound.h"
+#include "planish/limit/bezier_net.h"
 #include "planish/limit/limit_surface.h"
 #include "planish/limit/patch_box.h"
+#include "planish/limit/patch_frame.h"
 
 namespace planish {
-
-/// Where a square that quarters within quarters lead to lies in its patch: its own (u, v) are
-/// turned by quarter turns, shrunk and moved.
-struct PatchFrame {
-  double u = 0, v = 0, size = 1;
-  int c = 1, s = 0;
-
-  /// Quarter 0 to 3 of the square, as PatchForm has them.
-  [[nodiscard]] PatchFrame quarter(int index) const;
-  [[nodiscard]] glm::dvec2 at(double own_u, double own_v) const {
-    return {u + size * (c * own_u - s * own_v), v + size * (s * own_u + c * own_v)};
-  }
-};
 
 /// A polynomial that a patch or a part of it is, its points relative to the corner's own.
 struct PatchPiece {
@@ -85,8 +71,6 @@ class PatchPieces {
     std::vector<glm::dvec3> points;
   };
   void enter(std::size_t quarter, const PatchForm& form);
-  [[nodiscard]] PatchBox box_around(const PatchForm& form,
-                                    std::span<const glm::dvec3> points) const;
 
   LimitSurface::Corner corner_;
   const PatchReaches& reaches_;

@@ -27,7 +27,7 @@ double cross(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.y - a.y 
 
 // Whether any two directions along u and v turn the same way as the ray sees them: the piece is
 // then seen without folds, and no two of its points in one place.
-bool is_seen_once(const std::array<glm::dvec3, 9>& net) {
+bool is_seen_once(const BezierNet& net) {
   std::array<glm::dvec3, 6> du, dv;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 2; ++k) {
@@ -47,7 +47,7 @@ bool is_seen_once(const std::array<glm::dvec3, 9>& net) {
 
 // Whether the ray passes beside a piece, across the longer of its diagonals as the ray sees it: of
 // a piece that is nearly seen from its edge the box is much larger than it.
-bool is_beside(const std::array<glm::dvec3, 9>& net) {
+bool is_beside(const BezierNet& net) {
   const glm::dvec3 a = net[8] - net[0], b = net[6] - net[2];
   const glm::dvec3& along = a.x * a.x + a.y * a.y > b.x * b.x + b.y * b.y ? a : b;
   const double size = std::hypot(along.x, along.y);
@@ -63,7 +63,7 @@ struct NetPoint {
   glm::dvec3 value{}, du{}, dv{};
 };
 
-NetPoint net_point(const std::array<glm::dvec3, 9>& net, double u, double v) {
+NetPoint net_point(const BezierNet& net, double u, double v) {
   const auto basis = [](double t) { return std::array{(1 - t) * (1 - t), 2 * t * (1 - t), t * t}; };
   const auto slope = [](double t) { return std::array{2 * (t - 1), 2 - 4 * t, 2 * t}; };
   const auto bu = basis(u), bv = basis(v), su = slope(u), sv = slope(v);
@@ -80,26 +80,6 @@ NetPoint net_point(const std::array<glm::dvec3, 9>& net, double u, double v) {
 }
 
 }  // namespace
-
-RaySearch::PieceFrame RaySearch::PieceFrame::quarter(int q) const {
-  switch (q) {
-    case 0:
-      return {origin, 0.5 * along, 0.5 * across, depth + 1};
-    case 1:
-      return {origin + along, 0.5 * across, -0.5 * along, depth + 1};
-    case 2:
-      return {origin + along + across, -0.5 * along, -0.5 * across, depth + 1};
-    default:
-      return {origin + across, -0.5 * across, 0.5 * along, depth + 1};
-  }
-}
-
-RaySearch::PieceFrame RaySearch::PieceFrame::half(bool upper_u, bool upper_v) const {
-  PieceFrame result{origin, 0.5 * along, 0.5 * across, depth + 1};
-  if (upper_u) result.origin += result.along;
-  if (upper_v) result.origin += result.across;
-  return result;
-}
 
 bool RaySearch::meets(const CornerBox& box) const {
   double from = t_min_ - kRounding, to = t_max_ + kRounding;
@@ -130,9 +110,9 @@ bool RaySearch::can_meet(std::span<const glm::dvec3> points, double reach) const
          high.z >= t_min_;
 }
 
-void RaySearch::add(const PieceFrame& frame, const glm::dvec2& local, bool is_tangent,
+void RaySearch::add(const PatchFrame& frame, const glm::dvec2& local, bool is_tangent,
                     bool is_singular) {
-  const glm::dvec2 at = frame.origin + local.x * frame.along + local.y * frame.across;
+  const glm::dvec2 at = frame.at(local.x, local.y);
   RayPlace place;
   place.corner = corner_number_;
   place.u = std::clamp(at.x, 0.0, 1.0);
@@ -152,7 +132,7 @@ void RaySearch::add(const PieceFrame& frame, const glm::dvec2& local, bool is_ta
 
 // Newton's method. False where it settles outside or not at all: the piece may be met all the same,
 // since its polynomial folds outside it.
-bool RaySearch::solve(const Net& net, const PieceFrame& frame) {
+bool RaySearch::solve(const BezierNet& net, const PatchFrame& frame) {
   glm::dvec2 at(0.5);
   for (int step = 0; step < kMostSteps; ++step) {
     const NetPoint p = net_point(net, at.x, at.y);
@@ -171,34 +151,29 @@ bool RaySearch::solve(const Net& net, const PieceFrame& frame) {
   return false;
 }
 
-void RaySearch::search_net(const Net& net, const PieceFrame& frame) {
+void RaySearch::search_net(const BezierNet& net, const PatchFrame& frame) {
   if (is_done() || !can_meet(net, 1) || is_beside(net)) return;
   if (is_seen_once(net) && solve(net, frame)) return;
   if (++pieces_ > kMostNets) return;
-  if (frame.depth >= kDeepest) {
+  if (frame.halvings() >= kDeepest) {
     add(frame, glm::dvec2(0.5), true, false);
     return;
   }
   for (const bool upper_v : {false, true}) {
-    for (const bool upper_u : {false, true}) {
-      Net part = net;
-      bezier_quarter(part, upper_u, upper_v);
-      search_net(part, frame.half(upper_u, upper_v));
-    }
+    for (const bool upper_u : {false, true})
+      search_net(net_quarter(net, upper_u, upper_v), frame.half(upper_u, upper_v));
   }
 }
 
 void RaySearch::search_form(const PatchForm& form, std::span<const glm::dvec3> points,
-                            const PieceFrame& frame) {
+                            const PatchFrame& frame) {
   if (is_done()) return;
   if (form.is_polynomial()) {
-    Net net;
-    bezier_points(form, points, net);
-    search_net(net, frame);
+    search_net(bezier_net(form, points), frame);
     return;
   }
   if (!can_meet(points, tree_.reaches().of(form))) return;
-  if (frame.depth >= form.halvings) {
+  if (frame.halvings() >= form.halvings) {
     add(frame, glm::dvec2(0.0), false, true);
     return;
   }

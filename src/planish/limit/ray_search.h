@@ -1,12 +1,13 @@
 #pragma once
 
-#include <array>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
+#include "planish/limit/bezier_net.h"
 #include "planish/limit/corner_tree.h"
+#include "planish/limit/patch_frame.h"
 
 namespace planish {
 
@@ -39,25 +40,15 @@ class RaySearch {
                                                  double t_max, RayAnswer wanted);
 
  private:
-  // A piece's place in its patch: (u, v) = origin + u' along + v' across.
-  struct PieceFrame {
-    glm::dvec2 origin{0, 0}, along{1, 0}, across{0, 1};
-    int depth = 0;
-
-    [[nodiscard]] PieceFrame quarter(int q) const;
-    [[nodiscard]] PieceFrame half(bool upper_u, bool upper_v) const;
-  };
-  // Bezier points of a piece as the ray sees them: two directions across it, and t.
-  using Net = std::array<glm::dvec3, 9>;
-
   [[nodiscard]] bool meets(const CornerBox& box) const;
   [[nodiscard]] bool can_meet(std::span<const glm::dvec3> points, double reach) const;
   void search_corner(std::int32_t corner);
   void search_form(const PatchForm& form, std::span<const glm::dvec3> points,
-                   const PieceFrame& frame);
-  void search_net(const Net& net, const PieceFrame& frame);
-  bool solve(const Net& net, const PieceFrame& frame);
-  void add(const PieceFrame& frame, const glm::dvec2& local, bool is_tangent, bool is_singular);
+                   const PatchFrame& frame);
+  // Nets are as the ray sees them: two directions across it, and t.
+  void search_net(const BezierNet& net, const PatchFrame& frame);
+  bool solve(const BezierNet& net, const PatchFrame& frame);
+  void add(const PatchFrame& frame, const glm::dvec2& local, bool is_tangent, bool is_singular);
   [[nodiscard]] bool is_done() const { return wanted_ == RayAnswer::Any && !places_.empty(); }
 
   const CornerTree& tree_;
