@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "planish/core/work.h"
 #include "planish/mesh/plane.h"
 #include "support/outlines.h"
 
@@ -103,6 +104,20 @@ TEST(EvenParts, AreMostlyQuadsBetweenFinelyDrawnSides) {
     const auto quads =
         std::ranges::count_if(parts, [](const auto& part) { return part.size() == 4; });
     EXPECT_GT(4 * quads, 3 * std::ssize(parts));
+  }
+}
+
+TEST(EvenParts, TakeFewQuestions) {
+  const auto asked = [](const Outline& outline) {
+    const auto& count = work_counts[static_cast<std::size_t>(Work::Pairs)];
+    const std::int64_t before = count;
+    (void)even_parts(outline, all_corners(outline), [](std::size_t, std::size_t) { return true; });
+    return static_cast<double>(count - before) / static_cast<double>(outline.size());
+  };
+  for (const int steps : {500, 5000}) {
+    EXPECT_LT(asked(rounded_square(steps, 0.5)), 200) << steps;
+    EXPECT_LT(asked(slot(steps, 4)), 200) << steps;
+    EXPECT_LT(asked(pie_slice(4 * steps, 90)), 200) << steps;
   }
 }
 

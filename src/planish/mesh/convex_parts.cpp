@@ -100,9 +100,7 @@ class Parts {
       std::vector<std::size_t>& part = parts.emplace_back();
       for (std::uint32_t at = h; edges_[at].from != kOutside; at = edges_[at].next)
         part.push_back(std::exchange(edges_[at].from, kOutside));
-      std::rotate(part.begin(), std::min_element(part.begin(), part.end()), part.end());
     }
-    std::sort(parts.begin(), parts.end());
     return parts;
   }
 

@@ -8,9 +8,9 @@
 
 namespace planish {
 
-/// Parts that a polygon falls into, as corner numbers in its winding: its Delaunay triangulation
-/// less the diagonals that no corner needs, the longest first. They are at most four times as many
-/// as the least possible. Time of the order of n log n for most polygons.
+/// Parts that a polygon falls into, as corner numbers in its winding, in no order: its Delaunay
+/// triangulation less the diagonals that no corner needs, the longest first. They are at most four
+/// times as many as the least possible. Time of the order of n log n for most polygons.
 ///
 /// `polygon`: the places of its n corners, counter-clockwise; where it crosses itself parts may
 /// overlap. `allowed`: n angles in radians; corners have no wider ones in a part unless the polygon

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "planish/core/work.h"
 #include "planish/mesh/plane.h"
 
 namespace planish {
@@ -56,6 +58,7 @@ double evenness(const Run& run) {
   };
   for (std::size_t i = 0; i < run.count; i += stride) sum += ask(i);
   (void)ask(run.count - 1);  // the chord
+  count_work(Work::Pairs, static_cast<std::int64_t>(asked));
   return sum > kFlat * reach ? least * asked / sum : -1;
 }
 
