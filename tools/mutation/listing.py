@@ -12,7 +12,7 @@ class Mutation:
     now: str
     place: int = 1  # among equal lines of the file, from 1
     killer: str = ""
-    notes: dict = dataclasses.field(default_factory=dict)  # equivalent, survives: the reason
+    notes: dict = dataclasses.field(default_factory=dict)  # equivalent, survives: the reason; tried: verdict, commit
     name: str = ""
 
     def line(self, text):
@@ -73,7 +73,7 @@ def read_module(path):
             module.mutations.append(Mutation(file, operator, "", "", name=name))
         elif key in ("was", "now", "killer", "place") and module.mutations:
             setattr(module.mutations[-1], key, int(value) if key == "place" else value)
-        elif key in ("equivalent", "survives", "sample") and module.mutations:
+        elif key in ("equivalent", "survives", "sample", "tried") and module.mutations:
             module.mutations[-1].notes[key] = value
         elif line:
             raise SystemExit(f"{path}:{number}: unknown word {key!r}")
