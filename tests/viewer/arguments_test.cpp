@@ -55,6 +55,14 @@ TEST(ViewerArguments, WhatIsWrongIsNamed) {
 
 class ViewerProcess : public ViewerTest {};
 
+TEST_F(ViewerProcess, Tessellates) {
+  const test::ProcessResult result =
+      test::run_planish({"--headless", "--scene", PLANISH_SCENES "/cube_with_windows.obj",
+                         "--tessellate", "--size", "64x48", "--validate"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("tessellated on"), HasSubstr("validation: 0 messages")));
+}
+
 TEST_F(ViewerProcess, WritesAPicture) {
   const auto path = std::filesystem::temp_directory_path() / "planish_viewer_test.png";
   const test::ProcessResult result =

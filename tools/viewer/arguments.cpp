@@ -21,9 +21,10 @@ const command::CommandText kText{
                  "planish-viewer --headless --scene scenes/goblet.json --script moves.txt"},
     .first_flags = {},
     .notes =
-        "In the window: drag to orbit, scroll to zoom; S surface, C cage, P points, H errors, "
-        "space pause, E edit, Esc close.\nWhile editing: drag a point of the surface to move it, "
-        "Ctrl+click adds it to those that move together or takes it out, [ and ] or Shift+scroll "
+        "In the window: drag to orbit, scroll to zoom; S surface, C cage, P points, H errors, T "
+        "tessellation, space pause, E edit, Esc close.\nWhile editing: drag a point of the surface "
+        "to move it, Ctrl+click adds it to those that move together or takes it out, [ and ] or "
+        "Shift+scroll "
         "change how far around they take others along; X creases the edge under the cursor, V the "
         "vertex as a corner, or smooths them; Ctrl+Z undo, Ctrl+Y redo, Ctrl+S save; drag beside "
         "the surface or with the right button to orbit.\n"
@@ -93,6 +94,8 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_flag("--cold-start", cold_start, "each frame starts without what the last one found");
   app.add_flag("--heat", settings.heat, "colours by interpolation error, with a legend");
+  app.add_flag("--tessellate", settings.tessellate,
+               "as fine as it is seen, within a quarter of a pixel; errors are shown at the level");
   app.add_flag("--cage", settings.cage, "the control cage's edges");
   app.add_flag("--points", settings.points, "the given points");
   app.add_flag("--no-surface", no_surface, "hides the surface");

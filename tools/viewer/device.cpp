@@ -104,16 +104,34 @@ Device::Device(const Instance& instance, const DeviceOptions& options)
   queue.queueFamilyIndex = family_;
   queue.queueCount = 1;
   queue.pQueuePriorities = &priority;
-  const char* extension = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+  VkPhysicalDeviceFeatures supported;
+  vkGetPhysicalDeviceFeatures(physical_, &supported);
+  VkPhysicalDeviceFeatures features{};
+  features.tessellationShader = supported.tessellationShader;
+  has_tessellation_ = supported.tessellationShader;
+  std::vector<const char*> extensions;
+  if (options.surface) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT};
+  feedback.transformFeedback = VK_TRUE;
+  if (options.captures) extensions.push_back(VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME);
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  info.enabledExtensionCount = options.surface ? 1 : 0;
-  info.ppEnabledExtensionNames = &extension;
+  info.pEnabledFeatures = &features;
+  if (options.captures) info.pNext = &feedback;
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   VkDevice device = VK_NULL_HANDLE;
   vulkan::check(vkCreateDevice(physical_, &info, nullptr, &device), "vkCreateDevice");
   device_.reset(device);
   vkGetDeviceQueue(device, family_, 0, &queue_);
+}
+
+void Device::demand_tessellation() const {
+  if (!has_tessellation_)
+    throw Error(ErrorCode::NoDevice,
+                name_ + " has no tessellation shaders; leave out --tessellate");
 }
 
 vulkan::HostDevice Device::host() const {

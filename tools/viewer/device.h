@@ -13,6 +13,7 @@ namespace planish::viewer {
 struct DeviceOptions {
   std::string wanted;  ///< a device's number or part of its name, in any case; empty: the best
   VkSurfaceKHR surface = VK_NULL_HANDLE;  ///< that it has to present to; none: off-screen
+  bool captures = false;                  ///< transform feedback, which the device has to have
 };
 
 /// The application's device with one queue for graphics, compute and, with a surface, presenting.
@@ -29,6 +30,9 @@ class Device {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Whether a CPU plays the device.
   [[nodiscard]] bool is_software() const { return is_software_; }
+  /// Throws Error{NoDevice} where it has none.
+  void demand_tessellation() const;
+  [[nodiscard]] bool has_tessellation() const { return has_tessellation_; }
   /// What planish is given.
   [[nodiscard]] vulkan::HostDevice host() const;
 
@@ -47,7 +51,7 @@ class Device {
   bool has_debug_utils_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   std::string name_;
-  bool is_software_ = false;
+  bool is_software_ = false, has_tessellation_ = false;
   std::uint32_t family_ = 0;
   std::unique_ptr<std::remove_pointer_t<VkDevice>, Destroy> device_;
   VkQueue queue_ = VK_NULL_HANDLE;

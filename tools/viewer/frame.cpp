@@ -9,9 +9,10 @@ namespace planish::viewer {
 namespace {
 
 OwnedDescriptorPool make_pool(VkDevice device) {
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, shared::kBindingCount};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                  shared::kBindingCount + shared::kSurfaceBindingCount};
   VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  info.maxSets = 1;
+  info.maxSets = 2;
   info.poolSizeCount = 1;
   info.pPoolSizes = &size;
   return OwnedDescriptorPool(device, info, "vkCreateDescriptorPool");
@@ -51,23 +52,18 @@ vulkan::FrameSlot Frame::slot() const {
 
 void Frame::bind(VkDevice device, const Model& model, const Pipelines& pipelines,
                  const vulkan::Solve& solve) {
-  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  allocate.descriptorPool = pool_;
-  allocate.descriptorSetCount = 1;
-  allocate.pSetLayouts = pipelines.set_layout.address();
-  vulkan::check(vkAllocateDescriptorSets(device, &allocate, &set_), "vkAllocateDescriptorSets");
   // In the order of the bindings in shared.h.
   const std::array<VkBuffer, shared::kBindingCount> buffers{
       points_,       solve.control_points(), vertices_,      model.used(),
       model.edges(), model.offsets(),        model.nearest()};
   std::array<VkDescriptorBufferInfo, shared::kBindingCount> infos{};
   for (std::size_t i = 0; i < buffers.size(); ++i) infos[i] = {buffers[i], 0, VK_WHOLE_SIZE};
-  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-  write.dstSet = set_;
-  write.descriptorCount = infos.size();
-  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-  write.pBufferInfo = infos.data();
-  vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+  set_ = make_set(device, pool_, pipelines.set_layout, infos);
+  if (!pipelines.patches) return;
+  const vulkan::SurfaceBuffers surface = vulkan::surface_buffers(model.tables(), solve);
+  surface_set_ = make_set(
+      device, pool_, pipelines.surface_layout,
+      std::array{surface.words, surface.links, surface.state, surface.given, surface.weights});
 }
 
 std::span<glm::vec3> Frame::points() const {

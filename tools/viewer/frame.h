@@ -26,11 +26,13 @@ class Frame {
   [[nodiscard]] VkBuffer vertices() const { return vertices_; }
   [[nodiscard]] VkBuffer status_target() const { return status_; }
   [[nodiscard]] VkDescriptorSet set() const { return set_; }
+  /// Of the surface as shader code reads it.
+  [[nodiscard]] VkDescriptorSet surface_set() const { return surface_set_; }
 
  private:
   Buffer points_, vertices_, status_;
   OwnedDescriptorPool pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  VkDescriptorSet set_ = VK_NULL_HANDLE, surface_set_ = VK_NULL_HANDLE;
 };
 
 }  // namespace planish::viewer

@@ -32,7 +32,9 @@ Headless::Headless(const Device& device, Scene scene, const HeadlessOptions& opt
                       VK_IMAGE_ASPECT_COLOR_BIT}),
       targets_(device, pass_, kFormat, options.extent, std::array{image_.view()}),
       overlay_(device, pass_, font_scale(options.extent)),
-      renderer_(device, pass_, std::move(scene)) {}
+      renderer_(device, pass_, std::move(scene)) {
+  if (options.settings.tessellate) device.demand_tessellation();
+}
 
 void Headless::draw(VkCommandBuffer commands) {
   overlay_.begin(options_.extent);

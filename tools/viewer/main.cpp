@@ -59,9 +59,12 @@ void run_headless(const Arguments& arguments, Scene scene,
   const auto began = std::chrono::steady_clock::now();
   headless.run(frames);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  const std::string how = arguments.settings.draws_patches()
+                              ? "tessellated"
+                              : "at level " + std::to_string(headless.system().level());
   const double error = headless.status().residual / headless.system().diagonal();
-  std::printf("%s at level %d on %s: %d frames of %s in %.2f s, error %s of the diagonal\n",
-              name.c_str(), headless.system().level(), device.name().c_str(), frames,
+  std::printf("%s %s on %s: %d frames of %s in %.2f s, error %s of the diagonal\n", name.c_str(),
+              how.c_str(), device.name().c_str(), frames,
               iterations_text(static_cast<std::uint32_t>(arguments.settings.iterations)).c_str(),
               took.count(), error_text(error).c_str());
   if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, headless.picture());

@@ -3,6 +3,9 @@
 // With prototypes, which planish's headers would leave out.
 #include <vulkan/vulkan.h>
 
+#include <span>
+#include <vector>
+
 #include "planish/vulkan/embed.h"
 #include "resources.h"
 #include "scene.h"
@@ -25,6 +28,14 @@ class Model {
     return static_cast<std::uint32_t>(system_.used_vertices().size());
   }
 
+  /// Corners of the faces that are no holes, each a patch, by runs of their numbers. What a run
+  /// counts beyond its end is not drawn.
+  struct Run {
+    std::uint32_t first, count, end;
+  };
+  [[nodiscard]] std::span<const Run> patches() const { return patches_; }
+  [[nodiscard]] std::uint32_t face_count() const { return face_count_; }
+
   /// Bindings kUsedBinding to kNearestBinding of shared.h.
   [[nodiscard]] VkBuffer used() const { return used_; }
   [[nodiscard]] VkBuffer edges() const { return edges_; }
@@ -37,6 +48,8 @@ class Model {
   Buffer indices_, used_, edges_;
   std::uint32_t edge_count_;
   Buffer offsets_, nearest_;
+  std::vector<Run> patches_;
+  std::uint32_t face_count_;
 };
 
 }  // namespace planish::viewer

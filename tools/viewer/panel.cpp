@@ -49,11 +49,18 @@ EditClicks draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSet
   ImGui::SameLine();
   ImGui::Checkbox("errors", &settings.heat);
   ImGui::Checkbox("edit", &edits);
+  if (facts.tessellates) {
+    ImGui::SameLine();
+    ImGui::Checkbox("tessellation", &settings.tessellate);
+  }
   const EditClicks clicks = session && edits ? draw_edit_tools(*session, em) : EditClicks{};
   ImGui::Separator();
   const vulkan::System& system = renderer.system();
-  ImGui::Text("%s: %d points, %zu triangles", renderer.scene().name.c_str(), system.given_count(),
-              system.triangles().size() / 3);
+  ImGui::Text("%s: %d points", renderer.scene().name.c_str(), system.given_count());
+  if (!settings.draws_patches()) {
+    ImGui::SameLine(0, 0);
+    ImGui::Text(", %zu triangles", system.triangles().size() / 3);
+  }
   if (renderer.status()) {
     const double error = renderer.status()->residual / system.diagonal();
     ImGui::Text("error %s of the diagonal", error_text(error).c_str());

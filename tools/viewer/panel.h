@@ -12,6 +12,7 @@ struct PanelFacts {
   std::string device;
   std::string problem;  ///< of the last change; empty if it worked
   float frames_per_second = 0;
+  bool tessellates = false;  ///< the device
 };
 
 /// What was clicked there.

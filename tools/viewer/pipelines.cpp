@@ -1,12 +1,15 @@
 #include "pipelines.h"
 
 #include <array>
-#include <span>
+#include <vector>
 
 #include "background.frag.spv.h"
 #include "background.vert.spv.h"
 #include "edge.frag.spv.h"
 #include "edge.vert.spv.h"
+#include "patch.tesc.spv.h"
+#include "patch.tese.spv.h"
+#include "patch.vert.spv.h"
 #include "point.frag.spv.h"
 #include "point.vert.spv.h"
 #include "surface.frag.spv.h"
@@ -16,16 +19,6 @@
 
 namespace planish::viewer {
 namespace {
-
-using Words = std::span<const std::uint32_t>;
-
-/// How one kind of thing is drawn.
-struct Drawing {
-  Words vertex, fragment;
-  bool has_vertices = false;  // of the surface; else the vertex shader makes them
-  bool tests_depth = true;
-  bool blends = false;
-};
 
 OwnedShader make_shader(VkDevice device, Words words) {
   VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
@@ -40,27 +33,6 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits which, VkShaderModul
   info.module = shader;
   info.pName = "main";
   return info;
-}
-
-OwnedSetLayout make_set_layout(VkDevice device) {
-  std::array<VkDescriptorSetLayoutBinding, shared::kBindingCount> bindings{};
-  for (std::uint32_t i = 0; i < bindings.size(); ++i)
-    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
-                   VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
-  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-  info.bindingCount = bindings.size();
-  info.pBindings = bindings.data();
-  return OwnedSetLayout(device, info, "vkCreateDescriptorSetLayout");
-}
-
-OwnedPipelineLayout make_layout(VkDevice device, VkDescriptorSetLayout set) {
-  const VkPushConstantRange push{kPushStages, 0, sizeof(shared::DrawParameters)};
-  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  info.setLayoutCount = 1;
-  info.pSetLayouts = &set;
-  info.pushConstantRangeCount = 1;
-  info.pPushConstantRanges = &push;
-  return OwnedPipelineLayout(device, info, "vkCreatePipelineLayout");
 }
 
 constexpr std::uint32_t kFloat = sizeof(float);
@@ -83,11 +55,12 @@ VkPipelineVertexInputStateCreateInfo vertex_input(bool has_vertices) {
   return info;
 }
 
-VkPipelineColorBlendAttachmentState blending(bool blends) {
+VkPipelineColorBlendAttachmentState blending(Blend blend) {
   VkPipelineColorBlendAttachmentState state{};
-  state.blendEnable = blends;
-  state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
-  state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  const bool sums = blend == Blend::Sum;
+  state.blendEnable = blend != Blend::None;
+  state.srcColorBlendFactor = sums ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_SRC_ALPHA;
+  state.dstColorBlendFactor = sums ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
   state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
@@ -95,16 +68,86 @@ VkPipelineColorBlendAttachmentState blending(bool blends) {
   return state;
 }
 
+OwnedComputePipeline make_kernel(VkDevice device, VkPipelineLayout layout, Words words) {
+  const OwnedShader shader = make_shader(device, words);
+  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, shader);
+  info.layout = layout;
+  return OwnedComputePipeline(device, info, "vkCreateComputePipelines");
+}
+
+VkShaderStageFlags patch_stages(const Device& device) {
+  VkShaderStageFlags stages = VK_SHADER_STAGE_VERTEX_BIT;
+  // A device that lacks it does not want to hear of it.
+  if (device.has_tessellation()) stages |= VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT;
+  return stages;
+}
+
+}  // namespace
+
+VkShaderStageFlags push_stages(const Device& device) {
+  return patch_stages(device) | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT;
+}
+
+OwnedSetLayout make_set_layout(VkDevice device, std::uint32_t count, VkShaderStageFlags stages) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings(count);
+  for (std::uint32_t i = 0; i < count; ++i)
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, stages, nullptr};
+  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  info.bindingCount = count;
+  info.pBindings = bindings.data();
+  return OwnedSetLayout(device, info, "vkCreateDescriptorSetLayout");
+}
+
+OwnedPipelineLayout make_layout(const Device& device, std::span<const VkDescriptorSetLayout> sets) {
+  const VkPushConstantRange push{push_stages(device), 0, sizeof(shared::DrawParameters)};
+  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  info.setLayoutCount = static_cast<std::uint32_t>(sets.size());
+  info.pSetLayouts = sets.data();
+  info.pushConstantRangeCount = 1;
+  info.pPushConstantRanges = &push;
+  return OwnedPipelineLayout(device, info, "vkCreatePipelineLayout");
+}
+
+VkDescriptorSet make_set(VkDevice device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
+                         std::span<const VkDescriptorBufferInfo> buffers) {
+  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  allocate.descriptorPool = pool;
+  allocate.descriptorSetCount = 1;
+  allocate.pSetLayouts = &layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  vulkan::check(vkAllocateDescriptorSets(device, &allocate, &set), "vkAllocateDescriptorSets");
+  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+  write.dstSet = set;
+  write.descriptorCount = static_cast<std::uint32_t>(buffers.size());
+  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  write.pBufferInfo = buffers.data();  // goes on from binding to binding
+  vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+  return set;
+}
+
 OwnedGraphicsPipeline make_drawing(VkDevice device, VkRenderPass pass, VkPipelineLayout layout,
                                    const Drawing& drawing) {
   const OwnedShader vertex = make_shader(device, drawing.vertex);
   const OwnedShader fragment = make_shader(device, drawing.fragment);
-  const std::array stages{stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
-                          stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
+  std::vector stages{stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
+                     stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
+  const bool has_patches = !drawing.control.empty();
+  OwnedShader control, evaluation;
+  if (has_patches) {
+    control = make_shader(device, drawing.control);
+    evaluation = make_shader(device, drawing.evaluation);
+    stages.push_back(stage(VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT, control));
+    stages.push_back(stage(VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT, evaluation));
+  }
+  VkPipelineTessellationStateCreateInfo tessellation{
+      VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO};
+  tessellation.patchControlPoints = 1;
   const auto input = vertex_input(drawing.has_vertices);
   VkPipelineInputAssemblyStateCreateInfo assembly{
       VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  assembly.topology =
+      has_patches ? VK_PRIMITIVE_TOPOLOGY_PATCH_LIST : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
   viewport.viewportCount = 1;
   viewport.scissorCount = 1;
@@ -120,7 +163,7 @@ OwnedGraphicsPipeline make_drawing(VkDevice device, VkRenderPass pass, VkPipelin
   depth.depthTestEnable = drawing.tests_depth;
   depth.depthWriteEnable = drawing.tests_depth;
   depth.depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL;
-  const VkPipelineColorBlendAttachmentState attachment = blending(drawing.blends);
+  const VkPipelineColorBlendAttachmentState attachment = blending(drawing.blend);
   VkPipelineColorBlendStateCreateInfo blend{
       VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = 1;
@@ -130,10 +173,11 @@ OwnedGraphicsPipeline make_drawing(VkDevice device, VkRenderPass pass, VkPipelin
   dynamic.dynamicStateCount = kDynamic.size();
   dynamic.pDynamicStates = kDynamic.data();
   VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
-  info.stageCount = stages.size();
+  info.stageCount = static_cast<std::uint32_t>(stages.size());
   info.pStages = stages.data();
   info.pVertexInputState = &input;
   info.pInputAssemblyState = &assembly;
+  if (has_patches) info.pTessellationState = &tessellation;
   info.pViewportState = &viewport;
   info.pRasterizationState = &raster;
   info.pMultisampleState = &samples;
@@ -145,27 +189,25 @@ OwnedGraphicsPipeline make_drawing(VkDevice device, VkRenderPass pass, VkPipelin
   return OwnedGraphicsPipeline(device, info, "vkCreateGraphicsPipelines");
 }
 
-OwnedComputePipeline make_kernel(VkDevice device, VkPipelineLayout layout, Words words) {
-  const OwnedShader shader = make_shader(device, words);
-  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-  info.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, shader);
-  info.layout = layout;
-  return OwnedComputePipeline(device, info, "vkCreateComputePipelines");
-}
-
-}  // namespace
-
-Pipelines::Pipelines(VkDevice device, VkRenderPass pass)
-    : set_layout(make_set_layout(device)),
-      layout(make_layout(device, set_layout)),
+Pipelines::Pipelines(const Device& device, VkRenderPass pass)
+    : set_layout(make_set_layout(device, shared::kBindingCount,
+                                 VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_COMPUTE_BIT)),
+      surface_layout(make_set_layout(device, shared::kSurfaceBindingCount, patch_stages(device))),
+      layout(make_layout(device, std::array<VkDescriptorSetLayout, 2>{set_layout, surface_layout})),
       background(make_drawing(device, pass, layout,
                               {spirv::background_vert, spirv::background_frag, false, false})),
       surface(make_drawing(device, pass, layout, {spirv::surface_vert, spirv::surface_frag, true})),
       edges(make_drawing(device, pass, layout,
-                         {spirv::edge_vert, spirv::edge_frag, false, true, true})),
+                         {spirv::edge_vert, spirv::edge_frag, false, true, Blend::Over})),
       hidden_edges(make_drawing(device, pass, layout,
-                                {spirv::edge_vert, spirv::edge_frag, false, false, true})),
+                                {spirv::edge_vert, spirv::edge_frag, false, false, Blend::Over})),
       points(make_drawing(device, pass, layout, {spirv::point_vert, spirv::point_frag})),
-      vertex_error(make_kernel(device, layout, spirv::vertex_error_comp)) {}
+      vertex_error(make_kernel(device, layout, spirv::vertex_error_comp)) {
+  if (!device.has_tessellation()) return;
+  Drawing drawing{spirv::patch_vert, spirv::surface_frag};
+  drawing.control = spirv::patch_tesc;
+  drawing.evaluation = spirv::patch_tese;
+  patches = make_drawing(device, pass, layout, drawing);
+}
 
 }  // namespace planish::viewer

@@ -16,10 +16,6 @@ void barrier(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::
 
 constexpr vulkan::Scope kErrorScope{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                                     VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-constexpr vulkan::Scope kVertexScope{
-    VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT,
-    VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
-
 constexpr float kEdgeWidth = 1.5f, kPointWidth = 10;  // pixels of a picture of kWidthHeight
 constexpr float kWidthHeight = 720;
 constexpr float kHiddenAlpha = 0.16f;
@@ -141,6 +137,14 @@ VkCommandBuffer Renderer::begin_redraw() {
   return begin_commands();
 }
 
+vulkan::Scope Renderer::vertex_scope() const {
+  vulkan::Scope scope{VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT,
+                      VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+  if (device_.has_tessellation())
+    scope.stages |= VK_PIPELINE_STAGE_TESSELLATION_EVALUATION_SHADER_BIT;
+  return scope;
+}
+
 void Renderer::record_surface(VkCommandBuffer commands, const ViewSettings& settings) {
   const Frame& frame = *frames_[current_];
   vulkan::SolveParameters parameters;
@@ -149,16 +153,19 @@ void Renderer::record_surface(VkCommandBuffer commands, const ViewSettings& sett
   parameters.slot = static_cast<std::uint32_t>(current_);
   is_warm_ = true;
   // The last frame may still draw the cage, which all frames share.
-  barrier(commands, kVertexScope, vulkan::kEntryScope);
+  barrier(commands, vertex_scope(), vulkan::kEntryScope);
   solve_->record_solve(commands, parameters);
-  solve_->record_evaluate(commands, {.slot = parameters.slot});
+  if (settings.draws_patches())
+    solve_->record_surface(commands);
+  else
+    solve_->record_evaluate(commands, {.slot = parameters.slot});
   solve_->record_status(commands, frame.status_target(), 0);
   host_barrier(commands);
   if (settings.heat) {
     barrier(commands, vulkan::kExitScope, kErrorScope);
     record_errors(commands);
   }
-  barrier(commands, vulkan::kExitScope, kVertexScope);
+  barrier(commands, vulkan::kExitScope, vertex_scope());
 }
 
 void Renderer::record_errors(VkCommandBuffer commands) const {
@@ -167,7 +174,8 @@ void Renderer::record_errors(VkCommandBuffer commands) const {
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.vertex_error);
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout, 0, 1, &set,
                           0, nullptr);
-  vkCmdPushConstants(commands, pipelines_.layout, kPushStages, 0, sizeof vertices, &vertices);
+  vkCmdPushConstants(commands, pipelines_.layout, push_stages(device_), 0, sizeof vertices,
+                     &vertices);
   const std::uint32_t groups = (vertices + shared::kErrorGroup - 1) / shared::kErrorGroup;
   vkCmdDispatch(commands, std::min(groups, kMostGroups), 1, 1);
 }
@@ -182,20 +190,30 @@ void Renderer::draw(VkCommandBuffer commands, const OrbitCamera& camera, VkExten
   parameters.diagonal = static_cast<float>(model_->system().diagonal());
   parameters.key = camera.key_light();
   parameters.heat = settings.heat;
+  parameters.face_count = model_->face_count();
+  parameters.is_software = device_.is_software();
   parameters.viewport = {extent.width, extent.height};
   const float pixel = static_cast<float>(extent.height) / kWidthHeight;
   const auto bind = [&](VkPipeline pipeline, float width, float alpha) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     parameters.width = width * pixel;
     parameters.alpha = alpha;
-    vkCmdPushConstants(commands, pipelines_.layout, kPushStages, 0, sizeof parameters, &parameters);
+    vkCmdPushConstants(commands, pipelines_.layout, push_stages(device_), 0, sizeof parameters,
+                       &parameters);
   };
   const VkDescriptorSet set = frame.set();
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout, 0, 1, &set,
                           0, nullptr);
   bind(pipelines_.background, 0, 1);
   vkCmdDraw(commands, 3, 1, 0, 0);
-  if (settings.surface) {
+  if (settings.surface && settings.draws_patches()) {
+    const VkDescriptorSet surface = frame.surface_set();
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout,
+                            shared::kSurfaceSet, 1, &surface, 0, nullptr);
+    bind(pipelines_.patches, 0, 1);
+    for (const Model::Run& run : model_->patches())
+      vkCmdDraw(commands, run.count, 1, run.first, run.end);
+  } else if (settings.surface) {
     const VkBuffer vertices = frame.vertices();
     const VkDeviceSize start = 0;
     bind(pipelines_.surface, 0, 1);

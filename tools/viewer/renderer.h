@@ -75,6 +75,7 @@ class Renderer {
   VkCommandBuffer begin_next();
   void build(int level);
   void record_surface(VkCommandBuffer commands, const ViewSettings& settings);
+  [[nodiscard]] vulkan::Scope vertex_scope() const;  // where what planish makes is drawn
   void record_errors(VkCommandBuffer commands) const;
 
   const Device& device_;

@@ -27,6 +27,20 @@ VIEWER_CONSTANT uint kOffsetsBinding = 5u;   // of each vertex of the surface it
 VIEWER_CONSTANT uint kNearestBinding = 6u;   // used vertices
 VIEWER_CONSTANT uint kBindingCount = 7u;
 
+// The second set is what planish_surface.glsl reads, of tessellation alone.
+VIEWER_CONSTANT uint kSurfaceSet = 1u;
+VIEWER_CONSTANT uint kWordsBinding = 0u;
+VIEWER_CONSTANT uint kLinksBinding = 1u;
+VIEWER_CONSTANT uint kStateBinding = 2u;
+VIEWER_CONSTANT uint kSurfaceGivenBinding = 3u;
+VIEWER_CONSTANT uint kWeightsBinding = 4u;
+VIEWER_CONSTANT uint kSurfaceBindingCount = 5u;
+
+// What tessellation may leave between the surface and its triangles, seen at a right angle.
+VIEWER_CONSTANT float kChordPixels = 0.25f;
+VIEWER_CONSTANT float kMostSegments =
+    64.0f;  // of an edge, which every device with tessellation has
+
 // A vertex of the surface: position, normal and error.
 VIEWER_CONSTANT uint kVertexFloats = 7u;
 VIEWER_CONSTANT uint kNormalFloat = 3u;
@@ -44,6 +58,8 @@ struct DrawParameters {
   vec2 viewport;   // pixels
   float width;     // of lines and dots, in pixels
   float alpha;
+  uint face_count;   // of the surface
+  uint is_software;  // 1: a CPU plays the device
 };
 
 // Colours of errors, relative to the diagonal, logarithmic from 10^kHeatLowest to 10^kHeatHighest:
@@ -56,7 +72,7 @@ VIEWER_CONSTANT vec3 kHeatStops[kHeatStopCount] = {
     vec3(0.97f, 0.58f, 0.25f), vec3(0.96f, 0.95f, 0.35f)};
 
 #ifdef __cplusplus
-static_assert(sizeof(DrawParameters) == 112);
+static_assert(sizeof(DrawParameters) == 120);
 }  // namespace planish::viewer::shared
 #undef VIEWER_CONSTANT
 #endif

@@ -11,7 +11,10 @@ struct ViewSettings {
   int iterations = 6;  ///< of each frame
   bool warm_start = true;
   bool surface = true, cage = false, points = false, heat = false;
+  bool tessellate = false;  ///< the surface as fine as it is seen, where no errors are shown
   bool paused = false;
+
+  [[nodiscard]] bool draws_patches() const { return tessellate && !heat; }
 };
 
 }  // namespace planish::viewer

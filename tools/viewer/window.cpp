@@ -110,6 +110,8 @@ class Window {
     for (OwnedSemaphore& ready : image_ready_)
       ready = OwnedSemaphore(device_, info, "vkCreateSemaphore");
     facts_.device = device_.name();
+    facts_.tessellates = device_.has_tessellation();
+    if (settings_.tessellate) device_.demand_tessellation();
   }
 
   WindowRun run();
@@ -253,13 +255,15 @@ void Window::read_input() {
   }
   if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) glfwSetWindowShouldClose(window_.get(), true);
   if (io.KeyCtrl) return;
-  const std::array<std::pair<int, bool*>, 5> toggles{{{GLFW_KEY_S, &settings_.surface},
+  const std::array<std::pair<int, bool*>, 6> toggles{{{GLFW_KEY_S, &settings_.surface},
                                                       {GLFW_KEY_C, &settings_.cage},
                                                       {GLFW_KEY_P, &settings_.points},
                                                       {GLFW_KEY_H, &settings_.heat},
+                                                      {GLFW_KEY_T, &settings_.tessellate},
                                                       {GLFW_KEY_SPACE, &settings_.paused}}};
   for (const auto& [key, value] : toggles)
     if (ImGui::IsKeyPressed(key, false)) *value = !*value;
+  settings_.tessellate &= device_.has_tessellation();
 }
 
 void Window::draw_interface() {
