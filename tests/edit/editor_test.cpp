@@ -132,6 +132,8 @@ TEST(Editor, KeepsItsBoundOverManyEdits) {
             2 * kTolerance * c.first.placement.diagonal);
   const EditChange change = editor.settle();
   EXPECT_TRUE(change.is_whole);
+  EXPECT_EQ(change.control_points.size(), c.mesh.positions.size());
+  EXPECT_EQ(editor.fit().interpolation.iterations, c.first.interpolation.iterations);
   EXPECT_LE(editor.measured_error(), kTolerance / 8);
   std::vector<std::int32_t> all(c.mesh.positions.size());
   for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<std::int32_t>(v);
