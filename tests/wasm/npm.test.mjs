@@ -9,7 +9,7 @@ import { after, before, test } from 'node:test';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const modules = join(root, 'tests/files/gltf/node_modules');
+const modules = join(root, 'tests/wasm/modules/node_modules');
 const folder = mkdtempSync(join(tmpdir(), 'planish-npm-'));
 const installed = (name) => import(pathToFileURL(join(folder, 'node_modules/planish', name)));
 const scene = (name) => new Uint8Array(readFileSync(join(root, 'scenes', name)));
