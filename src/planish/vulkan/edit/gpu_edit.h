@@ -68,7 +68,7 @@ class GpuEdit {
   void make_work(shared::EditParameters& parameters);
   void bind();
   [[nodiscard]] VkDescriptorSet set_of(Stage stage, std::uint32_t slot) const {
-    return sets_[stage < Begin ? stage : stage + kSlotStages * slot];
+    return sets_[stage + (stage < Begin ? 0U : kSlotStages * slot)];
   }
   void wait(VkCommandBuffer commands) const noexcept;
 
