@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -84,7 +85,10 @@ void add_spread(std::size_t count, std::size_t most, std::vector<std::size_t>& p
 }
 
 struct Chord {
+  double loss;           // the less the better
   std::size_t from, to;  // the part from the one to the other, and the rest
+
+  auto operator<=>(const Chord&) const = default;
 };
 
 // The chords between these corners that make a polygon, which has the evenness `own`, more even;
@@ -93,7 +97,7 @@ std::vector<Chord> good_chords(std::span<const dvec2> polygon, double own,
                                std::span<const std::size_t> ends,
                                std::span<const std::size_t> others) {
   const std::size_t n = polygon.size();
-  std::vector<std::pair<double, std::array<std::size_t, 2>>> found;
+  std::vector<Chord> found;
   for (const std::size_t end : ends) {
     for (const std::size_t other : others) {
       const auto [from, to] = std::minmax(end, other);
@@ -105,13 +109,11 @@ std::vector<Chord> good_chords(std::span<const dvec2> polygon, double own,
                            std::min(b, kEven) * static_cast<double>(outside - 2)) /
                           static_cast<double>(n - 2);
       if (std::max(a, b) >= kEven || gain > kGain * own)
-        found.push_back({-gain - kTie * std::min(a, b), {from, to}});
+        found.push_back({-gain - kTie * std::min(a, b), from, to});
     }
   }
   std::sort(found.begin(), found.end());
-  std::vector<Chord> chords;
-  for (const auto& [loss, chord] : found) chords.push_back({chord[0], chord[1]});
-  return chords;
+  return found;
 }
 
 // Those between ends of long sides before all others.
@@ -230,12 +232,12 @@ std::vector<std::vector<std::size_t>> even_parts(
   open.push_back(std::move(part));
   std::vector<dvec2> polygon;
   while (!open.empty()) {
-    const Part own = std::move(open.back());
+    Part own = std::move(open.back());
     open.pop_back();
     polygon.clear();
     for (const std::size_t corner : own) polygon.push_back(places[corner]);
     if (own.size() <= 4 || corner_swirl(polygon) <= kMostSwirl) {
-      done.push_back(own);
+      done.push_back(std::move(own));
       continue;
     }
     const auto may = [&](std::size_t a, std::size_t b) { return may_cut(own[a], own[b]); };
