@@ -30,13 +30,6 @@ Function function(VkDevice device, const char* name) {
   return reinterpret_cast<Function>(vkGetDeviceProcAddr(device, name));
 }
 
-void wait_for(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::Scope& to) {
-  VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  memory.srcAccessMask = from.accesses;
-  memory.dstAccessMask = to.accesses;
-  vkCmdPipelineBarrier(commands, from.stages, to.stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
-}
-
 constexpr vulkan::Scope kCapture{VK_PIPELINE_STAGE_TRANSFORM_FEEDBACK_BIT_EXT,
                                  VK_ACCESS_TRANSFORM_FEEDBACK_WRITE_BIT_EXT |
                                      VK_ACCESS_TRANSFORM_FEEDBACK_COUNTER_WRITE_BIT_EXT};
@@ -107,7 +100,7 @@ void WatchedPatches::draw(const OrbitCamera& camera) {
       vkCmdDraw(commands, run.count, 1, run.first, run.end);
     end_(commands, 0, 1, &byte_count, &start);
     vkCmdEndRenderPass(commands);
-    wait_for(commands, kCapture, kHost);
+    barrier(commands, kCapture, kHost);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     region.imageExtent = {extent_.width, extent_.height, 1};

@@ -6,14 +6,6 @@
 namespace planish::viewer {
 namespace {
 
-/// From one scope to another, for all memory.
-void barrier(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::Scope& to) {
-  VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  memory.srcAccessMask = from.accesses;
-  memory.dstAccessMask = to.accesses;
-  vkCmdPipelineBarrier(commands, from.stages, to.stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
-}
-
 constexpr vulkan::Scope kErrorScope{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                                     VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
 constexpr float kEdgeWidth = 1.5f, kPointWidth = 10;  // pixels of a picture of kWidthHeight

@@ -35,12 +35,16 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usag
   mapped_ = static_cast<std::byte*>(start);
 }
 
-void host_barrier(VkCommandBuffer commands) {
+void barrier(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::Scope& to) {
   VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-  memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
-                       &memory, 0, nullptr, 0, nullptr);
+  memory.srcAccessMask = from.accesses;
+  memory.dstAccessMask = to.accesses;
+  vkCmdPipelineBarrier(commands, from.stages, to.stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+void host_barrier(VkCommandBuffer commands) {
+  barrier(commands, {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT},
+          {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT});
 }
 
 Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words) {

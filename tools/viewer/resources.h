@@ -33,6 +33,9 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
+/// From one scope to another, for all memory.
+void barrier(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::Scope& to);
+
 /// After copies into mapped buffers: makes them visible to the host once its fence is there.
 void host_barrier(VkCommandBuffer commands);
 
