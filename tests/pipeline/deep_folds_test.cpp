@@ -26,11 +26,12 @@ TEST(DeepLook, FindsAgainWhatAFreshOneFinds) {
     const UsedPart used = used_part(mesh, fitted.prepared);
     const MeshTopology& topology = *used.prepared->topology;
     LevelOne level_one = fitted.fair->level_one;
-    DeepLook look(used.mesh, topology, options);
+    DeepLook look(used.mesh, topology, *fitted.features, options.weights);
     std::mt19937 random(3);
     for (int round = 0; round < 8; ++round) {
       const DeepFolds again = look.at(level_one);
-      const DeepFolds fresh = DeepLook(used.mesh, topology, options).at(level_one);
+      const DeepFolds fresh =
+          DeepLook(used.mesh, topology, *fitted.features, options.weights).at(level_one);
       EXPECT_EQ(again.at_vertex, fresh.at_vertex) << name << round;
       EXPECT_EQ(again.area, fresh.area) << name << round;
       found += fresh.area > 0 ? 1 : 0;

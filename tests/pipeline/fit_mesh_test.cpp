@@ -90,6 +90,41 @@ TEST(FitExtras, SayTheLargestErrorAndWhetherItConverged) {
   }
 }
 
+// Surfaces and the cage take what the fit found, but for another pose or where it was not kept.
+TEST(Fit, FindsOnceWhatIsSharp) {
+  const auto backend = make_cpu_backend();
+  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
+    FitOptions options;
+    options.method = method;
+    options.sharp.boundary = BoundaryRule::EdgeAndCorner;
+    PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(5), 0.2, 5);
+    mesh.positions.push_back({7, 8, 9});  // of no face
+    const Fit found = fit(mesh, *backend, options);
+    const auto surface = fitted_surface(mesh, found, {.sharp = options.sharp});
+    EXPECT_EQ(&surface->patches().features(), found.features.get());
+    const UsedPart used = used_part(mesh, found.prepared);
+    const SharpFeatures again = find_sharp_features(used.mesh, *used.prepared->topology,
+                                                    used.mesh.positions, options.sharp);
+    EXPECT_EQ(found.features->vertex_kinds, again.vertex_kinds);
+    EXPECT_EQ(found.features->corner_sectors, again.corner_sectors);
+    std::vector<glm::dvec3> pose = mesh.positions;
+    for (glm::dvec3& p : pose) p.x *= -30;
+    EXPECT_NE(&fitted_surface(mesh, found, {.sharp = options.sharp, .rest_positions = pose})
+                   ->patches()
+                   .features(),
+              found.features.get());
+    Fit restored = found;  // as from an archive
+    restored.features = nullptr;
+    const PolygonMesh cage = control_cage(mesh, found, options.sharp);
+    EXPECT_EQ(cage.face_vertices, control_cage(mesh, restored, options.sharp).face_vertices);
+    EXPECT_EQ(fitted_surface(mesh, restored, {.sharp = options.sharp})
+                  ->patches()
+                  .features()
+                  .corner_sectors,
+              again.corner_sectors);
+  }
+}
+
 // check() refuses such a cage of the progressive method; one of the fair method has more vertices
 // than the mesh and comes as it is.
 TEST(VerifyCage, ConfirmsNothingThatIsNoNumber) {

@@ -13,17 +13,15 @@ BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cag
     cage_.positions[v] = cage[static_cast<std::size_t>(sub.vertices[v])];
   EvaluateOptions evaluate;
   evaluate.weights = options.weights;
-  evaluate.sharp = options.sharp;
-  evaluate.rest_positions = sub.mesh.positions;
   evaluate.prepared = prepared_whole(cage_, topology_of_sound(cage_));
+  const MeshTopology& topology = *evaluate.prepared->topology;
+  evaluate.features = std::make_shared<const SharpFeatures>(
+      find_sharp_features(sub.mesh, topology, sub.mesh.positions, options.sharp));
   if (options.fair == nullptr) {
     surface_.emplace(cage_, options.placement, evaluate);
     return;
   }
-  const MeshTopology& topology = *evaluate.prepared->topology;
-  const SharpFeatures features =
-      find_sharp_features(sub.mesh, topology, sub.mesh.positions, options.sharp);
-  level_one_ = level_one_of(part, *options.fair, sub, topology, features);
+  level_one_ = level_one_of(part, *options.fair, sub, topology, *evaluate.features);
   surface_.emplace(cage_, level_one_, evaluate);
 }
 

@@ -88,7 +88,8 @@ FairNet make_net(const PartMesh& mesh, PartHalo& halo, const PartFairOptions& op
   std::optional<DeepLook> look;
   const auto folds_of = [&](FairNet& net) {
     LevelOne level_one{std::move(net.state), options.placement};
-    if (!look) look.emplace(mesh.sub.mesh, *mesh.topology, options.fit, &halo);
+    if (!look)
+      look.emplace(mesh.sub.mesh, *mesh.topology, mesh.features, options.fit.weights, &halo);
     DeepFolds folds = look->at(level_one);
     net.state = std::move(level_one.state);
     return folds;

@@ -49,13 +49,14 @@ Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions&
     });
     return result;
   };
-  features_ = find_sharp_features(used_.mesh, *fit.prepared->topology, used_.mesh.positions,
-                                  options.fit.sharp);
-  fit_.sharp_edge_count = features_.sharp_edge_count;
-  fit_.boundary_edge_count = features_.sharp_edge_count - features_.interior_sharp_edge_count;
-  fit_.corner_count = features_.corner_count;
+  fit_.features = std::make_shared<const SharpFeatures>(find_sharp_features(
+      used_.mesh, *fit.prepared->topology, used_.mesh.positions, options.fit.sharp));
+  const SharpFeatures& features = *fit_.features;
+  fit_.sharp_edge_count = features.sharp_edge_count;
+  fit_.boundary_edge_count = features.sharp_edge_count - features.interior_sharp_edge_count;
+  fit_.corner_count = features.corner_count;
   // A fair net's first step takes the weights of 1978 whatever the later levels take.
-  subdivision_.emplace(*fit.prepared->topology, features_,
+  subdivision_.emplace(*fit.prepared->topology, features,
                        fit.fair ? Weights::DooSabin : options.fit.weights);
   if (fit.fair) {
     fair_.emplace(used_.mesh, *subdivision_, fit.fair->decisions, options.fit.polish_steps,
@@ -70,8 +71,7 @@ Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions&
   EvaluateOptions evaluate;
   evaluate.level = options.level;
   evaluate.weights = options.fit.weights;
-  evaluate.sharp = options.fit.sharp;
-  evaluate.rest_positions = mesh.positions;
+  evaluate.features = fit_.features;
   evaluate.prepared = fit.prepared;
   surface_.emplace(mesh, fit_.placement, solve_ ? solve_->control() : std::span<const glm::dvec3>{},
                    fit.fair ? std::span<const glm::dvec3>(fit.fair->level_one.state)

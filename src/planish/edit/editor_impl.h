@@ -66,7 +66,6 @@ class Editor::Impl {
   Fit fit_;  // without its arrays
   std::vector<glm::dvec3> points_;
   UsedPart used_;
-  SharpFeatures features_;
   std::optional<Subdivision> subdivision_;
   std::optional<LocalSolve> solve_;  // of the progressive method
   std::optional<LocalFair> fair_;    // of the other

@@ -174,10 +174,7 @@ class AssetAttributes::Maker {
   [[nodiscard]] bool is_doo_sabin() const { return fitted_.options.scheme == Scheme::DooSabin; }
   // Other schemes have their attributes from OpenSubdiv, along with all of a surface.
   [[nodiscard]] SurfaceMesh evaluated(const PolygonMesh& cage) const {
-    EvaluateOptions options = fitted_.evaluate_options(surface_.info().level);
-    options.rest_positions = fitted_.mesh.positions;
-    options.prepared = fitted_.fit.prepared;
-    return evaluate(cage, backend_, options);
+    return evaluate(cage, backend_, fitted_.evaluate_options(surface_.info().level));
   }
   [[nodiscard]] const LinearSurface& linear() {
     if (!linear_) linear_ = std::make_unique<const LinearSurface>(fitted_, surface_, backend_);

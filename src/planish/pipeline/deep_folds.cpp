@@ -50,35 +50,21 @@ bool is_even(const MeshTopology& topology, std::span<const glm::dvec3> normals,
   });
 }
 
-// Those on boundaries and sharp edges.
-std::vector<std::uint8_t> curve_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
-                                         const SharpFeatureOptions& sharp) {
-  std::vector<std::uint8_t> on_curve(mesh.positions.size(), 0);
-  for (std::size_t v = 0; v < on_curve.size(); ++v) {
-    on_curve[v] = topology.is_boundary_vertex(static_cast<std::int32_t>(v));
-  }
-  if (!sharp.use_tags) return on_curve;
-  for (const CreaseEdge& crease : mesh.creases) {
-    if (crease.sharpness >= kInfiniteSharpness) on_curve[crease.v0] = on_curve[crease.v1] = 1;
-  }
-  for (const CornerVertex& corner : mesh.corners) on_curve[corner.vertex] = 1;
-  return on_curve;
-}
-
 // Also those of faces at curves: what folds at the curve's end of a needle is as wide at the other.
-std::vector<std::uint8_t> uneven_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
-                                          std::span<const glm::dvec3> normals,
-                                          const SharpFeatureOptions& sharp) {
-  const std::vector<std::uint8_t> on_curve = curve_vertices(mesh, topology, sharp);
+std::vector<std::uint8_t> uneven_vertices(const MeshTopology& topology,
+                                          const SharpFeatures& features,
+                                          std::span<const glm::dvec3> normals) {
+  const auto is_on_curve = [&](std::int32_t v) {
+    return features.vertex_kinds[v] != VertexKind::Smooth;
+  };
   std::vector<std::uint8_t> is_at_curve(normals.size());  // by face
   parallel_each(is_at_curve.size(), kDeepGrain, [&](std::size_t f) {
-    is_at_curve[f] = std::ranges::any_of(topology.face(static_cast<std::int32_t>(f)),
-                                         [&](std::int32_t w) { return on_curve[w] != 0; });
+    is_at_curve[f] = std::ranges::any_of(topology.face(static_cast<std::int32_t>(f)), is_on_curve);
   });
-  std::vector<std::uint8_t> uneven(mesh.positions.size(), 0);
+  std::vector<std::uint8_t> uneven(features.vertex_kinds.size(), 0);
   parallel_each(uneven.size(), kDeepGrain, [&](std::size_t v) {
     const auto vertex = static_cast<std::int32_t>(v);
-    uneven[v] = on_curve[v] != 0 ||
+    uneven[v] = is_on_curve(vertex) ||
                 std::ranges::any_of(
                     topology.corners_at(vertex),
                     [&](std::int32_t c) { return is_at_curve[topology.face_of(c)] != 0; }) ||
@@ -190,8 +176,8 @@ bool can_look(const MeshTopology& topology, FairHalo* halo) {
 }  // namespace
 
 struct DeepLook::Parts {
-  Parts(const PolygonMesh& of, const MeshTopology& its, const FitOptions& options,
-        FairHalo* its_halo);
+  Parts(const PolygonMesh& of, const MeshTopology& its, const SharpFeatures& its_features,
+        Weights its_weights, FairHalo* its_halo);
 
   void make_surface();
   void forget_what_changed(std::span<const glm::dvec3> state);
@@ -201,14 +187,13 @@ struct DeepLook::Parts {
 
   const PolygonMesh& mesh;
   const MeshTopology& topology;
-  FairHalo* halo;
+  const SharpFeatures& features;
   Weights weights;
-  SharpFeatureOptions sharp;
+  FairHalo* halo;
   std::vector<glm::dvec3> normals;
   bool is_any_wanted = false;        // by any part
   std::vector<std::uint8_t> wanted;  // at first
   // Made once there is something to look at. A part of a mesh may have no faces.
-  SharpFeatures features;
   std::optional<PatchMesh> patch_mesh;
   std::optional<PatchSurface> patches;
   FoldedEdges folds;
@@ -220,12 +205,12 @@ struct DeepLook::Parts {
   std::vector<glm::dvec3> last_state;
 };
 
-DeepLook::Parts::Parts(const PolygonMesh& of, const MeshTopology& its, const FitOptions& options,
-                       FairHalo* its_halo)
-    : mesh(of), topology(its), halo(its_halo), weights(options.weights), sharp(options.sharp) {
+DeepLook::Parts::Parts(const PolygonMesh& of, const MeshTopology& its,
+                       const SharpFeatures& its_features, Weights its_weights, FairHalo* its_halo)
+    : mesh(of), topology(its), features(its_features), weights(its_weights), halo(its_halo) {
   if (!can_look(topology, halo)) return;
   normals = unit_normals(mesh);
-  wanted = uneven_vertices(mesh, topology, normals, sharp);
+  wanted = uneven_vertices(topology, features, normals);
   if (halo) halo->exchange_vertices(wanted);
   is_any_wanted = is_anywhere(wanted, halo);
   if (!is_any_wanted) return;
@@ -240,7 +225,6 @@ void DeepLook::Parts::make_surface() {
   is_known.assign(corner_areas.size(), 0);
   mesh_area = area_of(mesh, halo);
   if (mesh.face_count() == 0) return;
-  features = find_sharp_features(mesh, topology, mesh.positions, sharp);
   patch_mesh.emplace(topology, features, ring_columns(weights));
   patches.emplace(*patch_mesh,
                   PatchSurfaceOptions{.level = kDeepLevel, .weights = weights, .hidden = {}});
@@ -317,9 +301,9 @@ double DeepLook::Parts::area(std::span<const std::uint8_t> at_vertex) const {
   return mesh_area > 0 ? folded / mesh_area : folded;
 }
 
-DeepLook::DeepLook(const PolygonMesh& mesh, const MeshTopology& topology, const FitOptions& options,
-                   FairHalo* halo)
-    : parts_(std::make_unique<Parts>(mesh, topology, options, halo)) {}
+DeepLook::DeepLook(const PolygonMesh& mesh, const MeshTopology& topology,
+                   const SharpFeatures& features, Weights weights, FairHalo* halo)
+    : parts_(std::make_unique<Parts>(mesh, topology, features, weights, halo)) {}
 DeepLook::~DeepLook() = default;
 
 DeepFolds DeepLook::at(const LevelOne& level_one, const Callbacks& callbacks) {

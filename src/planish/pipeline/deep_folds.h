@@ -29,11 +29,10 @@ inline constexpr double kNoDeepFolds = 1e-8;
 /// what it needs of the mesh is made when there is something to look at.
 class DeepLook {
  public:
-  /// `mesh`: without unused vertices; `topology` is its; both outlive this. The options' weights
-  /// and sharp features are those of the fit. `halo`: where the mesh is a part; the area is a share
-  /// of the whole then.
-  DeepLook(const PolygonMesh& mesh, const MeshTopology& topology, const FitOptions& options,
-           FairHalo* halo = nullptr);
+  /// `mesh`: without unused vertices; topology and features are its; all outlive this. The weights
+  /// are those of the fit. `halo`: where the mesh is a part; the area is a share of the whole then.
+  DeepLook(const PolygonMesh& mesh, const MeshTopology& topology, const SharpFeatures& features,
+           Weights weights, FairHalo* halo = nullptr);
   ~DeepLook();
 
   /// `level_one` in any coordinates. Empty where no vertex is to be looked at.

@@ -15,6 +15,7 @@
 #include "planish/pipeline/limit_system.h"
 #include "planish/pipeline/solve_fair.h"
 #include "planish/surface/level_one_mesh.h"
+#include "planish/surface/subdivided_mesh.h"
 
 namespace planish {
 
@@ -113,10 +114,8 @@ void move_to_cage(Fit& result, const PolygonMesh& mesh, const UsedPart& used) {
 void leave_points(Fit& result, const PolygonMesh& mesh, const UsedPart& used,
                   std::span<glm::dvec3> given, const FitOptions& options) {
   if (options.within == 0.0) return;
-  const MeshTopology& topology = *used.prepared->topology;
-  result.within = bend_least(
-      topology, find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp),
-      result.placement, options, given);
+  result.within =
+      bend_least(*used.prepared->topology, *result.features, result.placement, options, given);
   if (!(result.within->bound(options.tolerance) > 0)) return;
   result.points.assign(mesh.positions.begin(), mesh.positions.end());
   parallel_each(given.size(), kGrain, [&](std::size_t v) {
@@ -127,8 +126,7 @@ void leave_points(Fit& result, const PolygonMesh& mesh, const UsedPart& used,
 void fit_doo_sabin(Fit& result, const UsedPart& used, std::span<const glm::dvec3> given,
                    Backend& backend, const FitOptions& options, Stopwatch& watch) {
   const MeshTopology& topology = *used.prepared->topology;
-  const SharpFeatures features =
-      find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp);
+  const SharpFeatures& features = *result.features;
   result.timing.topology = watch.lap();
   result.sharp_edge_count = features.sharp_edge_count;
   result.boundary_edge_count = features.sharp_edge_count - features.interior_sharp_edge_count;
@@ -184,6 +182,8 @@ Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options)
   result.timing.check = watch.lap();
 
   options.callbacks.report("stencils", kChecked);
+  result.features = std::make_shared<const SharpFeatures>(
+      find_sharp_features(used.mesh, *used.prepared->topology, used.mesh.positions, options.sharp));
   leave_points(result, mesh, used, given, options);
   if (const auto scheme = primal_scheme(options.scheme)) {
     fit_primal(result, used, *scheme, given, backend, options, watch);
@@ -217,7 +217,10 @@ namespace {
 EvaluateOptions posed_options(const PolygonMesh& mesh, const Fit& fit,
                               const EvaluateOptions& options) {
   EvaluateOptions posed = options;
-  if (posed.rest_positions.empty()) posed.rest_positions = mesh.positions;
+  if (posed.rest_positions.empty() && !posed.features) {
+    posed.rest_positions = mesh.positions;
+    posed.features = fit.features;
+  }
   if (!posed.prepared) posed.prepared = fit.prepared;
   return posed;
 }
@@ -240,7 +243,8 @@ SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
 
 PolygonMesh control_cage(const PolygonMesh& mesh, const Fit& fit,
                          const SharpFeatureOptions& sharp) {
-  return fit.fair ? level_one_mesh(mesh, fit.fair->level_one, sharp) : fit.cage;
+  return fit.fair ? level_one_mesh({mesh, sharp, fit.prepared, fit.features}, fit.fair->level_one)
+                  : fit.cage;
 }
 
 }  // namespace planish

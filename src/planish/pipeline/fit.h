@@ -79,6 +79,8 @@ struct Fit {
   Interpolation interpolation;
   Placement placement;                           ///< of the input
   std::shared_ptr<const PreparedMesh> prepared;  ///< of the input
+  /// What is sharp in the input without its unused vertices, whatever pose is evaluated later.
+  std::shared_ptr<const SharpFeatures> features;
   /// Lower bound of B's spectrum that the iteration took. For Catmull-Clark and Loop it may be an
   /// estimate, raised to a small positive number where that lies at or below 0.
   double spectral_bound = 0;

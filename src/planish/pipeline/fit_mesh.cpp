@@ -117,7 +117,9 @@ EvaluateOptions FittedMesh::evaluate_options(int level) const {
           .scheme = options.scheme,
           .weights = options.weights,
           .sharp = options.sharp,
-          .rest_positions = rest_positions};
+          .rest_positions = rest_positions.empty() ? mesh.positions : rest_positions,
+          .features = fit.features,
+          .prepared = fit.prepared};
 }
 
 const SurfaceQuality* FittedMesh::chosen_quality() const {

@@ -63,8 +63,9 @@ CreasedCandidate creased_candidate(const PolygonMesh& mesh, Backend& backend, Fi
   result.creases = mesh.creases;
   result.corners = mesh.corners;
   const UsedPart used = used_part(mesh, result.fit.prepared);
-  DeepFolds folds = DeepLook(used.mesh, *used.prepared->topology, options)
-                        .at(result.fit.fair->level_one, share_of(whole, 0.6, 0.8));
+  DeepFolds folds =
+      DeepLook(used.mesh, *used.prepared->topology, *result.fit.features, options.weights)
+          .at(result.fit.fair->level_one, share_of(whole, 0.6, 0.8));
   result.folded = std::move(folds.at_vertex);
   // A place of a coarser level counts for more of the area.
   if (folds.area > 0) result.area = folded_area(mesh, result.fit, options, share_of(whole, 0.8, 1));

@@ -17,35 +17,35 @@ constexpr double kTolerance = 1e-8;
 // The most that a surface may miss what it is to go through, of the numbers' extent.
 constexpr double kLargestMiss = 1e-5;
 
-LimitSystem system_of(const FittedMesh& fitted) {
+// `surface`: of Doo-Sabin.
+LimitSystem system_of(const FittedMesh& fitted, const DooSabinSurface* surface) {
   const UsedPart used = used_part(fitted.mesh, fitted.fit.prepared);
   const MeshTopology& topology = *used.prepared->topology;
   FitOptions options = fitted.options;
   options.callbacks = {};
   options.solver = Solver::Chebyshev;
-  if (const auto scheme = primal_scheme(options.scheme)) {
-    PrimalSplit split(used.mesh, {*scheme, options.sharp, &topology});
-    split.refine(1);
-    return primal_system(split, options);
+  if (surface != nullptr) {
+    const SharpFeatures& features = surface->patches().features();
+    return doo_sabin_system(used.mesh, Subdivision(topology, features, options.weights), options);
   }
-  const SharpFeatures features =
-      find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp);
-  return doo_sabin_system(used.mesh, Subdivision(topology, features, options.weights), options);
+  PrimalSplit split(used.mesh, {*primal_scheme(options.scheme), options.sharp, &topology});
+  split.refine(1);
+  return primal_system(split, options);
 }
 
 }  // namespace
 
 LinearSurface::LinearSurface(const FittedMesh& fitted, const SurfaceBlocks& rows, Backend& backend)
-    : fitted_(fitted), rows_(rows), backend_(backend), system_(system_of(fitted)) {
-  if (is_doo_sabin())
-    fitted_surface_ = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
-}
+    : fitted_(fitted),
+      rows_(rows),
+      backend_(backend),
+      fitted_surface_(is_doo_sabin()
+                          ? fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options())
+                          : nullptr),
+      system_(system_of(fitted, fitted_surface_.get())) {}
 
 EvaluateOptions LinearSurface::options() const {
-  EvaluateOptions options = fitted_.evaluate_options(rows_.info().level);
-  options.rest_positions = fitted_.mesh.positions;
-  options.prepared = fitted_.fit.prepared;
-  return options;
+  return fitted_.evaluate_options(rows_.info().level);
 }
 
 std::unique_ptr<PolygonMesh> LinearSurface::cage_through(std::span<const glm::dvec3> given,

@@ -55,8 +55,8 @@ class LinearSurface {
   const FittedMesh& fitted_;
   const SurfaceBlocks& rows_;
   Backend& backend_;
+  std::unique_ptr<const DooSabinSurface> fitted_surface_;  // of Doo-Sabin
   LimitSystem system_;
-  std::unique_ptr<const DooSabinSurface> fitted_surface_;  ///< of Doo-Sabin
 };
 
 }  // namespace planish

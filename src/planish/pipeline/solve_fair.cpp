@@ -102,7 +102,8 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
        .folds_of = [&](FairNet& net) -> DeepFolds {
          if (net.decisions.cures.size() != given.size()) return {};
          LevelOne level_one{std::move(net.state), result.placement};
-         if (!look) look.emplace(mesh, *result.prepared->topology, options);
+         if (!look)
+           look.emplace(mesh, *result.prepared->topology, *result.features, options.weights);
          DeepFolds folds = look->at(level_one, share_of(round, kNetMade, 1));
          net.state = std::move(level_one.state);
          return folds;

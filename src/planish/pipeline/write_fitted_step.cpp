@@ -208,8 +208,7 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
     const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
     return write_fitted_step(path, fitted, limit, options);
   }
-  EvaluateOptions evaluated = fitted.evaluate_options(1);
-  evaluated.prepared = fitted.fit.prepared;
+  const EvaluateOptions evaluated = fitted.evaluate_options(1);
   const SurfaceMesh level_one = evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), evaluated);
   return write_faces(path, fitted, CatmullClarkSplines(fitted.fit.cage, evaluated),
                      surface_quality(level_one, fitted.mesh).folded_area, options);

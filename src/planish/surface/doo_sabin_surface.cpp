@@ -11,15 +11,18 @@ namespace planish {
 
 namespace {
 
-SharpFeatures sharp_features(const UsedPart& used, const EvaluateOptions& options) {
-  const MeshTopology& topology = *used.prepared->topology;
-  if (options.rest_positions.empty())
-    return find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp);
-  if (used.prepared->uses_all())
-    return find_sharp_features(used.mesh, topology, options.rest_positions, options.sharp);
+std::shared_ptr<const SharpFeatures> sharp_features(const UsedPart& used,
+                                                    const EvaluateOptions& options) {
+  if (options.features) return options.features;
+  const auto of_pose = [&](std::span<const glm::dvec3> pose) {
+    return std::make_shared<const SharpFeatures>(
+        find_sharp_features(used.mesh, *used.prepared->topology, pose, options.sharp));
+  };
+  if (options.rest_positions.empty()) return of_pose(used.mesh.positions);
+  if (used.prepared->uses_all()) return of_pose(options.rest_positions);
   std::vector<glm::dvec3> rest(used.vertices.size());
   for (std::size_t v = 0; v < rest.size(); ++v) rest[v] = options.rest_positions[used.vertices[v]];
-  return find_sharp_features(used.mesh, topology, rest, options.sharp);
+  return of_pose(rest);
 }
 
 }  // namespace
@@ -27,7 +30,7 @@ SharpFeatures sharp_features(const UsedPart& used, const EvaluateOptions& option
 DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions& options, Begin)
     : used_(usable_part(mesh, options.prepared)),
       features_(sharp_features(used_, options)),
-      patches_(topology(), features_, ring_columns(options.weights)),
+      patches_(topology(), *features_, ring_columns(options.weights)),
       weights_(options.weights) {
   if (used_.mesh.hole_faces.empty()) return;
   hidden_ = hole_flags(used_.mesh);

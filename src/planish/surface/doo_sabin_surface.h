@@ -74,7 +74,7 @@ class DooSabinSurface {
   void require(LastLevel what, int level, std::uint64_t limit_bytes, bool has_evaluator) const;
 
   UsedPart used_;
-  SharpFeatures features_;
+  std::shared_ptr<const SharpFeatures> features_;
   PatchMesh patches_;
   Weights weights_;
   std::vector<std::uint8_t> hidden_;

@@ -32,6 +32,8 @@ struct EvaluateOptions {
   /// Where given, one per vertex of the cage: sector angles at corners are measured on these
   /// positions (the rest pose: the input's vertices), not on the cage's.
   std::span<const glm::dvec3> rest_positions;
+  /// Where given, what is sharp, in place of the two above: that of the cage's used vertices.
+  std::shared_ptr<const SharpFeatures> features;
   /// Where given, what prepare_mesh() made of this cage, or of another with the same faces and
   /// tags: they are not tested and searched again.
   std::shared_ptr<const PreparedMesh> prepared;

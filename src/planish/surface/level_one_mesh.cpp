@@ -265,14 +265,14 @@ void carry_once(const SubdividedMesh& base, const Of& of, const Put& put) {
       put(0.25f * centre + 0.5f * of(vertices[i]) + 0.125f * of(vertices[(i + 1) % m]) +
           0.125f * of(vertices[(i + m - 1) % m]));
   }
-  for (std::int32_t s = 0; s < base.features.sharp_edge_count; ++s) {
+  for (std::int32_t s = 0; s < base.features->sharp_edge_count; ++s) {
     const auto [v0, v1] =
         base.subdivision.topology().edge_vertices(base.subdivision.edge_of_sharp(s));
     const glm::vec4 a = of(v0), b = of(v1);
     put(0.75f * a + 0.25f * b);
     put(0.75f * b + 0.25f * a);
   }
-  for (const std::int32_t v : base.features.corner_vertices) put(of(v));
+  for (const std::int32_t v : base.features->corner_vertices) put(of(v));
 }
 
 void carry_attributes_once(const SubdividedMesh& base, PolygonMesh& result) {
@@ -293,8 +293,10 @@ void carry_attributes_once(const SubdividedMesh& base, PolygonMesh& result) {
   }
 }
 
-PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one,
-                   std::vector<std::int32_t>* rings = nullptr) {
+}  // namespace
+
+PolygonMesh level_one_mesh(const SubdividedMesh& base, const LevelOne& level_one,
+                           std::vector<std::int32_t>* around) {
   require_state_size(base.subdivision.state_size(), level_one);
   PolygonMesh net;
   for (const glm::dvec3& point : level_one.state) {
@@ -302,18 +304,16 @@ PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one,
   }
   carry_attributes_once(base, net);
   if (!base.used.mesh.face_groups.empty()) net.groups = base.used.mesh.groups;
-  MeshBuilder(base, net, rings).add_polygons();
-  for (std::int32_t c = 0; c < base.features.corner_count; ++c) {
+  MeshBuilder(base, net, around).add_polygons();
+  for (std::int32_t c = 0; c < base.features->corner_count; ++c) {
     net.corners.push_back({base.subdivision.first_corner() + c, kInfiniteSharpness});
   }
   return net;
 }
 
-}  // namespace
-
 PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
                            const SharpFeatureOptions& sharp, std::vector<std::int32_t>* around) {
-  return net_of(SubdividedMesh(mesh, sharp), level_one, around);
+  return level_one_mesh(SubdividedMesh(mesh, sharp), level_one, around);
 }
 
 LevelOne level_one_of_cage(const PolygonMesh& mesh, const PolygonMesh& cage,
@@ -322,7 +322,7 @@ LevelOne level_one_of_cage(const PolygonMesh& mesh, const PolygonMesh& cage,
   const auto size = static_cast<std::size_t>(base.subdivision.state_size());
   LevelOne level_one{cage.positions, {}};
   level_one.state.resize(std::min(size, cage.positions.size()));
-  const PolygonMesh expected = net_of(base, level_one);
+  const PolygonMesh expected = level_one_mesh(base, level_one);
   if (cage.vertex_count() < expected.vertex_count()) {
     throw Error(ErrorCode::InvalidArgument, "it has " + std::to_string(cage.vertex_count()) +
                                                 " vertices for " +

@@ -9,6 +9,8 @@
 
 namespace planish {
 
+struct SubdividedMesh;
+
 /// The polygon mesh of level 1, the cage of a fair surface. Its first vertices are the state, in
 /// its order and in model coordinates. Its faces: first those around the vertices of `mesh`, then
 /// those within its faces, then those across its edges. Around a smooth vertex lies one polygon,
@@ -26,6 +28,8 @@ namespace planish {
 /// Throws Error{UnusableMesh}, Error{InvalidArgument} for a state of another size.
 [[nodiscard]] PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
                                          const SharpFeatureOptions& sharp,
+                                         std::vector<std::int32_t>* around = nullptr);
+[[nodiscard]] PolygonMesh level_one_mesh(const SubdividedMesh& base, const LevelOne& level_one,
                                          std::vector<std::int32_t>* around = nullptr);
 
 /// The state that a cage made by level_one_mesh() holds, in model coordinates; evaluate() makes of

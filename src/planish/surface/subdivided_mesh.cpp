@@ -16,10 +16,13 @@ UsedPart usable_part(const PolygonMesh& mesh, std::shared_ptr<const PreparedMesh
   return used_part(mesh, std::move(prepared));
 }
 
-SubdividedMesh::SubdividedMesh(const PolygonMesh& mesh, const SharpFeatureOptions& sharp)
-    : used(usable_part(mesh)),
-      features(
-          find_sharp_features(used.mesh, *used.prepared->topology, used.mesh.positions, sharp)),
-      subdivision(*used.prepared->topology, features, Weights::DooSabin) {}
+SubdividedMesh::SubdividedMesh(const PolygonMesh& mesh, const SharpFeatureOptions& sharp,
+                               std::shared_ptr<const PreparedMesh> prepared,
+                               std::shared_ptr<const SharpFeatures> found)
+    : used(usable_part(mesh, std::move(prepared))),
+      features(found ? std::move(found)
+                     : std::make_shared<const SharpFeatures>(find_sharp_features(
+                           used.mesh, *used.prepared->topology, used.mesh.positions, sharp))),
+      subdivision(*used.prepared->topology, *features, Weights::DooSabin) {}
 
 }  // namespace planish

@@ -17,13 +17,15 @@ namespace planish {
 /// A mesh with everything that its level 1 depends on besides control points; a fair net's first
 /// step takes the weights of 1978.
 struct SubdividedMesh {
-  /// The mesh must outlive it. Throws Error{UnusableMesh}.
-  SubdividedMesh(const PolygonMesh& mesh, const SharpFeatureOptions& sharp);
+  /// The mesh must outlive it. Makes what is not given. Throws Error{UnusableMesh}.
+  SubdividedMesh(const PolygonMesh& mesh, const SharpFeatureOptions& sharp,
+                 std::shared_ptr<const PreparedMesh> prepared = nullptr,
+                 std::shared_ptr<const SharpFeatures> found = nullptr);
   SubdividedMesh(const SubdividedMesh&) = delete;
   SubdividedMesh& operator=(const SubdividedMesh&) = delete;
 
   UsedPart used;
-  SharpFeatures features;
+  std::shared_ptr<const SharpFeatures> features;
   Subdivision subdivision;
 };
 
