@@ -118,8 +118,8 @@ TEST_F(Fair, AutoSparesTheSecondFitOfSmoothMeshes) {
   EXPECT_THAT(messages_, HasSubstr("surface     progressive: it does not fold"));
   // At level 0 what was measured for the choice is what the surface is reported with.
   const nlohmann::json chosen = fit(plate, {"-o", path("p.ply"), "--levels", "0"});
-  const nlohmann::json asked =
-      fit(plate, {"-o", path("p.ply"), "--levels", "0", "--interpolation", "progressive"});
+  const nlohmann::json asked = fit(plate, {"-o", path("p.ply"), "--levels", "0", "--interpolation",
+                                           "progressive", "--creases", "auto:180"});
   EXPECT_EQ(chosen["surface"], asked["surface"]);
 }
 

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "planish/pipeline/make_ready.h"
+#include "planish/pipeline/tessellate_fit.h"
 #include "planish/pipeline/verify_cage.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -144,6 +145,65 @@ TEST(VerifyCage, ConfirmsNothingThatIsNoNumber) {
     EXPECT_FALSE(found.confirmed) << v;
     EXPECT_EQ(found.error.max, std::numeric_limits<double>::infinity()) << v;
   }
+}
+
+// The largest distance of a surface's boundary from the square from (0, 0) to (n, m).
+double leaves_square(const FittedMesh& fitted, double n, double m) {
+  double farthest = 0;
+  for (const glm::dvec3& p : tessellate(fitted, {.chord_error = 1e-4}).positions)
+    farthest = std::max({farthest, -p.x, -p.y, p.x - n, p.y - m});
+  return farthest;
+}
+
+TEST(FitMesh, KeepsTheCornersOfAnOutline) {
+  for (const bool is_wavy : {false, true}) {
+    PolygonMesh sheet = test::flat_grid(6, 4);
+    if (is_wavy)
+      for (glm::dvec3& p : sheet.positions) p.z = 0.3 * std::sin(2 * p.x) * std::cos(p.y);
+    FittedMesh kept = fit_mesh(sheet, "sheet", *make_cpu_backend());
+    EXPECT_EQ(kept.mesh.corners.size(), 4u);
+    EXPECT_EQ(kept.creases(), "auto:180");
+    EXPECT_NE(kept.reason->text.find("corners of its outline are kept"), std::string::npos);
+    EXPECT_EQ(kept.options.method,
+              is_wavy ? InterpolationMethod::Fair : InterpolationMethod::Progressive);
+    MeshFitOptions rounded;
+    rounded.chooses_creases = false;
+    const FittedMesh round = fit_mesh(sheet, "sheet", *make_cpu_backend(), rounded);
+    EXPECT_TRUE(round.mesh.corners.empty());
+    EXPECT_LT(leaves_square(kept, 6, 4), 1e-6);
+    EXPECT_GT(leaves_square(round, 6, 4), 1e-2) << "ears";
+    // The cage's header has all that verify needs.
+    const PolygonMesh cage = kept.options.method == InterpolationMethod::Fair
+                                 ? control_cage(kept.mesh, kept.fit, kept.options.sharp)
+                                 : kept.fit.cage;
+    VerifyOptions options{.method = kept.options.method, .cage_has_tags = false};
+    options.crease_degrees = kept.crease_degrees;
+    options.smoothed_vertices = kept.smoothed_vertices;
+    EXPECT_TRUE(verify_cage(cage, sheet, options).confirmed);
+    options.crease_degrees.reset();
+    if (is_wavy) {
+      EXPECT_THROW((void)verify_cage(cage, sheet, options), Error) << "of other faces";
+    } else {
+      EXPECT_FALSE(verify_cage(cage, sheet, options).confirmed);
+    }
+  }
+}
+
+TEST(FitMesh, LeavesOtherTurnsOfARimThatHasCornersRound) {
+  // A sheet and a ragged one: only the first has corners, and the cage is confirmed by that.
+  PolygonMesh ragged = test::flat_grid(6, 4);
+  for (std::size_t v = 0; v < ragged.positions.size(); ++v) {
+    glm::dvec3& p = ragged.positions[v];
+    const bool is_side = p.x == 0 || p.x == 6, is_end = p.y == 0 || p.y == 4;
+    if (is_side && !is_end) p.x += static_cast<int>(p.y) % 2 ? 0.4 : -0.4;
+    if (is_end && !is_side) p.y += static_cast<int>(p.x) % 2 ? 0.4 : -0.4;
+    p.z = 5;
+  }
+  const PolygonMesh both = together(test::flat_grid(6, 4), ragged);
+  const FittedMesh fitted = fit_mesh(both, "both", *make_cpu_backend());
+  EXPECT_EQ(fitted.mesh.corners.size(), 4u);
+  EXPECT_FALSE(fitted.smoothed_vertices.empty());
+  for (const CornerVertex& corner : fitted.mesh.corners) EXPECT_LT(corner.vertex, 35);
 }
 
 TEST(StorageOrigin, IsTheCentreFromTenDiagonalsOn) {

@@ -110,10 +110,12 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
         kinds[e] = Given;
         continue;
       }
+      kinds[e] = Smooth;
+      if (dihedral >= std::numbers::pi) continue;
       const std::int32_t corner = topology.corner_of(edge);
       const glm::dvec3& a = normals[topology.face_of(corner)];
       const glm::dvec3& b = normals[topology.face_of(topology.twin(corner))];
-      kinds[e] = !is_flatter(a, b, slope) && angle_between(a, b) > dihedral ? Found : Smooth;
+      if (!is_flatter(a, b, slope) && angle_between(a, b) > dihedral) kinds[e] = Found;
     }
   });
   const EdgeTurns turns(mesh, topology, normals);

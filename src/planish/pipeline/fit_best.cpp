@@ -130,7 +130,7 @@ void choose(const Candidate& progressive, const Candidate& fair,
 }
 
 bool has_clear_creases(const PolygonMesh& mesh, const Fit& fitted) {
-  if (!mesh.creases.empty() || !mesh.corners.empty()) return false;
+  if (!mesh.creases.empty()) return false;
   PolygonMesh tagged = mesh;
   return add_clear_creases(tagged, fitted.prepared).has_value();
 }
@@ -174,7 +174,7 @@ void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
 namespace {
 
 FairMesh fair_mesh_of(const PolygonMesh& mesh, const std::function<FairMesh()>& make) {
-  return make ? make() : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
+  return make ? make() : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}, {}};
 }
 
 BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
@@ -202,6 +202,10 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
       give_out(std::move(*creased), best, options.callbacks);
       return best;
     }
+  }
+  if (made.outline) {
+    if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
+    tag_outline_corners(made.mesh, *made.prepared, *made.outline);
   }
   // It is taken only where the fair one is worse still, and made again then.
   if (!progressive.is_sound()) progressive.drop();

@@ -17,6 +17,9 @@ struct FairMesh {
   PolygonMesh mesh;
   std::shared_ptr<const PreparedMesh> prepared;
   std::optional<FoundCreases> found;  ///< where creases were: for fit_with_found_creases()
+  /// What add_outline_corners() gave for the given mesh. This one has none of these corners yet:
+  /// found creases come with their own.
+  std::optional<std::vector<std::int32_t>> outline;
 };
 
 /// The better of the two surfaces through a mesh's vertices, and why.
@@ -53,10 +56,10 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 /// own faces, which the progressive method follows more closely even where it is no nearer to the
 /// shape.
 ///
-/// Where `tries_creases`, the mesh has no tags and creases that are found are clear (see
-/// add_clear_creases()), the fair surface that has them comes second, whatever the first, and is
-/// taken where it does not fold more, by kWorthAllCreases of the area, and is off by kCreasesBetter
-/// of what progressive is at most.
+/// Where `tries_creases`, the mesh has no tags but those of add_outline_corners() and creases that
+/// are found are clear (see add_clear_creases()), the fair surface that has them comes second,
+/// whatever the first, and is taken where it does not fold more, by kWorthAllCreases of the area,
+/// and is off by kCreasesBetter of what progressive is at most.
 ///
 /// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.

@@ -92,13 +92,26 @@ void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warning
     fair = ready.given ? make_ready(std::move(*ready.given),
                                     preparation_of(ready.options, InterpolationMethod::Fair))
                        : ready_again(result);
+    FairMesh made;
+    if (ready.has_outline_corners) {
+      fair.mesh.corners.clear();
+      made.outline = result.smoothed_vertices;
+    }
     if (!ready.given && ready.options.repairs) make_fair(fair);
-    return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found)};
+    made.mesh = std::move(fair.mesh);
+    made.prepared = fair.prepared;
+    made.found = std::move(fair.found);
+    return made;
   };
   BestFit best =
       fit_best(result.mesh, backend, result.options, make_fair_mesh, ready.chooses_creases);
   result.reason = MethodReason{best.reason, best.progressive, best.fair, best.creased};
-  if (best.crease_degrees) result.crease_degrees = best.crease_degrees;
+  if (best.crease_degrees) {
+    result.crease_degrees = best.crease_degrees;
+  } else if (ready.has_outline_corners) {
+    best.smoothed_vertices = std::move(result.smoothed_vertices);
+    result.reason->text += "; corners of its outline are kept (--creases use rounds them)";
+  }
   result.options.method = best.method;
   result.smoothed_vertices = std::move(best.smoothed_vertices);
   if (best.fair_mesh) {
@@ -125,7 +138,7 @@ EvaluateOptions FittedMesh::evaluate_options(int level) const {
 const SurfaceQuality* FittedMesh::chosen_quality() const {
   if (!reason) return nullptr;
   const bool is_fair = options.method == InterpolationMethod::Fair;
-  const bool is_creased = crease_degrees && reason->creased;
+  const bool is_creased = crease_degrees && crease_degrees < kOutlineDegrees && reason->creased;
   const auto& measured = is_creased ? reason->creased
                          : is_fair  ? reason->fair
                                     : reason->progressive;
@@ -263,6 +276,18 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   return std::move(taken);
 }
 
+// Corners of outlines, where creases are chosen: after triangles are joined, as verify_cage() has
+// it.
+void keep_outline_corners(ReadyFit& ready) {
+  if (!ready.chooses_creases) return;
+  FittedMesh& result = ready.fitted;
+  auto smoothed = add_outline_corners(result.mesh, result.options.prepared);
+  if (!smoothed) return;
+  ready.has_outline_corners = true;
+  result.crease_degrees = kOutlineDegrees;
+  result.smoothed_vertices = std::move(*smoothed);
+}
+
 // The same with triangles joined; null where none are. `given`: the mesh that `ready` was made of,
 // where more was done to it than can be done before.
 std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<PolygonMesh> given) {
@@ -314,6 +339,8 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
       ready.paired = prepare_paired(ready, std::move(given));
     }
   }
+  keep_outline_corners(ready);
+  if (ready.paired) keep_outline_corners(*ready.paired);
   report(1);
   return ready;
 }

@@ -11,6 +11,7 @@
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/folded_edges.h"
+#include "planish/mesh/outline_corners.h"
 #include "planish/pipeline/deep_folds.h"
 #include "planish/surface/block_quality.h"
 
@@ -171,6 +172,31 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
   CreaseDetectionOptions options = found.options;
   options.smooth_vertices = smooth;
   find(mesh, prepared, options);
+}
+
+std::optional<std::vector<std::int32_t>> add_outline_corners(
+    PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared) {
+  const CreaseDetectionOptions options{.dihedral_degrees = kOutlineDegrees};
+  std::vector<std::uint8_t> is_clear(mesh.positions.size(), 0);
+  {
+    const UsedPart used = used_part(mesh, prepared);
+    const auto clear = outline_corners(used.mesh, *prepared->topology, options.corner_degrees);
+    if (clear.empty()) return std::nullopt;
+    for (const std::int32_t v : clear) is_clear[used.vertices[v]] = 1;
+  }
+  const FoundCreases found = add_found_creases(mesh, *prepared, options);
+  std::vector<std::int32_t> smoothed;
+  for (std::size_t i = found.corners.size(); i < mesh.corners.size(); ++i)
+    if (is_clear[mesh.corners[i].vertex] == 0) smoothed.push_back(mesh.corners[i].vertex);
+  std::ranges::sort(smoothed);
+  if (!smoothed.empty()) leave_smooth(mesh, *prepared, found, smoothed);
+  return smoothed;
+}
+
+void tag_outline_corners(PolygonMesh& mesh, const PreparedMesh& prepared,
+                         std::span<const std::int32_t> smoothed_vertices) {
+  const FoundCreases before{{.dihedral_degrees = kOutlineDegrees}, mesh.creases, mesh.corners};
+  leave_smooth(mesh, prepared, before, smoothed_vertices);
 }
 
 namespace {

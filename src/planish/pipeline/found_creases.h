@@ -38,6 +38,18 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
 [[nodiscard]] std::optional<FoundCreases> add_clear_creases(
     PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
 
+/// Of CreaseDetectionOptions: no edge is sharp, but corners of outlines are.
+inline constexpr double kOutlineDegrees = 180;
+
+/// Tags the corners that outlines have beyond doubt (see outline_corners()), as with_detected_
+/// creases() by kOutlineDegrees with the vertices that are returned left smooth. Nothing where
+/// there are none: the mesh is as it was. `prepared` is the mesh's, and stays so.
+[[nodiscard]] std::optional<std::vector<std::int32_t>> add_outline_corners(
+    PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
+/// The same corners again, of a mesh with other faces but the same vertices.
+void tag_outline_corners(PolygonMesh& mesh, const PreparedMesh& prepared,
+                         std::span<const std::int32_t> smoothed_vertices);
+
 /// The share of the area that may fold before all found creases are taken back, part of it before
 /// as large a part of them is, but for a few: an edge that is rounded is seen from far, a fold of
 /// so little is not.

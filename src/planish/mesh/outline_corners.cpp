@@ -1,0 +1,110 @@
+#include "planish/mesh/outline_corners.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "planish/mesh/area_vector.h"
+
+namespace planish {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+// A boundary goes on straight where it turns by less, along the surface: so rough ground has straight rims.
+constexpr double kOnwardDegrees = 30;
+// What the vertices of a loop that are no corners may turn by along it, root of the mean square.
+constexpr double kQuietDegrees = 15;
+
+struct Turns {
+  double in_space = 0, along_surface = 0;  // degrees
+};
+
+// Turns of a boundary at the vertex between two of its edges.
+class BoundaryTurns {
+ public:
+  BoundaryTurns(const PolygonMesh& mesh, const MeshTopology& topology)
+      : mesh_(mesh), topology_(topology) {}
+
+  [[nodiscard]] Turns at(std::int32_t before, std::int32_t vertex, std::int32_t behind) const {
+    const glm::dvec3 in = mesh_.positions[vertex] - mesh_.positions[before];
+    const glm::dvec3 out = mesh_.positions[behind] - mesh_.positions[vertex];
+    double reach = 0;
+    for (const std::int32_t corner : topology_.corners_at(vertex)) reach += angle_of(corner);
+    return {std::atan2(glm::length(glm::cross(in, out)), glm::dot(in, out)) * kDegrees,
+            std::abs(180 - reach * kDegrees)};
+  }
+
+ private:
+  // 0 to a whole turn: beyond half of one where the face turns inward.
+  [[nodiscard]] double angle_of(std::int32_t corner) const {
+    const std::int32_t vertex = topology_.vertex_of(corner);
+    const glm::dvec3 at = mesh_.positions[vertex];
+    const glm::dvec3 to = mesh_.positions[topology_.vertex_of(topology_.next(corner))] - at;
+    const glm::dvec3 from = mesh_.positions[topology_.vertex_of(topology_.prev(corner))] - at;
+    const glm::dvec3 across = glm::cross(to, from);
+    const double angle = std::atan2(glm::length(across), glm::dot(to, from));
+    if (topology_.face_size(topology_.face_of(corner)) == 3) return angle;
+    const glm::dvec3 area =
+        area_vector(mesh_.positions, topology_.face(topology_.face_of(corner)));
+    return glm::dot(across, area) < 0 ? 2 * std::numbers::pi - angle : angle;
+  }
+
+  const PolygonMesh& mesh_;
+  const MeshTopology& topology_;
+};
+
+// Adds the corners of a loop, given by its vertices and their turns, if they are clear.
+void add_clear(const std::vector<std::int32_t>& loop, const std::vector<Turns>& turns,
+               double corner_degrees, std::vector<std::int32_t>& corners) {
+  const std::size_t count = loop.size();
+  const auto turns_far = [&](std::size_t i) {
+    return turns[i].in_space > corner_degrees && turns[i].along_surface > corner_degrees;
+  };
+  const auto goes_on = [&](std::size_t i) {
+    return turns[i].along_surface < kOnwardDegrees || turns_far(i);
+  };
+  const std::size_t first = corners.size();
+  double squares = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (turns_far(i) && goes_on((i + count - 1) % count) && goes_on((i + 1) % count)) {
+      corners.push_back(loop[i]);
+    } else {
+      squares += turns[i].along_surface * turns[i].along_surface;
+    }
+  }
+  const std::size_t found = corners.size() - first;
+  const auto others = static_cast<double>(count - found);
+  if (2 * found > count || squares > kQuietDegrees * kQuietDegrees * others) corners.resize(first);
+}
+
+}  // namespace
+
+std::vector<std::int32_t> outline_corners(const PolygonMesh& mesh, const MeshTopology& topology,
+                                          double corner_degrees) {
+  const BoundaryTurns turns_of(mesh, topology);
+  std::vector<std::int32_t> corners, loop;
+  std::vector<Turns> turns;
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(topology.vertex_count()), 0);
+  // The boundary edge that leaves a boundary vertex is the leading one of its first corner.
+  const auto behind = [&](std::int32_t vertex) {
+    return topology.vertex_of(topology.next(topology.corners_at(vertex).front()));
+  };
+  for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
+    if (seen[v] != 0 || !topology.is_boundary_vertex(v)) continue;
+    loop.clear();
+    for (std::int32_t at = v; seen[at] == 0; at = behind(at)) {
+      seen[at] = 1;
+      loop.push_back(at);
+    }
+    turns.resize(loop.size());
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      turns[i] = turns_of.at(loop[(i + loop.size() - 1) % loop.size()], loop[i],
+                             loop[(i + 1) % loop.size()]);
+    add_clear(loop, turns, corner_degrees, corners);
+  }
+  std::ranges::sort(corners);
+  return corners;
+}
+
+}  // namespace planish
