@@ -40,22 +40,35 @@ Corners found_in(const PolygonMesh& mesh, double degrees = 60) {
 TEST(OutlineCorners, AreThoseOfASheetHoweverItIsBent) {
   const Corners corners{0, 6, 28, 34};
   EXPECT_EQ(found_in(quad_sheet(6, 4, flat)), corners);
-  EXPECT_EQ(found_in(quad_sheet(6, 4, [](double u, double v) {
-              return glm::dvec3(std::cos(3 * u), std::sin(3 * u), v);
-            })),
+  EXPECT_EQ(found_in(quad_sheet(6, 4,
+                                [](double u, double v) {
+                                  return glm::dvec3(std::cos(3 * u), std::sin(3 * u), v);
+                                })),
             corners);
   // Rough ground: the rim turns by up to 70 degrees up and down, but not along the surface.
-  EXPECT_EQ(found_in(quad_sheet(6, 4, [](double u, double v) {
-              return glm::dvec3(u, v, 0.06 * std::cos(6 * std::numbers::pi * u));
-            })),
+  EXPECT_EQ(found_in(quad_sheet(6, 4,
+                                [](double u, double v) {
+                                  return glm::dvec3(u, v,
+                                                    0.06 * std::cos(6 * std::numbers::pi * u));
+                                })),
             corners);
 }
 
 TEST(OutlineCorners, TurnInwardToo) {
   // An L of two faces: at its inner corner, 2, the larger one reaches round by 225 degrees.
   PolygonMesh mesh;
-  constexpr std::array<std::pair<int, int>, 12> kPlaces{{{4, 0}, {4, 2}, {2, 2}, {2, 4}, {0, 4}, {0, 3},
-                                                         {0, 2}, {0, 1}, {0, 0}, {1, 0}, {2, 0}, {3, 0}}};
+  constexpr std::array<std::pair<int, int>, 12> kPlaces{{{4, 0},
+                                                         {4, 2},
+                                                         {2, 2},
+                                                         {2, 4},
+                                                         {0, 4},
+                                                         {0, 3},
+                                                         {0, 2},
+                                                         {0, 1},
+                                                         {0, 0},
+                                                         {1, 0},
+                                                         {2, 0},
+                                                         {3, 0}}};
   for (const auto& [x, y] : kPlaces) mesh.positions.emplace_back(x, y, 0);
   mesh.add_face(std::array{0, 1, 2});
   mesh.add_face(std::array{0, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});

@@ -11,7 +11,8 @@ namespace planish {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-// A boundary goes on straight where it turns by less, along the surface: so rough ground has straight rims.
+// A boundary goes on straight where it turns by less, along the surface: so rough ground has
+// straight rims.
 constexpr double kOnwardDegrees = 30;
 // What the vertices of a loop that are no corners may turn by along it, root of the mean square.
 constexpr double kQuietDegrees = 15;
@@ -45,8 +46,7 @@ class BoundaryTurns {
     const glm::dvec3 across = glm::cross(to, from);
     const double angle = std::atan2(glm::length(across), glm::dot(to, from));
     if (topology_.face_size(topology_.face_of(corner)) == 3) return angle;
-    const glm::dvec3 area =
-        area_vector(mesh_.positions, topology_.face(topology_.face_of(corner)));
+    const glm::dvec3 area = area_vector(mesh_.positions, topology_.face(topology_.face_of(corner)));
     return glm::dot(across, area) < 0 ? 2 * std::numbers::pi - angle : angle;
   }
 
