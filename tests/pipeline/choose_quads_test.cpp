@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "planish/core/raw_vector.h"
+#include "planish/mesh/merged_meshes.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
 #include "planish/surface/evaluate.h"
@@ -70,6 +71,18 @@ TEST(ChooseQuads, LeavesOtherTrianglesAsTheyAre) {
     EXPECT_EQ(points_of(chosen), points_of(fitted(mesh, QuadChoice::Off)));
   }
   EXPECT_FALSE(fitted(test::torus(24, 12, 1, 0.4), QuadChoice::Auto).quad_reason.has_value());
+}
+
+TEST(ChooseQuads, MakesNoSecondFitForAFewHalves) {
+  const PolygonMesh sheet = cut_quads(test::grid(
+      4, 4, [](double x, double y) { return glm::dvec3(x, y, 0.1 * std::sin(x) * std::cos(y)); }));
+  for (const int fans : {200, 400}) {
+    const PolygonMesh meshes[] = {test::bipyramid(fans), sheet};
+    const PolygonMesh mesh = merged_meshes(meshes).mesh;
+    EXPECT_EQ(fitted(mesh, QuadChoice::On).paired_count, 16);
+    const bool is_compared = 32 > 0.05 * mesh.face_count();
+    EXPECT_EQ(fitted(mesh, QuadChoice::Auto).quad_reason.has_value(), is_compared) << fans;
+  }
 }
 
 // A box of twelve triangles has its edges kept sharp; six squares are a ball.

@@ -20,6 +20,8 @@ namespace {
 
 // Share of the time when the mesh is checked and repaired.
 constexpr double kMadeReady = 0.15;
+// Of the faces, so many must be joined to be worth a second fit.
+constexpr double kWorthPairing = 0.05;
 constexpr double kOneReady = 0.4, kLookedHalved = 0.5;  // of that, where triangles may be joined
 
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
@@ -288,18 +290,22 @@ void keep_outline_corners(ReadyFit& ready) {
   result.smoothed_vertices = std::move(*smoothed);
 }
 
-// The same with triangles joined; null where none are. `given`: the mesh that `ready` was made of,
-// where more was done to it than can be done before.
+// The same with triangles joined; null where hardly any are. `given`: the mesh that `ready` was
+// made of, where more was done to it than can be done before.
 std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<PolygonMesh> given) {
   MeshFitOptions pairing = ready.options;
   pairing.quads = QuadChoice::On;
   pairing.fit.callbacks.warning = {};
+  const auto is_worth_it = [&](std::int64_t pairs) {
+    return static_cast<double>(2 * pairs) > kWorthPairing * ready.fitted.mesh.face_count();
+  };
   if (given) {
     auto paired = std::make_shared<ReadyFit>(prepare_one(std::move(*given), ready.name, pairing));
-    return paired->fitted.paired_count > 0 ? std::move(paired) : nullptr;
+    return is_worth_it(paired->fitted.paired_count) ? std::move(paired) : nullptr;
   }
   ReadyMesh made = ready_again(ready.fitted);
-  if (!pair_up(made, ready.options.crease_degrees)) return nullptr;
+  if (!pair_up(made, ready.options.crease_degrees) || !is_worth_it(made.paired_count))
+    return nullptr;
   auto paired = std::make_shared<ReadyFit>();
   paired->name = ready.name;
   paired->chooses_method = ready.chooses_method;
