@@ -156,7 +156,7 @@ struct CornerPatchParameters {
   float center_x, center_y, center_z;
   float scale_x, scale_y, scale_z;
   // Of listed_patches: words of what an edit works on where the segment stands, and jobs from an
-  // instance to the next.
+  // instance to the next. Of instance_patches: where the list of instances stands.
   uint segment;
   uint job_count;
 };
@@ -210,6 +210,8 @@ struct FirstStepParameters {
   uint instance_points;
   uint instance_rows;
   float own, beside, mean, turn;  // FaceSumRule of doosabin/face_rule.h
+  // Where the words are that name the instance of each work group in y; kNone: all instances.
+  uint first_listed;
 };
 
 // A large ring, of kRingWords words: where the places of its points in the state begin, their
@@ -225,6 +227,47 @@ struct RingSumParameters {
   // From an instance to the next: points of the state, given points.
   uint instance_points;
   uint instance_rows;
+  uint first_listed;  // as of first_step
+};
+
+// Levels by need. What they are chosen by and listed in is a buffer of words: a record of each
+// level, from coarse to fine, and a segment of each dispatch that walks a list of instances.
+// Words of a level: places in its list, vertices and indices of an instance, its first index, its
+// first vertex, and where its list begins.
+PLANISH_SHARED_CONSTANT kMostLevels = 5u;
+PLANISH_SHARED_CONSTANT kLevelPlaces = 0u;
+PLANISH_SHARED_CONSTANT kLevelVertices = 1u;
+PLANISH_SHARED_CONSTANT kLevelIndices = 2u;
+PLANISH_SHARED_CONSTANT kLevelFirstIndex = 3u;
+PLANISH_SHARED_CONSTANT kLevelFirstVertex = 4u;
+PLANISH_SHARED_CONSTANT kLevelList = 5u;
+PLANISH_SHARED_CONSTANT kLevelWords = 6u;
+// Words of a segment: arguments, whose y counts the instances of its list, and the list's level;
+// kNone: the list of all that are seen, which stands behind the segments.
+PLANISH_SHARED_CONSTANT kChosenLevel = 3u;
+PLANISH_SHARED_CONSTANT kChosenWords = 4u;
+// Words of a VkDrawIndexedIndirectCommand.
+PLANISH_SHARED_CONSTANT kDrawWords = 5u;
+
+// Push constants of choose_levels.
+struct ChooseParameters {
+  float clip[16];  // from the world, column by column, to Vulkan's clip space
+  uint instance_count;
+  uint point_count;   // of one instance
+  uint point_stride;  // from an instance to the next
+  uint level_count;
+  float pixels;               // of a length of 1 across the view where w is 1
+  float most;                 // pixels between triangles and surface
+  float coarser_at;           // pixels below which a coarser level is taken
+  float chords[kMostLevels];  // of each level, for a bounding sphere of radius 1
+};
+
+// Push constants of place_instances.
+struct PlaceInstancesParameters {
+  uint instance_count;
+  uint level_count;
+  uint segment_count;
+  uint numbers_draws;  // 1: a draw's first instance is the instance's number
 };
 
 // Edits. What one works on is a buffer of words: these, a segment for each dispatch of patches, the

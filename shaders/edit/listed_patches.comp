@@ -15,7 +15,7 @@ void main() {
     uint job = work[list + i / chunk_count];
     uint instance = job / parameters.job_count;
     job -= instance * parameters.job_count;
-    begin_instance(instance);
+    begin_instance(instance, instance);
     evaluate_patch(group_of(job / kPatchLanes), job % kPatchLanes, i % chunk_count);
   }
 }

@@ -4,6 +4,7 @@
 #include "read.glsl"
 
 layout(local_size_x = 64) in;
+layout(constant_id = 1) const uint kUnitsPerGroup = 1u;
 layout(constant_id = 3) const uint kGather = kGatherList;
 layout(constant_id = 4) const uint kSamples = 1u;
 layout(constant_id = 5) const uint kPositionFormat = kFormatFloat3;
@@ -155,11 +156,12 @@ void write_rows(uint row, uint flags, uint frame) {
   }
 }
 
-void begin_instance(uint instance) {
+// An instance's points, and the place among the instances' vertices where its own go.
+void begin_instance(uint instance, uint place) {
   first_point = instance * parameters.instance_points;
   first_given = instance * parameters.instance_rows;
-  first_position = parameters.first_position + instance * parameters.position_instance;
-  first_normal = parameters.first_normal + instance * parameters.normal_instance;
+  first_position = parameters.first_position + place * parameters.position_instance;
+  first_normal = parameters.first_normal + place * parameters.normal_instance;
 }
 
 // A chunk of samples of a group's patch.
@@ -194,4 +196,16 @@ void evaluate_patch(PatchGroup group, uint lane, uint chunk) {
     word += (group.columns + 1u) * kPatchLanes;
   }
   write_rows(row + chunk * kSamples, group.flags, word + chunk * kSamples * 2u * kPatchLanes);
+}
+
+// All patches of the dispatch, a lane each, a chunk of samples after the other.
+void evaluate_units() {
+  uint lane = gl_LocalInvocationIndex;
+  for (uint i = 0u; i < kUnitsPerGroup; ++i) {
+    uint unit = gl_WorkGroupID.x * kUnitsPerGroup + i;
+    if (unit >= parameters.unit_count) return;
+    PatchGroup group = group_of(parameters.first_group + unit / parameters.chunk_count);
+    if (lane >= group.lane_count) continue;
+    evaluate_patch(group, lane, unit % parameters.chunk_count);
+  }
 }

@@ -15,6 +15,7 @@ READ(2, uint, vertices)
 READ(3, vec4, given)
 READ(4, vec4, moved)
 WRITE(5, vec4, state);
+layout(std430, set = 0, binding = 6) restrict readonly buffer Listed { uint listed[]; };
 
 #include "step_points.glsl"
 
@@ -68,8 +69,10 @@ void step_large_face(uint head, uint lane) {
 
 void main() {
   first_corner = parameters.first_corner;
-  first_row = gl_WorkGroupID.y * parameters.instance_rows - parameters.first_vertex;
-  first_point = gl_WorkGroupID.y * parameters.instance_points - parameters.first_target;
+  uint instance = gl_WorkGroupID.y;
+  if (parameters.first_listed != kNone) instance = listed[parameters.first_listed + instance];
+  first_row = instance * parameters.instance_rows - parameters.first_vertex;
+  first_point = instance * parameters.instance_points - parameters.first_target;
   if (kStep == kStepLargeFaces) {
     for (uint face = gl_WorkGroupID.x; face < parameters.count; face += gl_NumWorkGroups.x)
       step_large_face(parameters.first_word + kLargeFaceWords * face, gl_LocalInvocationIndex);

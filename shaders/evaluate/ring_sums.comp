@@ -12,18 +12,19 @@ READ(0, uint, words)
 READ(1, vec4, state)
 READ(2, vec4, given)
 WRITE(3, vec4, sums);
+layout(std430, set = 0, binding = 4) restrict readonly buffer Listed { uint listed[]; };
 
 shared vec3 means[kRingLanes], evens[kRingLanes], odds[kRingLanes];
 
 float float_at(uint i) { return uintBitsToFloat(words_at(i)); }
 
-void sum_ring(uint head, uint lane) {
+void sum_ring(uint instance, uint head, uint lane) {
   uint first_point = words_at(head), row_count = words_at(head + 1u), size = words_at(head + 2u);
   uint first_sum = words_at(head + 3u) - parameters.first_target;
   uint owner = words_at(head + 4u), weight = words_at(head + 5u);
   uint turn = weight + 3u * row_count;
-  uint first_given = gl_WorkGroupID.y * parameters.instance_rows;
-  uint first_state = gl_WorkGroupID.y * parameters.instance_points;
+  uint first_given = instance * parameters.instance_rows;
+  uint first_state = instance * parameters.instance_points;
   vec3 origin = given_at(first_given + owner).xyz;
   precise vec3 mean = vec3(0.0), even = vec3(0.0), odd = vec3(0.0);
   for (uint i = lane; i < row_count; i += kRingLanes) {
@@ -58,6 +59,8 @@ void sum_ring(uint head, uint lane) {
 }
 
 void main() {
+  uint instance = gl_WorkGroupID.y;
+  if (parameters.first_listed != kNone) instance = listed[parameters.first_listed + instance];
   for (uint ring = gl_WorkGroupID.x; ring < parameters.count; ring += gl_NumWorkGroups.x)
-    sum_ring(ring * kRingWords, gl_LocalInvocationIndex);
+    sum_ring(instance, ring * kRingWords, gl_LocalInvocationIndex);
 }

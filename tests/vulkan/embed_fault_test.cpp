@@ -77,7 +77,7 @@ TEST_F(EmbedFaults, EveryFailingCallOfAContextUnwinds) {
 
 TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
   const PolygonMesh mesh = test::icosphere(1);
-  const System system(mesh);
+  const System system(mesh, {.levels = {1, 2}});
   for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
     ContextOptions options;
     options.variant = variant;
@@ -96,6 +96,8 @@ TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
           const vulkan::Solve frame(*context_, tables, solve);
           const Places places(*context_, tables, frame,
                               {.list = {.count = 9}, .results = {.buffer = vertices.handle()}});
+          const Tessellation levels(*context_, tables, frame,
+                                    {.vertices = {vertices.handle()}, .places = {3, 2}});
         },
         "Pipeline");
   }

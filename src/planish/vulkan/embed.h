@@ -10,6 +10,7 @@
 // - DeviceSystem: the tables of one System on the device; read-only once its upload ran.
 // - Solve: work buffers and descriptor sets of one mesh that moves, for all frames in flight.
 // - Places: the surface of a Solve at a list of places, for particles, cameras, baking.
+// - Tessellation: a Solve's instances, each at the level that a view needs (host/tessellation.h).
 //
 // Each must outlive those below it; a System need only live until DeviceSystem::write_upload() is
 // done. Order of use:
@@ -20,7 +21,7 @@
 //   tables.write_upload(system, mapped_staging);         //   ... its bytes, into the host's memory
 //   tables.record_upload(commands, staging, 0, indices); //   ... and on to the device
 //   Solve solve(context, tables, options);               // once per mesh that moves by itself
-//   Places places(context, tables, solve, options);      // if wanted
+//   Places places(context, tables, solve, options);      // if wanted; Tessellation likewise
 //   each frame: solve.record_solve(commands, parameters); solve.record_evaluate(commands);
 //               places.record_evaluate(commands);
 //   or, where few points have moved: solve.record_edit(commands, edit_parameters);
@@ -90,7 +91,9 @@
 #include "planish/vulkan/device/result.h"
 #include "planish/vulkan/device/scope.h"
 #include "planish/vulkan/evaluate/place_layout.h"
+#include "planish/vulkan/host/places.h"
 #include "planish/vulkan/host/solve_options.h"
+#include "planish/vulkan/host/tessellation.h"
 
 namespace planish {
 struct FairDecisions;
@@ -99,6 +102,7 @@ struct FairDecisions;
 namespace planish::vulkan {
 
 struct BendingRecords;
+struct EvaluatedParts;
 struct FairRecords;
 struct SolvePoints;
 struct SurfaceBuffers;
@@ -106,6 +110,9 @@ struct SurfaceRecords;
 
 struct SystemOptions {
   int level = 2;  ///< quad splits of the surface, 0 to 6: its vertex count grows fourfold with each
+  /// Further levels, ascending from 1 to 5, that a Tessellation chooses from: what each would take
+  /// as `level`, but for what is the same in all.
+  std::vector<int> levels;
   /// Fair: the surface's control points of level 1 are built, without iterations. A System's tables
   /// and all Solves made with them are of one method. Fair surfaces fold beside corners that turn
   /// inward: take with_convex_faces() of such meshes (mesh/convex_faces.h). Needles and sharp turns
@@ -163,6 +170,10 @@ class System {
   [[nodiscard]] std::span<const std::uint32_t> triangles() const;
   /// Four indices a quad; empty at level 0, whose faces are the mesh's polygons.
   [[nodiscard]] std::span<const std::uint32_t> quads() const;
+
+  /// Of each of SystemOptions::levels, how far its triangles are from the surface in the rest pose:
+  /// the largest distance of the middles of their sides from their chords.
+  [[nodiscard]] std::vector<double> chord_errors() const;
 
   /// B: row i gives the limit point of used vertex i from all control points. Without rows where
   /// the method is Fair.
@@ -243,6 +254,8 @@ class DeviceSystem {
   [[nodiscard]] std::uint32_t index_count() const;
   [[nodiscard]] std::int32_t given_count() const;
   [[nodiscard]] std::int32_t vertex_count() const;
+  /// Of an instance at each of SystemOptions::levels, for the buffer of a Tessellation.
+  [[nodiscard]] std::vector<std::int32_t> level_vertex_counts() const;
   /// Dispatches that one pass over all tables takes: more where the device's limits are low.
   [[nodiscard]] std::size_t slice_count() const;
   /// Device memory that the tables take.
@@ -252,6 +265,7 @@ class DeviceSystem {
   struct Parts;
   friend class Places;
   friend class Solve;
+  friend class Tessellation;
   friend SurfaceBuffers surface_buffers(const DeviceSystem&, const Solve&, std::uint32_t);
   std::unique_ptr<Parts> parts_;
 };
@@ -332,50 +346,12 @@ class Solve {
   friend void record_solves(VkCommandBuffer, std::span<const SolveCall>) noexcept;
   friend void record_evaluates(VkCommandBuffer, std::span<const EvaluateCall>) noexcept;
   friend class Places;
+  friend class Tessellation;
   friend SurfaceBuffers surface_buffers(const DeviceSystem&, const Solve&, std::uint32_t);
   [[nodiscard]] SolvePoints surface_points(std::uint32_t instance) const;
+  [[nodiscard]] EvaluatedParts evaluated_parts() const;
   std::unique_ptr<Parts> parts_;
 };
-
-/// The surface of a Solve at a list of places, hole faces included: LimitSurface's values in single
-/// precision, positions to about 1e-7 of the largest coordinate, derivatives to 1e-5 of their size
-/// around the place. Externally synchronised, with its Solve.
-class Places {
- public:
-  /// `system` was made with answers_places, `solve` on it. Throws Error{InvalidArgument},
-  /// Error{OutOfMemory} naming the limit, VulkanError.
-  Places(Context& context, const DeviceSystem& system, const Solve& solve,
-         const PlacesOptions& options);
-  ~Places();
-  Places(Places&&) noexcept;
-  Places& operator=(Places&&) noexcept;
-
-  /// Copies places, 12 tight bytes each, from a host's buffer with
-  /// VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. Only without a list's buffer.
-  void record_list(VkCommandBuffer commands, VkBuffer source, VkDeviceSize offset) const noexcept;
-  /// Evaluates the first `count` places of the list, at most all, on the surface of the Solve's
-  /// last record_evaluate or record_surface.
-  void record_evaluate(VkCommandBuffer commands, std::uint32_t count = 0xffffffff,
-                       const Timestamps& timestamps = {}) const noexcept;
-
- private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
-};
-
-/// What the surface as shader code reads, share/planish/shaders/planish_surface.glsl of the
-/// package: read-only arrays of uint, uvec2 and vec4, at any bindings of the host's own pipelines,
-/// of any stage.
-struct SurfaceBuffers {
-  VkDescriptorBufferInfo words, links, state, given, weights;
-  std::uint32_t face_count, corner_count;
-};
-/// Of an instance. `system` was made with answers_places, `solve` on it; both outlive what is
-/// bound. Read them behind a barrier from kExitScope, after record_evaluate or record_surface, and
-/// be done, by a barrier to kEntryScope, before the next frame's work. Throws
-/// Error{InvalidArgument}.
-[[nodiscard]] SurfaceBuffers surface_buffers(const DeviceSystem& system, const Solve& solve,
-                                             std::uint32_t instance = 0);
 
 /// The work of record_solve of each call, in lock-step: one barrier stands where each solve by
 /// itself would have one, so that small meshes fill a device together. Results are the same bits.

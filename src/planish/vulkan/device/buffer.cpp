@@ -61,6 +61,20 @@ Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name) {
   return Buffer(context, bytes, MemoryUse::Device, name);
 }
 
+void require_one_binding(const Context& context, std::uint64_t bytes, std::uint64_t texel_bytes,
+                         const char* what) {
+  const auto refuse = [&](const std::string& limit, std::uint64_t value) {
+    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": " + what + " take " +
+                                            std::to_string(bytes) + " bytes, which are bound as " +
+                                            "one, but " + limit + " is " + std::to_string(value) +
+                                            "; use a smaller mesh or fewer instances");
+  };
+  if (bytes > context.max_storage_range())
+    refuse("maxStorageBufferRange", context.max_storage_range());
+  if (texel_bytes > 0 && bytes / texel_bytes > context.max_texel_elements())
+    refuse("maxTexelBufferElements", context.max_texel_elements());
+}
+
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   if (this == &other) return *this;
   release();

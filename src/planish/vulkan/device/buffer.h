@@ -42,6 +42,11 @@ class Buffer {
 /// that it exceeds.
 [[nodiscard]] Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name);
 
+/// Throws Error{OutOfMemory} where a device has no binding of so many bytes, read by texels of
+/// `texel_bytes` (0: as words that kernels write), naming `what` and the limit.
+void require_one_binding(const Context& context, std::uint64_t bytes, std::uint64_t texel_bytes,
+                         const char* what);
+
 /// A multiple of every alignment that Vulkan allows a device to ask of a binding's offset.
 inline constexpr VkDeviceSize kBindingAlignment = 256;
 

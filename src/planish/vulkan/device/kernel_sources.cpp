@@ -16,6 +16,8 @@
 #include "shaders/cg_apply.spv.h"
 #include "shaders/cg_apply_texel.spv.h"
 #include "shaders/cg_turn.spv.h"
+#include "shaders/choose_levels.spv.h"
+#include "shaders/choose_levels_texel.spv.h"
 #include "shaders/control_points.spv.h"
 #include "shaders/corner_patches.spv.h"
 #include "shaders/corner_patches_texel.spv.h"
@@ -117,10 +119,13 @@
 #include "shaders/gather_points.spv.h"
 #include "shaders/initial_residual.spv.h"
 #include "shaders/initial_residual_texel.spv.h"
+#include "shaders/instance_patches.spv.h"
+#include "shaders/instance_patches_texel.spv.h"
 #include "shaders/interpolation_step.spv.h"
 #include "shaders/interpolation_step_texel.spv.h"
 #include "shaders/listed_patches.spv.h"
 #include "shaders/listed_patches_texel.spv.h"
+#include "shaders/place_instances.spv.h"
 #include "shaders/reduce_rms.spv.h"
 #include "shaders/reduce_sums.spv.h"
 #include "shaders/ring_sums.spv.h"
@@ -182,13 +187,13 @@ const KernelSource kSources[kKernelCount] = {
                  sizeof(shared::StencilParameters)),
     table_kernel(PLANISH_BOTH(apply_limit), {Points, Storage, Pairs}),
     special_kernel(PLANISH_BOTH(first_step), sizeof(shared::FirstStepParameters),
-                   {Words, Entries, Words, Points, Points, Storage}),
+                   {Words, Entries, Words, Points, Points, Storage, Storage}),
     special_kernel(PLANISH_BOTH(corner_patches), sizeof(shared::CornerPatchParameters),
                    {Records, Words, Entries, Points, Points, Points, Storage, Storage}),
     special_kernel(PLANISH_BOTH(surface_places), sizeof(shared::PlaceParameters),
                    {Storage, Words, Entries, Points, Points, Points, Storage}),
     special_kernel(PLANISH_BOTH(ring_sums), sizeof(shared::RingSumParameters),
-                   {Words, Points, Points, Storage}),
+                   {Words, Points, Points, Storage, Storage}),
     table_kernel(PLANISH_BOTH(cg_apply), {Points, Storage, Storage, Storage}),
     vector_kernel(spirv::cg_advance, 6),
     vector_kernel(spirv::cg_turn, 2),
@@ -213,6 +218,12 @@ const KernelSource kSources[kKernelCount] = {
                 {Words, Words, Entries, Words, Points, Points, Storage, Storage}),
     edit_kernel(spirv::edit_stale, spirv::edit_stale, {Storage, Storage, Storage}),
     special_kernel(PLANISH_BOTH(listed_patches), sizeof(shared::CornerPatchParameters),
+                   {Records, Words, Entries, Points, Points, Points, Storage, Storage}),
+    special_kernel(PLANISH_BOTH(choose_levels), sizeof(shared::ChooseParameters),
+                   {Points, Storage}),
+    special_kernel(spirv::place_instances, spirv::place_instances,
+                   sizeof(shared::PlaceInstancesParameters), {Storage, Storage, Storage}),
+    special_kernel(PLANISH_BOTH(instance_patches), sizeof(shared::CornerPatchParameters),
                    {Records, Words, Entries, Points, Points, Points, Storage, Storage}),
     bending_kernel(PLANISH_BOTH(bending_directions),
                    {Records, Entries, Points, Storage, Storage, Storage, Storage}),
@@ -313,6 +324,9 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish edit_points",
                                                     "planish edit_stale",
                                                     "planish listed_patches",
+                                                    "planish choose_levels",
+                                                    "planish place_instances",
+                                                    "planish instance_patches",
                                                     "planish bending_directions",
                                                     "planish bending_rows",
                                                     "planish bending_step",

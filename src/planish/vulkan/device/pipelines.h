@@ -43,6 +43,10 @@ enum class Kernel {
   EditPoints,
   EditStale,
   ListedPatches,
+  // Levels by need; only specialised.
+  ChooseLevels,
+  PlaceInstances,
+  InstancePatches,
   // Where the mesh bends least; only specialised.
   BendingDirections,
   BendingRows,
@@ -89,7 +93,7 @@ enum class Kernel {
   FairCureCreases,
   FairCureCorners,
 };
-inline constexpr std::size_t kKernelCount = 71;
+inline constexpr std::size_t kKernelCount = 74;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

@@ -3,8 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "planish/core/error.h"
-
 namespace planish::vulkan {
 
 namespace {
@@ -16,20 +14,6 @@ Buffer make_words(Context& context, const std::vector<std::uint32_t>& words, con
 }
 
 }  // namespace
-
-void require_one_binding(const Context& context, std::uint64_t bytes, std::uint64_t texel_bytes,
-                         const char* what) {
-  const auto refuse = [&](const std::string& limit, std::uint64_t value) {
-    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": " + what + " take " +
-                                            std::to_string(bytes) + " bytes, which edits bind as " +
-                                            "one, but " + limit + " is " + std::to_string(value) +
-                                            "; use a smaller mesh or fewer instances");
-  };
-  if (bytes > context.max_storage_range())
-    refuse("maxStorageBufferRange", context.max_storage_range());
-  if (texel_bytes > 0 && bytes / texel_bytes > context.max_texel_elements())
-    refuse("maxTexelBufferElements", context.max_texel_elements());
-}
 
 EditTables::EditTables(Context& context, const EditRecords& records)
     : job_count(records.job_count),

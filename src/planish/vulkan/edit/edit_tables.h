@@ -26,9 +26,4 @@ struct EditTables {
   }
 };
 
-/// Throws Error{OutOfMemory} where a device has no binding of so many bytes, read by texels of
-/// `texel_bytes` (0: as words that kernels write), naming `what` and the limit.
-void require_one_binding(const Context& context, std::uint64_t bytes, std::uint64_t texel_bytes,
-                         const char* what);
-
 }  // namespace planish::vulkan

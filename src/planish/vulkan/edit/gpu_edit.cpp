@@ -28,6 +28,16 @@ void set_arguments(std::vector<std::uint32_t>& words, std::size_t at) {
   words[at + 1] = words[at + 2] = 1;
 }
 
+PatchLists patch_lists_of(const Buffer& work, std::uint32_t job_count) {
+  PatchLists lists;
+  lists.work = &work;
+  lists.first_list = shared::kEditHeadWords;
+  lists.first_arguments = lists.first_list + shared::kSegmentArguments;
+  lists.list_step = lists.arguments_step = shared::kSegmentWords;
+  lists.job_count = job_count;
+  return lists;
+}
+
 }  // namespace
 
 GpuEdit::GpuEdit(Context& context, const EditedParts& parts, std::int32_t given_count,
@@ -93,7 +103,7 @@ void GpuEdit::make_slot(const FrameSlot& slot, std::uint32_t number,
   if (slot.vertices.buffer)
     made.evaluation.emplace(context_, parts_.patches, parts_.given.given(), parts_.step.state(),
                             slot.vertices, common.row_count, instances_,
-                            ListedPatches{&work_, shared::kEditHeadWords, common.job_count});
+                            patch_lists_of(work_, common.job_count));
 }
 
 void GpuEdit::make_work(shared::EditParameters& parameters) {

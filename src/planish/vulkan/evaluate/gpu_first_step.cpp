@@ -20,8 +20,22 @@ GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const S
                            std::uint64_t vertex_count, const Instances& instances)
     : context_(context),
       instances_(instances),
-      state_(context, instances.bytes(static_cast<std::uint64_t>(patches.point_count)),
-             MemoryUse::Device, "planish points of level 1") {
+      own_state_(std::make_unique<Buffer>(
+          context, instances.bytes(static_cast<std::uint64_t>(patches.point_count)),
+          MemoryUse::Device, "planish points of level 1")),
+      points_{&given, &displacement, vertex_count, own_state_.get()} {
+  bind(patches, tables, {});
+}
+
+GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
+                           const GpuFirstStep& all, const InstanceList& listed)
+    : context_(context), instances_(all.instances_), points_(all.points_) {
+  bind(patches, tables, listed);
+}
+
+void GpuFirstStep::bind(const PatchTables& patches, const StepTables& tables,
+                        const InstanceList& listed) {
+  const auto [given, displacement, vertex_count, state] = points_;
   const auto point_count = static_cast<std::uint64_t>(patches.point_count);
   std::vector<BoundKernel> bound;
   for (const StepSlice& slice : tables.slices) {
@@ -29,7 +43,7 @@ GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const S
     const IndexWindow target{slice.points.first - shift, slice.points.count + shift};
     const std::uint32_t constants[] = {slice.kind};
     Dispatch& dispatch = dispatches_.emplace_back();
-    dispatch.pipeline = context.pipelines().specialised(Kernel::FirstStep, constants);
+    dispatch.pipeline = context_.pipelines().specialised(Kernel::FirstStep, constants);
     shared::FirstStepParameters& parameters = dispatch.parameters;
     parameters.count = slice.count;
     parameters.first_point = static_cast<std::uint32_t>(slice.points.first);
@@ -37,25 +51,28 @@ GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const S
     parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
     parameters.first_target = static_cast<std::uint32_t>(target.first);
     parameters.first_word = slice.first_word;
-    parameters.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
-    parameters.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
+    parameters.instance_points = static_cast<std::uint32_t>(instances_.stride(point_count));
+    parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(vertex_count));
     parameters.own = static_cast<float>(tables.rule.own);
     parameters.beside = static_cast<float>(tables.rule.beside);
     parameters.mean = static_cast<float>(tables.rule.mean);
     parameters.turn = static_cast<float>(tables.rule.turn);
+    parameters.first_listed = listed.first;
     dispatch.is_of_large = slice.kind == shared::kStepLargeFaces;
-    dispatch.groups = dispatch.is_of_large ? std::min(slice.count, context.max_group_count())
+    dispatch.groups = dispatch.is_of_large ? std::min(slice.count, context_.max_group_count())
                                            : (slice.count + kStepLanes - 1) / kStepLanes;
     bound.push_back(
         {Kernel::FirstStep,
          {whole(tables.words),
           window_range(patches.links, slice.corners, sizeof(PatchRecords::Link)),
           window_range(tables.vertices, slice.corners, sizeof(std::uint32_t)),
-          instances.widened(window_range(given, slice.vertices, kPointBytes), vertex_count),
-          instances.widened(window_range(displacement, slice.vertices, kPointBytes), vertex_count),
-          instances.widened(window_range(state_, target, kPointBytes), point_count)}});
+          instances_.widened(window_range(*given, slice.vertices, kPointBytes), vertex_count),
+          instances_.widened(window_range(*displacement, slice.vertices, kPointBytes),
+                             vertex_count),
+          instances_.widened(window_range(*state, target, kPointBytes), point_count),
+          whole(listed.words ? *listed.words : tables.words)}});
   }
-  sets_ = DescriptorSets(context, bound);
+  sets_ = DescriptorSets(context_, bound);
 }
 
 // Windows of neighbouring dispatches may share their edge: a round each.
@@ -64,6 +81,14 @@ Wait GpuFirstStep::record_round(VkCommandBuffer commands, std::size_t round) con
   const Dispatch& dispatch = dispatches_[round];
   record_dispatch(context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
                   dispatch.groups, instances_.count);
+  return kKernelWait;
+}
+
+Wait GpuFirstStep::record_listed(VkCommandBuffer commands, std::size_t round,
+                                 const IndirectGroups& groups) const noexcept {
+  if (round >= dispatches_.size()) return {};
+  record_dispatch_indirect(context_, commands, dispatches_[round].pipeline, sets_[round],
+                           &dispatches_[round].parameters, groups);
   return kKernelWait;
 }
 

@@ -69,18 +69,19 @@ Target target_of(const Context& context, const VertexLayout& layout, const Index
 
 GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer& given,
                        const Buffer& state, const VertexLayout& layout, std::uint64_t vertex_count,
-                       const Instances& instances, const ListedPatches& listed)
+                       const Instances& instances, const PatchLists& lists)
     : context_(context),
       instances_(instances),
-      work_(listed.work ? listed.work->handle() : VK_NULL_HANDLE) {
-  const Kernel kernel = work_ ? Kernel::ListedPatches : Kernel::CornerPatches;
+      work_(lists.work ? lists.work->handle() : VK_NULL_HANDLE) {
+  const Kernel kernel = work_ ? lists.kernel : Kernel::CornerPatches;
+  const Buffer& all_links = lists.links ? *lists.links : tables.links;
+  const Instances& places = kernel == Kernel::InstancePatches ? lists.places : instances;
   const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::uint32_t units_per_group = context.variant().chunks_per_group;
   const VertexStream attributes = attributes_of(layout);
   std::vector<BoundKernel> bound;
   for (const PatchSlice& slice : tables.slices) {
-    const Target target =
-        target_of(context, layout, slice.rows, instances, work_ != VK_NULL_HANDLE);
+    const Target target = target_of(context, layout, slice.rows, places, work_ != VK_NULL_HANDLE);
     const std::uint32_t constants[] = {
         slice.gather, slice.samples, static_cast<std::uint32_t>(layout.position_format),
         static_cast<std::uint32_t>(layout.normal_format),
@@ -113,24 +114,26 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     parameters.scale_z = 1 / layout.box_half[2];
     parameters.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
     parameters.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
-    parameters.segment =
-        listed.first_segment + shared::kSegmentWords * std::uint32_t(dispatches_.size() - 1);
-    parameters.job_count = listed.job_count;
+    const auto number = static_cast<std::uint32_t>(dispatches_.size() - 1);
+    parameters.segment = lists.first_list + lists.list_step * number;
+    parameters.job_count = lists.job_count;
+    dispatch.arguments =
+        (lists.first_arguments + lists.arguments_step * number) * sizeof(std::uint32_t);
     dispatch.groups = (parameters.unit_count + units_per_group - 1) / units_per_group;
     // Points behind the corners' have no links.
     const std::uint64_t link_bytes = sizeof(PatchRecords::Link);
-    const auto link_count = static_cast<std::int64_t>(tables.links.size() / link_bytes);
+    const auto link_count = static_cast<std::int64_t>(all_links.size() / link_bytes);
     const std::int64_t first_link = std::min(slice.points.first, link_count - 1) / 64 * 64;
     const IndexWindow links{
         first_link, std::min(slice.points.first + slice.points.count, link_count) - first_link};
     bound.push_back(
         {kernel,
          {whole(tables.groups), window_range(tables.words, slice.words, sizeof(std::uint32_t)),
-          window_range(tables.links, links, link_bytes),
+          window_range(all_links, links, link_bytes),
           instances.widened(window_range(state, slice.points, kPointBytes), point_count),
           instances.widened(window_range(given, slice.vertices, kPointBytes), vertex_count),
           window_range(tables.weights, slice.weights, sizeof(PatchRecords::Weight)),
-          target.positions, work_ ? whole(*listed.work) : target.attributes}});
+          target.positions, work_ ? whole(*lists.work) : target.attributes}});
   }
   sets_ = DescriptorSets(context, bound);
 }
@@ -140,9 +143,8 @@ Wait GpuPatches::record_round(VkCommandBuffer commands, std::size_t round) const
   if (round >= dispatches_.size()) return {};
   const Dispatch& dispatch = dispatches_[round];
   if (work_)
-    record_dispatch_indirect(
-        context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
-        {work_, (dispatch.parameters.segment + shared::kSegmentArguments) * sizeof(std::uint32_t)});
+    record_dispatch_indirect(context_, commands, dispatch.pipeline, sets_[round],
+                             &dispatch.parameters, {work_, dispatch.arguments});
   else
     record_dispatch(context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
                     dispatch.groups, instances_.count);

@@ -10,7 +10,7 @@ namespace planish::vulkan {
 
 GpuRingSums::GpuRingSums(Context& context, const PatchTables& tables, const Buffer& given,
                          const Buffer& state, std::uint64_t vertex_count,
-                         const Instances& instances)
+                         const Instances& instances, const InstanceList& listed)
     : context_(context),
       instances_(instances),
       pipeline_(context.pipelines().specialised(Kernel::RingSums, {})),
@@ -23,18 +23,25 @@ GpuRingSums::GpuRingSums(Context& context, const PatchTables& tables, const Buff
   parameters_.first_target = static_cast<std::uint32_t>(first);
   parameters_.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
   parameters_.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
+  parameters_.first_listed = listed.first;
   const auto window = [&](const Buffer& points, const IndexWindow& of, std::uint64_t count) {
     return instances.widened(window_range(points, of, kPointBytes), count);
   };
   const BoundKernel bound[] = {
       {Kernel::RingSums,
        {whole(tables.rings), window(state, {0, tables.first_sum}, point_count), whole(given),
-        window(state, target, point_count)}}};
+        window(state, target, point_count), whole(listed.words ? *listed.words : tables.rings)}}};
   sets_ = DescriptorSets(context, bound);
 }
 
 Wait GpuRingSums::record(VkCommandBuffer commands) const noexcept {
   record_dispatch(context_, commands, pipeline_, sets_[0], &parameters_, groups_, instances_.count);
+  return kKernelWait;
+}
+
+Wait GpuRingSums::record_listed(VkCommandBuffer commands,
+                                const IndirectGroups& groups) const noexcept {
+  record_dispatch_indirect(context_, commands, pipeline_, sets_[0], &parameters_, groups);
   return kKernelWait;
 }
 

@@ -15,10 +15,14 @@ class GpuRingSums {
   /// `tables` have rings, and `state` has room for PatchTables::point_count points an instance;
   /// `given` and `vertex_count` as in GpuPatches.
   GpuRingSums(Context& context, const PatchTables& tables, const Buffer& given, const Buffer& state,
-              std::uint64_t vertex_count = 0, const Instances& instances = {});
+              std::uint64_t vertex_count = 0, const Instances& instances = {},
+              const InstanceList& listed = {});
 
   /// Only records, within kEntryScope: the one round.
   Wait record(VkCommandBuffer commands) const noexcept;
+  /// The same of listed instances, and its work groups in x.
+  Wait record_listed(VkCommandBuffer commands, const IndirectGroups& groups) const noexcept;
+  [[nodiscard]] std::uint32_t group_count() const { return groups_; }
 
  private:
   Context& context_;

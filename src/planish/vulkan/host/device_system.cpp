@@ -66,12 +66,22 @@ struct DeviceSystem::Parts::PackedSurface {
     const PatchMesh& mesh = surface.patch_mesh;
     if (surface.sharp_rows)
       step = step_records(mesh, surface.weights, surface.sharp_rows->view(), limits);
+    for (const LevelRecords& level : surface.levels.levels) {
+      levels.push_back(patch_records(level.patches, limits, false, level.frames));
+      levels.back().links.clear();  // which are the other ones'
+    }
     if (!mesh.has_sums() || limits.allow_points(mesh.point_count())) {
       patches = patch_records(surface.patches, limits, wanted.edits, surface.frames);
       add_rings(mesh, patches);
       take_points(mesh, surface.weights, limits, masks, wanted);
       return;
     }
+    if (!levels.empty())
+      throw Error(ErrorCode::OutOfMemory,
+                  "levels to choose from take " + std::to_string(mesh.point_count()) +
+                      " points of level 1 and sums of large rings in one binding, but "
+                      "maxStorageBufferRange is " +
+                      std::to_string(limits.max_range) + "; use a smaller mesh, or one level");
     // A binding has not both a patch's own points and its sums: by points, in slices.
     const PatchMesh by_points(*surface.topology, surface.features);
     const PatchSurface rows(by_points, surface.patch_options(system.level()));
@@ -91,6 +101,7 @@ struct DeviceSystem::Parts::PackedSurface {
   std::optional<StepRecords> step;
   std::optional<PlaceRecords> places;
   std::optional<EditRecords> edits;
+  std::vector<PatchRecords> levels;
 };
 
 DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystemOptions& options)
@@ -111,6 +122,7 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
   if (surface.step) step.emplace(on, *surface.step);
   if (surface.places) places.emplace(on, *surface.places);
   if (surface.edits) edits.emplace(on, *surface.edits);
+  if (!surface.levels.empty()) levels.emplace(on, system.surface_records().levels, surface.levels);
   if (const FairRecords* records = system.fair_records()) fair.emplace(on, *records);
   if (const BendingRecords* records = system.bending_records()) bending.emplace(on, *records);
   plan_masks();
@@ -139,6 +151,7 @@ void DeviceSystem::Parts::for_each(const System& system, const PackedSurface& su
   if (step) step->for_each(*surface.step, take);
   if (places) places->for_each(*surface.places, take);
   if (edits) edits->for_each(*surface.edits, take);
+  if (levels) levels->for_each(system.surface_records().levels, surface.levels, take);
   take(vertices, std::as_bytes(std::span(used_vertices)));
   if (fair) fair->for_each(*system.fair_records(), take);
   if (bending) bending->for_each(*system.bending_records(), take);
@@ -157,6 +170,13 @@ std::uint64_t DeviceSystem::upload_bytes() const {
 std::uint32_t DeviceSystem::index_count() const { return parts_->index_count; }
 std::int32_t DeviceSystem::given_count() const { return parts_->given_count; }
 std::int32_t DeviceSystem::vertex_count() const { return parts_->vertex_count; }
+std::vector<std::int32_t> DeviceSystem::level_vertex_counts() const {
+  std::vector<std::int32_t> counts;
+  if (parts_->levels)
+    for (const LevelTables& level : parts_->levels->levels)
+      counts.push_back(static_cast<std::int32_t>(level.vertex_count));
+  return counts;
+}
 std::size_t DeviceSystem::slice_count() const {
   return parts_->masks.slices().size() + parts_->patches->slices.size() +
          (parts_->step ? parts_->step->slices.size() : 0);
@@ -173,6 +193,7 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
   };
   if (system.vertex_count() != vertex_count() || system.triangles().size() != index_count() ||
       parts_->fair.has_value() != (system.fair_records() != nullptr) ||
+      level_vertex_counts().size() != system.surface_records().levels.levels.size() ||
       parts_->bending.has_value() != (system.bending_records() != nullptr))
     refuse();
   const Parts::PackedSurface surface(

@@ -8,7 +8,10 @@
 #include "planish/vulkan/evaluate/gpu_places.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
 #include "planish/vulkan/fair/fair_tables.h"
+#include "planish/vulkan/host/frame_slots.h"
+#include "planish/vulkan/levels/gpu_levels.h"
 #include "planish/vulkan/solve/bending_tables.h"
+#include "planish/vulkan/solve/gpu_given.h"
 #include "planish/vulkan/tables/device_table.h"
 
 namespace planish::vulkan {
@@ -42,9 +45,17 @@ struct DeviceSystem::Parts {
   std::optional<FairTables> fair;        // where that is the method
   std::optional<PlaceTables> places;     // where they were asked for
   std::optional<EditTables> edits;       // likewise
+  std::optional<LevelSetTables> levels;  // where the System has some
   Buffer vertices;                       // used_vertices, on the device
   std::vector<Copy> copies;              // in the order of their bytes; indices come after them
   std::uint64_t device_bytes = 0;
+};
+
+/// What a Solve has for a Tessellation. `given` makes the control points of the progressive method.
+struct EvaluatedParts {
+  InstanceSizes sizes;
+  ChosenParts chosen;
+  const GpuGiven* given;
 };
 
 /// What a Solve has of an instance's surface, for Places. Both of shared::kPointFloats floats a

@@ -54,23 +54,6 @@ void check_tangents(const VertexLayout& layout, bool has_tables) {
   check_holds(attributes_of(layout).stride, layout.tangent_offset, bytes_of(layout.tangent_format));
 }
 
-void check_layout(const VertexLayout& layout, const InstanceSizes& sizes) {
-  const VertexStream attributes = attributes_of(layout);
-  require_option(is_word(layout.offset) && is_word(layout.stride) &&
-                     is_word(layout.position_offset) && is_word(layout.normal_offset) &&
-                     is_word(attributes.offset) && is_word(attributes.stride),
-                 "offsets and strides of a vertex layout are multiples of 4 bytes");
-  check_formats(layout);
-  check_holds(layout.stride, layout.position_offset, bytes_of(layout.position_format));
-  check_holds(attributes.stride, layout.normal_offset, bytes_of(layout.normal_format));
-  check_tangents(layout, sizes.has_tangents);
-  const std::uint32_t largest = std::max(layout.stride, attributes.stride);
-  require_option(largest <= sizes.max_vertex_stride, "the stride " + std::to_string(largest) +
-                                                         " of a vertex layout is above " +
-                                                         std::to_string(sizes.max_vertex_stride) +
-                                                         ", the DeviceSystem's max_vertex_stride");
-}
-
 void check_moved(const MovedPoints& moved, bool has_tables) {
   if (!moved.buffer) return;
   require_option(has_tables, "the DeviceSystem has no tables for edits; make it with takes_edits");
@@ -170,6 +153,23 @@ void check_vectors(const Context& context, const InstanceSizes& sizes,
 
 void require_option(bool condition, const std::string& message) {
   if (!condition) throw Error(ErrorCode::InvalidArgument, message);
+}
+
+void check_layout(const VertexLayout& layout, const InstanceSizes& sizes) {
+  const VertexStream attributes = attributes_of(layout);
+  require_option(is_word(layout.offset) && is_word(layout.stride) &&
+                     is_word(layout.position_offset) && is_word(layout.normal_offset) &&
+                     is_word(attributes.offset) && is_word(attributes.stride),
+                 "offsets and strides of a vertex layout are multiples of 4 bytes");
+  check_formats(layout);
+  check_holds(layout.stride, layout.position_offset, bytes_of(layout.position_format));
+  check_holds(attributes.stride, layout.normal_offset, bytes_of(layout.normal_format));
+  check_tangents(layout, sizes.has_tangents);
+  const std::uint32_t largest = std::max(layout.stride, attributes.stride);
+  require_option(largest <= sizes.max_vertex_stride, "the stride " + std::to_string(largest) +
+                                                         " of a vertex layout is above " +
+                                                         std::to_string(sizes.max_vertex_stride) +
+                                                         ", the DeviceSystem's max_vertex_stride");
 }
 
 std::vector<FrameSlot> checked_slots(const Context& context, const InstanceSizes& sizes,

@@ -25,6 +25,9 @@ struct InstanceSizes {
   bool has_surface;   ///< that state is there
 };
 
+/// Throws Error{InvalidArgument}.
+void check_layout(const VertexLayout& layout, const InstanceSizes& sizes);
+
 /// Every slot, the first one, too, with the strides between instances that 0 stands for. Throws
 /// Error{InvalidArgument}, and Error{OutOfMemory} naming the limit that vectors of all instances
 /// exceed, before any memory is taken.

@@ -114,6 +114,7 @@ struct Solve::Parts {
                        std::size_t round) const noexcept;
 
   Context& context;
+  const DeviceSystem::Parts& system;
   std::uint32_t max_iterations;
   InstanceSizes sizes;
   Instances instances;
@@ -134,8 +135,8 @@ struct Solve::Parts {
   static InstanceSizes sizes_of(const DeviceSystem::Parts& system, const SolveOptions& options);
   /// Of each slot: the host's, or the Solve's own.
   std::vector<GivenPoints> given_points_of(std::span<const FrameSlot> slots);
-  void make_patches(const PatchTables& tables, std::span<const FrameSlot> slots);
-  void make_edit(const DeviceSystem::Parts& system, std::span<const FrameSlot> slots);
+  void make_patches(std::span<const FrameSlot> slots);
+  void make_edit(std::span<const FrameSlot> slots);
 };
 
 Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Parts& system,
@@ -162,7 +163,7 @@ InstanceSizes Solve::Parts::sizes_of(const DeviceSystem::Parts& system,
           system.edits.has_value(),
           system.patches->has_frames,
           is_evaluated(options) || std::ranges::any_of(options.further_slots, is_evaluated) ||
-              system.places};
+              system.places || system.levels};
 }
 
 std::vector<GivenPoints> Solve::Parts::given_points_of(std::span<const FrameSlot> slots) {
@@ -177,21 +178,22 @@ std::vector<GivenPoints> Solve::Parts::given_points_of(std::span<const FrameSlot
   return points;
 }
 
-void Solve::Parts::make_patches(const PatchTables& tables, std::span<const FrameSlot> slots) {
+void Solve::Parts::make_patches(std::span<const FrameSlot> slots) {
   for (const FrameSlot& slot : slots) {
     std::optional<GpuPatches>& target = patches.emplace_back();
     if (slot.vertices.buffer)
-      target.emplace(context, tables, given_points(), state_points(), slot.vertices, sizes.rows,
-                     instances);
+      target.emplace(context, *system.patches, given_points(), state_points(), slot.vertices,
+                     sizes.rows, instances);
   }
 }
 
-Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& wanted)
-    : Parts(on, system, sizes_of(system, wanted), wanted) {}
+Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& on_device, const SolveOptions& wanted)
+    : Parts(on, on_device, sizes_of(on_device, wanted), wanted) {}
 
-Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const InstanceSizes& of,
+Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& of_system, const InstanceSizes& of,
                     const SolveOptions& options)
     : context(on),
+      system(of_system),
       max_iterations(options.max_iterations),
       sizes(of),
       instances{options.instances},
@@ -209,13 +211,13 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
                  progressive->given.displacement(), sizes.rows, instances);
   if (sizes.has_surface && system.patches->ring_count > 0)
     sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
-  make_patches(*system.patches, slots);
+  make_patches(slots);
   if (std::ranges::any_of(
           slots, [](const FrameSlot& slot) { return slot.moved.buffer != VK_NULL_HANDLE; }))
-    make_edit(system, slots);
+    make_edit(slots);
 }
 
-void Solve::Parts::make_edit(const DeviceSystem::Parts& system, std::span<const FrameSlot> slots) {
+void Solve::Parts::make_edit(std::span<const FrameSlot> slots) {
   edit.emplace(
       context,
       EditedParts{system.masks, system.vertices, *system.edits, *system.patches, *system.step,
@@ -277,6 +279,18 @@ Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::uint32_t slot,
 SolvePoints Solve::surface_points(std::uint32_t instance) const {
   return {parts_->points_of(parts_->given_points(), parts_->sizes.rows, instance),
           parts_->points_of(parts_->state_points(), parts_->sizes.points, instance)};
+}
+EvaluatedParts Solve::evaluated_parts() const {
+  const Parts& parts = *parts_;
+  const PatchTables& patches = *parts.system.patches;
+  const std::int64_t points = patches.ring_count > 0 ? patches.first_sum : patches.point_count;
+  const std::uint64_t hull = parts.fair ? static_cast<std::uint64_t>(points) : parts.sizes.rows;
+  return {parts.sizes,
+          {patches, parts.system.step ? &*parts.system.step : nullptr, *parts.system.levels,
+           parts.control_points(), hull, parts.instances.stride(hull), parts.given_points(),
+           parts.state_points(), parts.sizes.rows, parts.instances,
+           parts.step ? &*parts.step : nullptr},
+          parts.progressive ? &parts.progressive->given : nullptr};
 }
 std::uint32_t Solve::instance_count() const { return parts_->instances.count; }
 VkDeviceSize Solve::control_point_stride() const {

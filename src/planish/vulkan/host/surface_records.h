@@ -15,6 +15,7 @@
 #include "planish/stencil/stencil_table.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/evaluate/texture_rows.h"
+#include "planish/vulkan/levels/level_records.h"
 
 namespace planish::vulkan {
 
@@ -45,6 +46,7 @@ struct SurfaceRecords {
   PatchSurface patches;
   std::vector<RowFrame> frames;  // of textured rows
   std::optional<StencilTable> sharp_rows;
+  LevelSet levels;  // none: not asked for
 };
 
 }  // namespace planish::vulkan

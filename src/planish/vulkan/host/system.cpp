@@ -13,13 +13,15 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/stop.h"
 #include "planish/doosabin/limit_masks.h"
+#include "planish/fair/fair_net.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/hole_flags.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
+#include "planish/patches/first_step.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/fair/fair_tables.h"
+#include "planish/vulkan/host/kept_faces.h"
 #include "planish/vulkan/host/surface_records.h"
 #include "planish/vulkan/solve/bending_tables.h"
 
@@ -38,6 +40,15 @@ void check_options(const SystemOptions& options) {
   if (options.level < 0 || options.level > kMostLevels)
     throw Error(ErrorCode::InvalidArgument, "level " + std::to_string(options.level) +
                                                 " is outside 0 to " + std::to_string(kMostLevels));
+  int last = 0;
+  for (const int level : options.levels) {
+    if (level <= last || level > int{shared::kMostLevels})
+      throw Error(ErrorCode::InvalidArgument,
+                  "levels to choose from ascend from 1 to " + std::to_string(shared::kMostLevels) +
+                      ", but " + std::to_string(level) + " stands " +
+                      (last > 0 ? "behind " + std::to_string(last) : std::string("first")));
+    last = level;
+  }
   if (!(options.tolerance > 0))
     throw Error(ErrorCode::InvalidArgument,
                 "tolerance " + std::to_string(options.tolerance) + " is not above 0");
@@ -71,37 +82,13 @@ void check_decisions(const FairDecisions* decisions, std::size_t count) {
                     "; take those of a fair net of the same mesh, or none");
 }
 
-/// The corners of the output's faces, face by face, without those of hole faces; calls take(corners
-/// of a face).
-template <class Take>
-void for_kept_faces(const PolygonMesh& mesh, const MeshTopology& topology,
-                    const PatchNumbering& numbering, const Take& take) {
-  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
-  const PatchCells cells(std::max(numbering.level(), 1));
-  const std::int32_t side = numbering.samples().side() + 1;
-  std::vector<std::int32_t> corners, grid(static_cast<std::size_t>(side * side));
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (is_hole[f] != 0) continue;
-    const std::int32_t first = topology.first_corner(f), end = first + topology.face_size(f);
-    if (numbering.level() == 0) {
-      corners.clear();
-      for (std::int32_t c = first; c < end; ++c) corners.push_back(numbering.vertex_row(c));
-      take(std::span<const std::int32_t>(corners));
-      continue;
-    }
-    for (std::int32_t c = first; c < end; ++c) {
-      numbering.grid(c, grid.data());
-      for (const auto& cell : cells.of(topology, c)) {
-        corners = {grid[cell[0]], grid[cell[1]], grid[cell[2]], grid[cell[3]]};
-        take(std::span<const std::int32_t>(corners));
-      }
-    }
-  }
-}
-
-std::uint32_t count_iterations(const StencilView<double>& masks,
-                               std::span<const glm::dvec3> initial, double bound,
-                               double tolerance) {
+/// How a pose is solved in double from a cold start.
+struct RestSolve {
+  std::uint32_t iterations = 0;
+  std::vector<glm::dvec3> displacement;
+};
+RestSolve solve_rest(const StencilView<double>& masks, std::span<const glm::dvec3> initial,
+                     double bound, double tolerance) {
   const auto backend = make_cpu_backend();
   const auto solve = backend->make_solve(masks);
   solve->begin(initial);
@@ -114,7 +101,7 @@ std::uint32_t count_iterations(const StencilView<double>& masks,
     count += static_cast<std::uint32_t>(log.steps_taken);
     if (log.steps_taken < kCountedSteps) break;
   }
-  return count;
+  return {count, solve->displacement()};
 }
 
 }  // namespace
@@ -124,10 +111,13 @@ struct System::Parts {
 
   void copy_rows();
   void build_faces(const PolygonMesh& mesh);
+  void build_levels(const PolygonMesh& mesh, std::span<const glm::dvec3> unit,
+                    std::span<const glm::dvec3> displacement, const SystemOptions& options);
   void build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
                     const SystemOptions& options);
   void bend_least(std::span<glm::dvec3> unit, const SystemOptions& options);
-  void measure_rest(std::span<const glm::dvec3> unit, double relative_tolerance);
+  /// Returns the displacement of its control points.
+  std::vector<glm::dvec3> measure_rest(std::span<const glm::dvec3> unit, double relative_tolerance);
 
   int level;
   std::int32_t given_count;
@@ -170,10 +160,12 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   std::ranges::transform(mesh.positions, unit.begin(),
                          [&](const glm::dvec3& p) { return placement.to_unit(p); });
   if (options.within != 0.0) bend_least(unit, options);
+  std::vector<glm::dvec3> displacement;
   if (fair)
     fair->placement = placement;
   else
-    measure_rest(unit, options.tolerance);
+    displacement = measure_rest(unit, options.tolerance);
+  if (!options.levels.empty()) build_levels(mesh, unit, displacement, options);
   options.callbacks.report("tables", 1);
 }
 
@@ -218,9 +210,7 @@ void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& sub
 void System::Parts::build_faces(const PolygonMesh& mesh) {
   const auto take = [&](std::span<const std::int32_t> corners) {
     if (level > 0) quads.insert(quads.end(), corners.begin(), corners.end());
-    for (std::size_t k = 2; k < corners.size(); ++k)
-      for (const std::int32_t vertex : {corners[0], corners[k - 1], corners[k]})
-        triangles.push_back(static_cast<std::uint32_t>(vertex));
+    add_triangles(corners, triangles);
   };
   for_kept_faces(mesh, *surface->topology, surface->patches.numbering(), take);
 }
@@ -237,12 +227,35 @@ void System::Parts::bend_least(std::span<glm::dvec3> unit, const SystemOptions& 
   for (std::size_t v = 0; v < unit.size(); ++v) unit[v] += least.moves[v];
 }
 
-void System::Parts::measure_rest(std::span<const glm::dvec3> unit, double relative_tolerance) {
+// From the rest pose's surface.
+void System::Parts::build_levels(const PolygonMesh& mesh, std::span<const glm::dvec3> unit,
+                                 std::span<const glm::dvec3> displacement,
+                                 const SystemOptions& options) {
+  const PatchMesh& patch_mesh = surface->patch_mesh;
+  if (fair) {
+    const Subdivision subdivision(*surface->topology, surface->features, Weights::DooSabin);
+    FairOptions fair_options;
+    fair_options.decisions = options.fair_decisions;
+    const std::vector<glm::dvec3> state = fair_net(mesh, subdivision, unit, fair_options).state;
+    surface->levels =
+        make_levels(mesh, *surface, state, patch_mesh.with_sums(state), options.levels);
+  } else {
+    std::vector<glm::dvec3> cage(unit.begin(), unit.end());
+    for (std::size_t v = 0; v < cage.size(); ++v) cage[v] += displacement[v];
+    surface->levels = make_levels(mesh, *surface, cage,
+                                  first_step(patch_mesh, options.weights, cage), options.levels);
+  }
+}
+
+std::vector<glm::dvec3> System::Parts::measure_rest(std::span<const glm::dvec3> unit,
+                                                    double relative_tolerance) {
   const RawVector<glm::dvec3> initial = initial_residual(masks.view(), unit);
   double largest = 0;
   for (const glm::dvec3& residual : initial) largest = std::max(largest, glm::length(residual));
   rest_error = largest * diagonal;
-  rest_iterations = count_iterations(masks.view(), initial, spectral_bound, relative_tolerance);
+  RestSolve solved = solve_rest(masks.view(), initial, spectral_bound, relative_tolerance);
+  rest_iterations = solved.iterations;
+  return std::move(solved.displacement);
 }
 
 System::System(const PolygonMesh& rest, const SystemOptions& options)
@@ -266,6 +279,13 @@ std::vector<glm::vec2> System::uvs() const {
 }
 std::span<const std::uint32_t> System::triangles() const { return parts_->triangles; }
 std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
+std::vector<double> System::chord_errors() const {
+  const LevelSet& set = parts_->surface->levels;
+  std::vector<double> errors;
+  for (const LevelRecords& level : set.levels)
+    errors.push_back(level.chord * set.radius * parts_->diagonal);
+  return errors;
+}
 StencilView<double> System::limit_masks() const { return parts_->masks.view(); }
 const SurfaceRecords& System::surface_records() const { return *parts_->surface; }
 const FairRecords* System::fair_records() const { return parts_->fair ? &*parts_->fair : nullptr; }

@@ -32,4 +32,11 @@ struct Instances {
   [[nodiscard]] std::uint32_t further() const { return count - 1; }
 };
 
+/// Instances that a kernel lists for dispatches to come: work group y does the instance that word
+/// `first + y` of the buffer names.
+struct InstanceList {
+  const Buffer* words = nullptr;  ///< null: all instances are done
+  std::uint32_t first = shared::kNone;
+};
+
 }  // namespace planish::vulkan

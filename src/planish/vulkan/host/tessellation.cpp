@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <string>
+
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/host/device_system.h"
+#include "planish/vulkan/host/write_timestamps.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+// A number of places for each level.
+TessellationOptions checked(const LevelSetTables& tables, const EvaluatedParts& solve,
+                            TessellationOptions options) {
+  const std::uint32_t count = solve.chosen.instances.count;
+  require_option(options.vertices.buffer, "vertices of a Tessellation have no buffer");
+  check_layout(options.vertices, solve.sizes);
+  require_option(attributes_of(options.vertices).buffer == options.vertices.buffer,
+                 "a Tessellation has positions and attributes in one buffer");
+  const std::size_t levels = tables.levels.size();
+  if (options.places.empty()) options.places.assign(levels, count);
+  require_option(options.places.size() == levels, "places are of " +
+                                                      std::to_string(options.places.size()) +
+                                                      " levels, but the "
+                                                      "System has " +
+                                                      std::to_string(levels));
+  for (std::uint32_t& places : options.places) {
+    require_option(places > 0, "a level has places for no instance; give it some, or leave it out");
+    places = std::min(places, count);
+  }
+  require_option(options.places[0] == count,
+                 "the coarsest level has places for " + std::to_string(options.places[0]) +
+                     " instances, but takes all " + std::to_string(count));
+  return options;
+}
+
+const LevelSetTables& level_set_of(const std::optional<LevelSetTables>& tables) {
+  require_option(tables.has_value(),
+                 "the System has no levels to choose from; give SystemOptions some");
+  return *tables;
+}
+
+}  // namespace
+
+struct Tessellation::Parts {
+  Parts(Context& on, const LevelSetTables& tables, const EvaluatedParts& solve,
+        const TessellationOptions& options)
+      : context(on),
+        given(solve.given),
+        instances(solve.chosen.instances),
+        indices(tables.indices.handle()),
+        levels(on, solve.chosen, checked(tables, solve, options)) {}
+
+  Context& context;
+  const GpuGiven* given;
+  Instances instances;
+  VkBuffer indices;
+  GpuLevels levels;
+};
+
+Tessellation::Tessellation(Context& context, const DeviceSystem& system, const Solve& solve,
+                           const TessellationOptions& options) {
+  const LevelSetTables& tables = level_set_of(system.parts_->levels);
+  parts_ = std::make_unique<Parts>(context, tables, solve.evaluated_parts(), options);
+}
+Tessellation::~Tessellation() = default;
+Tessellation::Tessellation(Tessellation&&) noexcept = default;
+Tessellation& Tessellation::operator=(Tessellation&&) noexcept = default;
+
+void Tessellation::record_reset(VkCommandBuffer commands) const noexcept {
+  record_barrier(parts_->context, commands, kExitScope, kEntryScope);
+  parts_->levels.record_reset(commands);
+}
+
+void Tessellation::record_evaluate(VkCommandBuffer commands,
+                                   const TessellateParameters& parameters) const noexcept {
+  const Context& context = parts_->context;
+  const LabelScope label(context, commands, "planish levels");
+  record_barrier(context, commands, kExitScope, kEntryScope);
+  write_first(context, commands, parameters.timestamps);
+  if (parts_->given) parts_->given->record_control_points(commands);
+  parts_->levels.record(commands, parameters);
+  write_second(context, commands, parameters.timestamps);
+}
+
+void Tessellation::record_levels(VkCommandBuffer commands, VkBuffer target,
+                                 VkDeviceSize offset) const noexcept {
+  const Context& context = parts_->context;
+  record_barrier(context, commands, kExitScope, kEntryScope);
+  const VkDeviceSize bytes = VkDeviceSize(parts_->instances.count) * sizeof(std::uint32_t);
+  const VkBufferCopy copy{bytes, offset, bytes};
+  context.vk().vkCmdCopyBuffer(commands, parts_->levels.levels(), target, 1, &copy);
+}
+
+VkBuffer Tessellation::draws() const { return parts_->levels.draws(); }
+VkBuffer Tessellation::indices() const { return parts_->indices; }
+
+}  // namespace planish::vulkan
