@@ -63,6 +63,19 @@ TEST_F(ViewerProcess, Tessellates) {
   EXPECT_THAT(result.out, AllOf(HasSubstr("tessellated on"), HasSubstr("validation: 0 messages")));
 }
 
+TEST_F(ViewerProcess, DrawsManyAtTheLevelsThatTheyNeed) {
+  const std::string scene = PLANISH_SCENES "/cube_with_windows.obj";
+  const test::ProcessResult result =
+      test::run_planish({"--headless", "--scene", scene, "--instances", "50", "--frames", "2",
+                         "--size", "64x48", "--validate"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("50 of cube_with_windows on"), HasSubstr(" at level 1\n"),
+                                HasSubstr(" off screen\n"), HasSubstr("validation: 0 messages")));
+  expect_error({"--scene", scene, "--instances", "50"}, 2, "--instances requires --headless");
+  expect_error({"--headless", "--scene", PLANISH_SCENES "/goblet.obj", "--instances", "60000"}, 6,
+               "choose fewer, or a smaller mesh");
+}
+
 TEST_F(ViewerProcess, WritesAPicture) {
   const auto path = std::filesystem::temp_directory_path() / "planish_viewer_test.png";
   const test::ProcessResult result =

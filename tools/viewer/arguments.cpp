@@ -12,13 +12,15 @@
 namespace planish::viewer {
 namespace {
 
-constexpr int kLeastSide = 16, kLargestSide = 8192, kMostFrames = 1000000;
+constexpr int kLeastSide = 16, kLargestSide = 8192, kMostFrames = 1000000, kMostInstances = 65535;
 const command::CommandText kText{
     .examples = {"planish-viewer --scene scenes/goblet.json",
                  "planish-viewer --headless --scene scenes/goblet.json --frames 120 --png out.png",
                  "planish-viewer --headless --scene bust.obj --level 3 --iterations 2 --heat --png "
                  "heat.png",
-                 "planish-viewer --headless --scene scenes/goblet.json --script moves.txt"},
+                 "planish-viewer --headless --scene scenes/goblet.json --script moves.txt",
+                 "planish-viewer --headless --scene scenes/mixed_polygons.obj --instances 1000 "
+                 "--png a.png"},
     .first_flags = {},
     .notes =
         "In the window: drag to orbit, scroll to zoom; S surface, C cage, P points, H errors, T "
@@ -106,9 +108,14 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
       app.add_option("--frames", arguments.frames, "how many, then it ends; off-screen 1")
           ->check(CLI::Range(1, kMostFrames));
   auto* headless = app.add_flag("--headless", arguments.headless, "renders off-screen");
+  app.add_option("--instances", arguments.instances,
+                 "so many of the mesh from near to far, each at the level that it needs")
+      ->check(CLI::Range(1, kMostInstances))
+      ->needs(headless);
   app.add_option("--script", arguments.script, "moves of points to make and draw, see below")
       ->needs(headless)
-      ->excludes(frames);
+      ->excludes(frames)
+      ->excludes("--instances");
   app.add_flag("--edit", arguments.edit, "the window begins with points to drag, at rest")
       ->excludes(headless);
   app.add_option("--save", arguments.save, "Ctrl+S writes PREFIX.obj, PREFIX_cage.obj, PREFIX.glb")

@@ -14,6 +14,7 @@ struct Arguments {
   bool headless = false, validate = false, edit = false;
   std::optional<int> level;  ///< empty: the scene's
   int frames = 0;            ///< 0: off-screen one, in a window until it is closed
+  int instances = 0;         ///< 0: the animated mesh itself
   int width = 1280, height = 720;
   float azimuth_degrees = 35, elevation_degrees = 20;
   ViewSettings settings;

@@ -12,8 +12,6 @@
 namespace planish::viewer {
 namespace {
 
-constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;  // which all devices draw to and copy from
-constexpr std::size_t kPixelBytes = 4;
 constexpr float kFontHeight = 600;  // of the picture for which ImGui's font has its own size
 
 int font_scale(VkExtent2D extent) {
@@ -26,11 +24,11 @@ int font_scale(VkExtent2D extent) {
 Headless::Headless(const Device& device, Scene scene, const HeadlessOptions& options)
     : device_(device),
       options_(options),
-      pass_(make_render_pass(device, {kFormat, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL})),
-      image_(device, {kFormat, options.extent, VK_SAMPLE_COUNT_1_BIT,
+      pass_(make_render_pass(device, {kPictureFormat, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL})),
+      image_(device, {kPictureFormat, options.extent, VK_SAMPLE_COUNT_1_BIT,
                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                       VK_IMAGE_ASPECT_COLOR_BIT}),
-      targets_(device, pass_, kFormat, options.extent, std::array{image_.view()}),
+      targets_(device, pass_, kPictureFormat, options.extent, std::array{image_.view()}),
       overlay_(device, pass_, font_scale(options.extent)),
       renderer_(device, pass_, std::move(scene)) {
   if (options.settings.tessellate) device.demand_tessellation();
@@ -77,23 +75,14 @@ void Headless::show(const EditSession& session, Solved solved) {
 }
 
 std::vector<std::uint8_t> Headless::picture() {
-  const auto [width, height] = options_.extent;
-  const std::size_t pixels = std::size_t{width} * height;
-  const Buffer copy(device_, kPixelBytes * pixels, VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host);
+  const Buffer copy = picture_buffer(device_, options_.extent);
   // Once more, now that the status of the last frame is known.
   const VkCommandBuffer commands = renderer_.begin_redraw();
   draw(commands);
-  VkBufferImageCopy region{};
-  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  region.imageExtent = {width, height, 1};
-  vkCmdCopyImageToBuffer(commands, image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy, 1, &region);
-  host_barrier(commands);
+  copy_picture(commands, image_, options_.extent, copy);
   renderer_.end_frame();
   renderer_.finish();
-  std::vector<std::uint8_t> rgb(3 * pixels);
-  for (std::size_t i = 0; i < pixels; ++i)
-    std::memcpy(&rgb[3 * i], &copy.mapped()[kPixelBytes * i], 3);
-  return rgb;
+  return rgb_of(copy);
 }
 
 std::vector<SurfaceVertex> Headless::vertices() const {

@@ -8,6 +8,7 @@
 #include <new>
 
 #include "arguments.h"
+#include "crowd.h"
 #include "headless.h"
 #include "legend.h"
 #include "planish/core/error.h"
@@ -70,6 +71,30 @@ void run_headless(const Arguments& arguments, Scene scene,
   if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, headless.picture());
 }
 
+void run_crowd(const Arguments& arguments, Scene scene, const InstanceOptions& instance_options) {
+  CrowdOptions options;
+  options.extent = {static_cast<std::uint32_t>(arguments.width),
+                    static_cast<std::uint32_t>(arguments.height)};
+  options.count = static_cast<std::uint32_t>(arguments.instances);
+  options.iterations = arguments.settings.iterations;
+  const Instance instance(instance_options);
+  const Device device(instance, {arguments.device});
+  const std::string name = scene.name;
+  Crowd crowd(device, std::move(scene), options);
+  const int frames = std::max(arguments.frames, 1);
+  const auto began = std::chrono::steady_clock::now();
+  crowd.run(frames);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  const CrowdFigures figures = crowd.figures();
+  std::printf("%u of %s on %s: %d frames in %.2f s; the last has %llu triangles, of instances\n",
+              options.count, name.c_str(), device.name().c_str(), frames, took.count(),
+              static_cast<unsigned long long>(figures.triangles));
+  for (std::size_t k = 0; k < figures.instances.size(); ++k)
+    std::printf("%6u at level %d\n", figures.instances[k], options.levels[k]);
+  std::printf("%6u off screen\n", figures.unseen);
+  if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, crowd.picture());
+}
+
 // What is wrong with a script is said before a device is sought.
 void run_edit(const Arguments& arguments, Scene scene, const InstanceOptions& instance_options) {
   const std::vector<ScriptStep> script = read_script(arguments.script);
@@ -108,6 +133,8 @@ ExitCode run(int argc, char** argv) {
   arguments->settings.level = arguments->level.value_or(std::min(scene.system.level, kMostLevel));
   if (!arguments->script.empty())
     run_edit(*arguments, std::move(scene), instance);
+  else if (arguments->instances > 0)
+    run_crowd(*arguments, std::move(scene), instance);
   else if (arguments->headless)
     run_headless(*arguments, std::move(scene), instance);
   else

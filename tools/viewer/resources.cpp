@@ -5,6 +5,8 @@
 namespace planish::viewer {
 namespace {
 
+constexpr std::size_t kPixelBytes = 4;
+
 OwnedMemory allocate(const Device& device, const VkMemoryRequirements& requirements,
                      VkMemoryPropertyFlags properties) {
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
@@ -51,6 +53,28 @@ Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words) {
   Buffer buffer(device, words.size_bytes(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Place::Host);
   std::memcpy(buffer.mapped().data(), words.data(), words.size_bytes());
   return buffer;
+}
+
+Buffer picture_buffer(const Device& device, VkExtent2D extent) {
+  return {device, VkDeviceSize(extent.width) * extent.height * kPixelBytes,
+          VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host};
+}
+
+void copy_picture(VkCommandBuffer commands, VkImage image, VkExtent2D extent,
+                  const Buffer& target) {
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {extent.width, extent.height, 1};
+  vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target, 1, &region);
+  host_barrier(commands);
+}
+
+std::vector<std::uint8_t> rgb_of(const Buffer& picture) {
+  const std::span<const std::byte> bytes = picture.mapped();
+  std::vector<std::uint8_t> rgb(bytes.size() / kPixelBytes * 3);
+  for (std::size_t i = 0; i < rgb.size() / 3; ++i)
+    std::memcpy(&rgb[3 * i], &bytes[kPixelBytes * i], 3);
+  return rgb;
 }
 
 OwnedImageView make_view(VkDevice device, VkImage image, VkFormat format,

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "device.h"
 
@@ -64,6 +66,15 @@ class Image {
   OwnedImage image_;
   OwnedImageView view_;
 };
+
+/// Of pictures, which all devices draw to and copy from.
+inline constexpr VkFormat kPictureFormat = VK_FORMAT_R8G8B8A8_UNORM;
+/// For a picture's pixels.
+[[nodiscard]] Buffer picture_buffer(const Device& device, VkExtent2D extent);
+/// Copies one that a render pass has left to be copied from.
+void copy_picture(VkCommandBuffer commands, VkImage image, VkExtent2D extent, const Buffer& target);
+/// Of such a buffer: RGB, top row first.
+[[nodiscard]] std::vector<std::uint8_t> rgb_of(const Buffer& picture);
 
 /// The view of a whole image.
 [[nodiscard]] OwnedImageView make_view(VkDevice device, VkImage image, VkFormat format,

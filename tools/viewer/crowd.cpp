@@ -1,0 +1,227 @@
+#include "crowd.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <glm/ext/matrix_clip_space.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <string>
+#include <utility>
+
+#include "camera.h"
+#include "headless.h"
+#include "planish/core/error.h"
+
+namespace planish::viewer {
+namespace {
+
+// In diagonals of the mesh: from an instance to the next, and where the eye is over the first row.
+constexpr float kSpacing = 1.3f, kEyeHeight = 0.9f, kEyeBefore = 1.2f;
+constexpr float kFieldDegrees = 40, kDownDegrees = 12;
+constexpr float kFarRows = 1.5f;        // that there is room for before the far plane
+constexpr std::uint32_t kRowShare = 2;  // as many rows as this times the columns
+constexpr double kPhaseSeconds = 0.37;  // from an instance to the next
+constexpr std::uint32_t kLeastPlaces = 16;
+constexpr std::uint32_t kVertexBytes = shared::kVertexFloats * sizeof(float);
+
+constexpr vulkan::Scope kDrawScope{
+    VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+    VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
+
+vulkan::SystemOptions with_levels(vulkan::SystemOptions options, std::vector<int> levels) {
+  options.level = 0;
+  options.levels = std::move(levels);
+  return options;
+}
+
+std::uint32_t columns_of(std::uint32_t count) {
+  return static_cast<std::uint32_t>(std::ceil(std::sqrt(double(count) / kRowShare)));
+}
+
+}  // namespace
+
+Crowd::Crowd(const Device& device, Scene scene, const CrowdOptions& options)
+    : device_(device),
+      options_(options),
+      pass_(make_render_pass(device, {kPictureFormat, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL})),
+      image_(device, {kPictureFormat, options.extent, VK_SAMPLE_COUNT_1_BIT,
+                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                      VK_IMAGE_ASPECT_COLOR_BIT}),
+      targets_(device, pass_, kPictureFormat, options.extent, std::array{image_.view()}),
+      context_(device.host()),
+      pipelines_(device, pass_),
+      animation_(scene.mesh.positions),
+      system_(scene.mesh, with_levels(scene.system, options.levels)),
+      tables_(context_, system_, {kVertexBytes}),
+      corner_count_(scene.mesh.face_vertices.size()),
+      points_(device, point_bytes(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Place::Host),
+      vertices_(device, vertex_bytes(),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                    VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                Place::Device),
+      solve_(context_, tables_,
+             {.max_iterations = kMostIterations, .given = {points_}, .instances = options.count}),
+      levels_(context_, tables_, solve_,
+              {.vertices = {vertices_, 0, kVertexBytes, 0, shared::kNormalFloat * sizeof(float)},
+               .places = places()}) {
+  const OrbitCamera around = camera_around(scene.mesh.positions);
+  middle_ = around.centre;
+  size_ = 2 * around.radius;
+  look();
+  const Buffer staging(device, tables_.upload_bytes(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                       Place::Host);
+  tables_.write_upload(system_, staging.mapped());
+  device.run([&](VkCommandBuffer commands) {
+    tables_.record_upload(commands, staging, 0);
+    solve_.record_reset(commands);
+    levels_.record_reset(commands);
+    // No errors are measured or shown.
+    vkCmdFillBuffer(commands, vertices_, 0, VK_WHOLE_SIZE, 0);
+  });
+}
+
+VkDeviceSize Crowd::point_bytes() const {
+  constexpr std::uint64_t kPointBytes = 16;  // of level 1, one a corner of the mesh
+  const std::uint64_t corners = corner_count_;
+  const auto coarsest = static_cast<std::uint64_t>(tables_.level_vertex_counts().front());
+  const std::uint64_t each = std::max(corners * kPointBytes, coarsest * kVertexBytes);
+  const std::uint64_t most = context_.max_storage_range() / each;
+  if (options_.count > most)
+    throw Error(ErrorCode::OutOfMemory,
+                device_.name() + " has room for " + std::to_string(most) + " instances of " +
+                    std::to_string(corners) + " corners in one binding, not for " +
+                    std::to_string(options_.count) + "; choose fewer, or a smaller mesh");
+  return VkDeviceSize(options_.count) * system_.given_count() * sizeof(glm::vec3);
+}
+
+// Half as many of each finer level: what is far needs none of them, and there is more of it.
+std::vector<std::uint32_t> Crowd::places() const {
+  const std::vector<std::int32_t> counts = tables_.level_vertex_counts();
+  std::vector<std::uint32_t> places;
+  for (std::uint32_t k = 0; k < counts.size(); ++k) {
+    const auto most = static_cast<std::uint32_t>(
+        context_.max_storage_range() / (kVertexBytes * static_cast<std::uint64_t>(counts[k])));
+    const std::uint32_t wanted = std::max(options_.count >> k, kLeastPlaces);
+    places.push_back(std::clamp(wanted, 1u, std::max(1u, std::min(most, options_.count))));
+  }
+  return places;
+}
+
+VkDeviceSize Crowd::vertex_bytes() const {
+  const std::vector<std::int32_t> counts = tables_.level_vertex_counts();
+  const std::vector<std::uint32_t> room = places();
+  VkDeviceSize vertices = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k)
+    vertices += VkDeviceSize(room[k]) * static_cast<VkDeviceSize>(counts[k]);
+  return vertices * kVertexBytes;
+}
+
+// Rows one behind the other, the eye before the middle of the first.
+glm::vec3 Crowd::offset_of(std::uint32_t instance) const {
+  const std::uint32_t columns = columns_of(options_.count);
+  const float aside =
+      static_cast<float>(instance % columns) - 0.5f * static_cast<float>(columns - 1);
+  return size_ * kSpacing * glm::vec3(aside, 0, -static_cast<float>(instance / columns));
+}
+
+void Crowd::look() {
+  const auto [width, height] = options_.extent;
+  const float aspect = static_cast<float>(width) / static_cast<float>(height);
+  const float rows = kRowShare * static_cast<float>(columns_of(options_.count)) + kFarRows;
+  glm::mat4 projection = glm::perspectiveRH_ZO(glm::radians(kFieldDegrees), aspect, 0.1f * size_,
+                                               size_ * (kEyeBefore + kSpacing * rows));
+  projection[1][1] = -projection[1][1];
+  view_.eye = middle_ + size_ * glm::vec3(0, kEyeHeight, kEyeBefore);
+  const float down = glm::radians(kDownDegrees);
+  const glm::vec3 forward(0, -std::sin(down), -std::cos(down));
+  view_.clip_from_world =
+      projection * glm::lookAtRH(view_.eye, view_.eye + forward, glm::vec3(0, 1, 0));
+  view_.diagonal = size_;
+  view_.key = glm::normalize(glm::vec3(-0.55f, 0.65f, 0.65f));
+  view_.viewport = {width, height};
+  view_.alpha = 1;
+}
+
+void Crowd::pose(double seconds) {
+  const auto given = static_cast<std::size_t>(system_.given_count());
+  const auto bytes = points_.mapped();
+  const std::span all(reinterpret_cast<glm::vec3*>(bytes.data()), bytes.size() / sizeof(glm::vec3));
+  for (std::uint32_t i = 0; i < options_.count; ++i) {
+    const std::span<glm::vec3> own = all.subspan(i * given, given);
+    animation_.pose(seconds + kPhaseSeconds * i, own);
+    for (glm::vec3& p : own) p += offset_of(i);
+  }
+}
+
+void Crowd::draw(VkCommandBuffer commands) const {
+  targets_.begin(commands, 0);
+  const auto bind = [&](VkPipeline pipeline) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    vkCmdPushConstants(commands, pipelines_.layout, push_stages(device_), 0, sizeof view_, &view_);
+  };
+  bind(pipelines_.background);
+  vkCmdDraw(commands, 3, 1, 0, 0);
+  bind(pipelines_.surface);
+  const VkBuffer vertices = vertices_;
+  const VkDeviceSize start = 0;
+  vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &start);
+  vkCmdBindIndexBuffer(commands, levels_.indices(), 0, VK_INDEX_TYPE_UINT32);
+  constexpr std::uint32_t kStride = vulkan::Tessellation::kDrawStride;
+  for (std::uint32_t i = 0; i < options_.count; ++i)
+    vkCmdDrawIndexedIndirect(commands, levels_.draws(), VkDeviceSize(i) * kStride, 1, kStride);
+  vkCmdEndRenderPass(commands);
+}
+
+void Crowd::run(int frames) {
+  for (int i = 0; i < frames; ++i, ++next_frame_) {
+    pose(next_frame_ / kFramesPerSecond);
+    vulkan::TessellateParameters view;
+    std::memcpy(view.clip_from_world.data(), &view_.clip_from_world, sizeof view.clip_from_world);
+    view.viewport_height = static_cast<float>(options_.extent.height);
+    view.chord_pixels = options_.chord_pixels;
+    device_.run([&](VkCommandBuffer commands) {
+      barrier(commands, kDrawScope, vulkan::kEntryScope);
+      solve_.record_solve(commands, {.iterations = static_cast<std::uint32_t>(options_.iterations),
+                                     .warm_start = true});
+      levels_.record_evaluate(commands, view);
+      barrier(commands, vulkan::kExitScope, kDrawScope);
+      draw(commands);
+    });
+  }
+}
+
+CrowdFigures Crowd::figures() const {
+  const Buffer words(device_, options_.count * sizeof(std::uint32_t),
+                     VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host);
+  const VkDeviceSize draw_bytes = options_.count * sizeof(VkDrawIndexedIndirectCommand);
+  const Buffer draws(device_, draw_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host);
+  device_.run([&](VkCommandBuffer commands) {
+    levels_.record_levels(commands, words, 0);
+    const VkBufferCopy copy{0, 0, draw_bytes};
+    vkCmdCopyBuffer(commands, levels_.draws(), draws, 1, &copy);
+    host_barrier(commands);
+  });
+  CrowdFigures figures;
+  figures.instances.resize(options_.levels.size());
+  for (std::uint32_t i = 0; i < options_.count; ++i) {
+    std::uint32_t level = 0;
+    VkDrawIndexedIndirectCommand draw;
+    std::memcpy(&level, &words.mapped()[i * sizeof level], sizeof level);
+    std::memcpy(&draw, &draws.mapped()[i * sizeof draw], sizeof draw);
+    ++(level == vulkan::Tessellation::kNotSeen ? figures.unseen : figures.instances[level]);
+    figures.triangles += draw.indexCount / 3;
+  }
+  return figures;
+}
+
+std::vector<std::uint8_t> Crowd::picture() const {
+  const Buffer copy = picture_buffer(device_, options_.extent);
+  device_.run(
+      [&](VkCommandBuffer commands) { copy_picture(commands, image_, options_.extent, copy); });
+  return rgb_of(copy);
+}
+
+}  // namespace planish::viewer
