@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "viewer/headless.h"
 #include "vulkan/fixture.h"
@@ -49,6 +52,25 @@ class ViewerTest : public VulkanTest {
 
   std::unique_ptr<viewer::Instance> instance_;
   std::unique_ptr<viewer::Device> device_;
+};
+
+/// The same on a device that tessellates and tells what it made; skipped elsewhere.
+class CaptureTest : public ViewerTest {
+ protected:
+  void SetUp() override {
+    ViewerTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    std::uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, extensions.data());
+    const bool captures = std::ranges::any_of(extensions, [](const auto& extension) {
+      return std::string_view(extension.extensionName) == VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME;
+    });
+    if (!device_->has_tessellation() || !captures)
+      GTEST_SKIP() << device_->name() << " does not tessellate, or cannot tell what it made";
+    device_ = std::make_unique<viewer::Device>(*instance_, viewer::DeviceOptions{.captures = true});
+  }
 };
 
 }  // namespace planish::testing

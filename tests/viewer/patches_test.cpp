@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <random>
-#include <string_view>
 #include <tuple>
 
 #include "support/random_meshes.h"
@@ -22,23 +21,7 @@ namespace {
 
 using namespace viewer;
 
-class Patches : public ViewerTest {
- protected:
-  void SetUp() override {
-    ViewerTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    std::uint32_t count = 0;
-    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, nullptr);
-    std::vector<VkExtensionProperties> extensions(count);
-    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, extensions.data());
-    const bool captures = std::ranges::any_of(extensions, [](const auto& extension) {
-      return std::string_view(extension.extensionName) == VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME;
-    });
-    if (!device_->has_tessellation() || !captures)
-      GTEST_SKIP() << device_->name() << " does not tessellate, or cannot tell what it made";
-    device_ = std::make_unique<Device>(*instance_, DeviceOptions{.captures = true});
-  }
-};
+using Patches = CaptureTest;
 
 int view_count() {
   constexpr int kFew = 40;

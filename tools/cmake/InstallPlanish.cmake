@@ -17,7 +17,8 @@ if(PLANISH_VULKAN)
   list(APPEND public_headers
     vulkan/embed.h vulkan/vulkan_backend.h vulkan/device/own_device.h
     osd/vk_compute_evaluator.h osd/vk_device_context.h osd/vk_patch_evaluator.h
-    osd/vk_patch_table.h osd/vk_stencil_table.h osd/vk_vertex_buffer.h)
+    osd/vk_patch_shader_source.h osd/vk_patch_table.h osd/vk_stencil_table.h
+    osd/vk_vertex_buffer.h)
 endif()
 list(TRANSFORM public_headers PREPEND planish/)
 list(JOIN public_headers " " public_headers)
@@ -26,9 +27,10 @@ planish_install_headers(\"${PROJECT_SOURCE_DIR}/src\"
   \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\" ${public_headers})"
         COMPONENT development)
 if(PLANISH_VULKAN)
-  # The surface as shader code: planish_SHADER_DIR of the package.
+  # The surface, and OpenSubdiv's patches, as shader code: planish_SHADER_DIR of the package.
   install(FILES shaders/surface/planish_surface.glsl shaders/surface/planish_surface_tables.h
                 shaders/surface/finite.glsl shaders/surface/unit_normal.glsl
+                shaders/osd/planish_osd_patches.glsl shaders/osd/planish_osd_tessellation.glsl
           DESTINATION ${CMAKE_INSTALL_DATADIR}/planish/shaders COMPONENT development)
 endif()
 install(EXPORT planishTargets NAMESPACE planish:: DESTINATION ${package_dir}
