@@ -102,6 +102,9 @@ void Application::make_device() {
   queue_info.queueFamilyIndex = family;
   queue_info.queueCount = 1;
   queue_info.pQueuePriorities = &priority;
+  VkPhysicalDeviceProperties properties;
+  LOAD(*this, vkGetPhysicalDeviceProperties)(physical_device, &properties);
+  is_software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   VkPhysicalDeviceFeatures offered, wanted{};
   LOAD(*this, vkGetPhysicalDeviceFeatures)(physical_device, &offered);
   has_tessellation = offered.tessellationShader == VK_TRUE;

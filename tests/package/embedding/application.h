@@ -35,6 +35,7 @@ class Application {
   VkQueue queue = VK_NULL_HANDLE;  // of graphics and compute
   std::uint32_t family = 0;
   bool has_tessellation = false;  ///< then it is enabled
+  bool is_software = false;       ///< a CPU plays the device
 
   template <class Function>
   [[nodiscard]] Function load(const char* name) const {

@@ -35,7 +35,7 @@ struct Bones {
 };
 struct View {
   glm::mat4 clip_from_world;
-  std::uint32_t face_count;
+  std::uint32_t face_count, corner_count, is_software;
   float edges;
 };
 struct Camera {
@@ -212,9 +212,16 @@ class Renderer {
               {frame.positions.handle, before.handle, frame.attributes.handle, uvs_.handle},
               draw_triangles);
     if (app_.has_tessellation)
-      draw_pass(commands, patches_, View{clip, surface_.face_count, kSide / 2 / 6.0f}, {}, [&] {
-        LOAD(app_, vkCmdDraw)(commands, surface_.corner_count, 1, 0, 0);
-      });
+      draw_pass(commands, patches_,
+                View{clip, surface_.face_count, surface_.corner_count, app_.is_software,
+                     kSide / 2 / 6.0f},
+                {}, [&] {
+                  // Mesa's llvmpipe (22.3) goes through loops but once in a draw's last lanes where
+                  // they are no whole group: what is beyond the last corner is not drawn.
+                  const std::uint32_t group = app_.is_software ? 32 : 1;
+                  const std::uint32_t count = (surface_.corner_count + group - 1) / group * group;
+                  LOAD(app_, vkCmdDraw)(commands, count, 1, 0, 0);
+                });
     fetch(commands, frame);
   }
 

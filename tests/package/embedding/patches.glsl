@@ -1,7 +1,8 @@
 // The surface by the package's shader code, at bindings of the application's own.
 layout(push_constant) uniform View {
   mat4 clip_from_world;
-  uint face_count;
+  uint face_count, corner_count;
+  uint is_software;
   float edges;  // of half a view's width
 };
 layout(std430, set = 0, binding = 0) readonly buffer Words { uint words[]; };
