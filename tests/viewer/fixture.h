@@ -50,6 +50,23 @@ class ViewerTest : public VulkanTest {
     return mesh;
   }
 
+  [[nodiscard]] bool has_extension(std::string_view name) const {
+    std::uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, extensions.data());
+    return std::ranges::any_of(
+        extensions, [&](const auto& extension) { return name == extension.extensionName; });
+  }
+
+  /// With extensions that it has.
+  void remake_device(const std::vector<const char*>& extensions, const void* features) {
+    viewer::DeviceOptions options;
+    options.extensions = extensions;
+    options.features = features;
+    device_ = std::make_unique<viewer::Device>(*instance_, options);
+  }
+
   std::unique_ptr<viewer::Instance> instance_;
   std::unique_ptr<viewer::Device> device_;
 };
@@ -60,16 +77,12 @@ class CaptureTest : public ViewerTest {
   void SetUp() override {
     ViewerTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    std::uint32_t count = 0;
-    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, nullptr);
-    std::vector<VkExtensionProperties> extensions(count);
-    vkEnumerateDeviceExtensionProperties(device_->physical(), nullptr, &count, extensions.data());
-    const bool captures = std::ranges::any_of(extensions, [](const auto& extension) {
-      return std::string_view(extension.extensionName) == VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME;
-    });
-    if (!device_->has_tessellation() || !captures)
+    if (!device_->has_tessellation() || !has_extension(VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME))
       GTEST_SKIP() << device_->name() << " does not tessellate, or cannot tell what it made";
-    device_ = std::make_unique<viewer::Device>(*instance_, viewer::DeviceOptions{.captures = true});
+    VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT};
+    feedback.transformFeedback = VK_TRUE;
+    remake_device({VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME}, &feedback);
   }
 };
 

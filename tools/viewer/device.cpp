@@ -109,17 +109,13 @@ Device::Device(const Instance& instance, const DeviceOptions& options)
   VkPhysicalDeviceFeatures features{};
   features.tessellationShader = supported.tessellationShader;
   has_tessellation_ = supported.tessellationShader;
-  std::vector<const char*> extensions;
+  std::vector<const char*> extensions = options.extensions;
   if (options.surface) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
-  VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT};
-  feedback.transformFeedback = VK_TRUE;
-  if (options.captures) extensions.push_back(VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME);
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
   info.pEnabledFeatures = &features;
-  if (options.captures) info.pNext = &feedback;
+  info.pNext = options.features;
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   VkDevice device = VK_NULL_HANDLE;

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "handles.h"
 #include "instance.h"
@@ -13,7 +14,8 @@ namespace planish::viewer {
 struct DeviceOptions {
   std::string wanted;  ///< a device's number or part of its name, in any case; empty: the best
   VkSurfaceKHR surface = VK_NULL_HANDLE;  ///< that it has to present to; none: off-screen
-  bool captures = false;                  ///< transform feedback, which the device has to have
+  std::vector<const char*> extensions{};  ///< further ones, which the device has to have
+  const void* features = nullptr;         ///< what enables theirs, a chain of pNext
 };
 
 /// The application's device with one queue for graphics, compute and, with a surface, presenting.

@@ -302,7 +302,8 @@ class Solve {
   void record_solve(VkCommandBuffer commands, const SolveParameters& parameters) const noexcept;
   /// Limit positions and normals of the last solve, of whatever slot, into the buffer of the
   /// slot's VertexLayout. Read them as vertices after a barrier from kExitScope to VERTEX_INPUT,
-  /// VERTEX_ATTRIBUTE_READ.
+  /// VERTEX_ATTRIBUTE_READ; build acceleration structures of them, or refit, as triangles stay the
+  /// same, after one to ACCELERATION_STRUCTURE_BUILD_KHR, SHADER_READ.
   void record_evaluate(VkCommandBuffer commands,
                        const EvaluateParameters& parameters = {}) const noexcept;
   /// The part of record_evaluate that Places need, the surface's control points, for who wants no

@@ -34,7 +34,7 @@ Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use, const char* 
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
                VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-               VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+               VK_BUFFER_USAGE_TRANSFER_DST_BIT | context.further_usage();
   check(vk.vkCreateBuffer(context.device(), &info, context.callbacks(), &buffer_),
         "vkCreateBuffer");
   try {

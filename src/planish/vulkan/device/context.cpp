@@ -56,12 +56,14 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
                   options.max_storage_range)),
       max_group_count_(lowered(capabilities_.max_group_count, options.max_group_count)),
       variant_(options.variant.value_or(suitable_variant(capabilities_))),
+      further_usage_(options.further_usage),
       log_(host.log),
       functions_(load_functions(host)),
       labels_(host.features.debug_utils
                   ? DebugLabels(host.get_instance_proc, host.instance, host.device)
                   : DebugLabels()),
-      memory_(functions_, device_, capabilities_, callbacks_, host.memory),
+      memory_(functions_, device_, capabilities_, callbacks_, host.memory,
+              (options.further_usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0),
       pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_) {
   // Texels may be as small as a float.
   if (variant_.read_path == ReadPath::Texel)

@@ -50,6 +50,11 @@ struct ContextOptions {
   std::uint32_t max_group_count = 0;
   /// How kernels read and sum; unset: what suits the device.
   std::optional<PipelineVariant> variant;
+  /// What else the host does with buffers that planish makes, as an osd::VkVertexBuffer whose
+  /// triangles rays meet: VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR and
+  /// VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT. With the latter memory has addresses, too; that of
+  /// MemoryHooks is the host's to allocate so. The device has enabled what they need.
+  VkBufferUsageFlags further_usage = 0;
 };
 
 /// Device functions, limits, memory and pipelines: what all objects on a device share. Never
@@ -73,6 +78,7 @@ class Context {
   /// Elements that a texel buffer may have; no limit where kernels read storage buffers.
   [[nodiscard]] std::uint64_t max_texel_elements() const;
   [[nodiscard]] const PipelineVariant& variant() const { return variant_; }
+  [[nodiscard]] VkBufferUsageFlags further_usage() const { return further_usage_; }
 
   [[nodiscard]] const DebugLabels& labels() const { return labels_; }
   void log(std::string_view line) const {
@@ -86,6 +92,7 @@ class Context {
   std::uint64_t max_storage_range_;
   std::uint32_t max_group_count_;
   PipelineVariant variant_;
+  VkBufferUsageFlags further_usage_;
   std::function<void(std::string_view)> log_;
   DeviceFunctions functions_;
   DebugLabels labels_;

@@ -31,12 +31,14 @@ struct MemoryAllocator::Page {
 
 MemoryAllocator::MemoryAllocator(const DeviceFunctions& functions, VkDevice device,
                                  const Capabilities& capabilities,
-                                 const VkAllocationCallbacks* callbacks, MemoryHooks hooks)
+                                 const VkAllocationCallbacks* callbacks, MemoryHooks hooks,
+                                 bool has_addresses)
     : vk_(functions),
       device_(device),
       capabilities_(capabilities),
       callbacks_(callbacks),
-      hooks_(std::move(hooks)) {}
+      hooks_(std::move(hooks)),
+      has_addresses_(has_addresses) {}
 
 MemoryAllocator::~MemoryAllocator() = default;
 
@@ -84,6 +86,9 @@ MemoryBlock MemoryAllocator::take(std::uint32_t type, std::uint64_t size, bool i
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   info.allocationSize = size;
   info.memoryTypeIndex = type;
+  VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  if (has_addresses_) info.pNext = &flags;
   MemoryBlock block;
   check(vk_.vkAllocateMemory(device_, &info, callbacks_, &block.memory), "vkAllocateMemory");
   block.heap = capabilities_.memory.memoryTypes[type].heapIndex;

@@ -50,7 +50,7 @@ class MemoryAllocator {
  public:
   MemoryAllocator(const DeviceFunctions& functions, VkDevice device,
                   const Capabilities& capabilities, const VkAllocationCallbacks* callbacks,
-                  MemoryHooks hooks);
+                  MemoryHooks hooks, bool has_addresses);
   ~MemoryAllocator();
 
   /// Throws Error{OutOfMemory} before taking memory that a heap or limit does not allow, naming
@@ -86,6 +86,7 @@ class MemoryAllocator {
   const Capabilities& capabilities_;
   const VkAllocationCallbacks* callbacks_;
   MemoryHooks hooks_;
+  bool has_addresses_;  // shaders may know where buffers are
   mutable std::mutex mutex_;
   std::array<std::uint64_t, VK_MAX_MEMORY_HEAPS> heap_bytes_{};  // taken without hooks
   std::vector<std::unique_ptr<Page>> pages_;
