@@ -152,6 +152,21 @@ TEST_F(OsdDrawing, VerticesAreThoseOfTheCpuEvaluator) {
   EXPECT_GT(seen.rotated, 100);
 }
 
+TEST_F(OsdDrawing, SingleCreasePatchesAreThoseOfTheCpuEvaluator) {
+  int sharp = 0;
+  for (const Cage& cage : all_cages()) {
+    if (cage.crease_sharpness.empty() || cage.scheme != Sdc::SCHEME_CATMARK) continue;
+    SCOPED_TRACE(cage.name);
+    RefineOptions options = refined_to(3, cage);
+    options.patches.useSingleCreasePatch = true;
+    const DrawnMesh mesh(cage, options, drawing_->target());
+    expect_as_evaluated(*drawing_, mesh, extent_of(cage));
+    for (const Patch& patch : patches_of(*mesh.refined.patches))
+      sharp += mesh.refined.patches->GetSingleCreasePatchSharpnessValue(patch.handle) > 0;
+  }
+  EXPECT_GT(sharp, 10);
+}
+
 bool is_closed(const Cage& cage) {
   const auto refiner = make_refiner(cage);
   const Far::TopologyLevel& level = refiner->GetLevel(0);
