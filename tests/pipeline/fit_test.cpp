@@ -1,5 +1,6 @@
 #include "planish/pipeline/fit.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +9,9 @@
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/patches/ring_sums.h"
 #include "planish/surface/evaluate.h"
+#include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -75,6 +78,29 @@ TEST(Fit, NamesTheWorstVertexOfTheGivenMesh) {
   const auto worst = std::ranges::max_element(errors);
   EXPECT_EQ(result.interpolation.worst_vertex, worst - errors.begin());
   EXPECT_NEAR(result.interpolation.error.max, *worst / result.placement.diagonal, 1e-12);
+}
+
+// Before anything is solved, and by the mesh's own numbers.
+TEST(Fit, RefusesRingsWhoseSquareAveragedWeightsWouldTake) {
+  FitOptions options;
+  options.weights = Weights::Averaged;
+  PolygonMesh hub = test::bipyramid(kLargestByPoints + 1);
+  hub.positions.insert(hub.positions.begin(), 2, glm::dvec3(0.5));  // in no face
+  for (std::int32_t& v : hub.face_vertices) v += 2;
+  const auto said = [&](const PolygonMesh& mesh) {
+    return test::message_of(ErrorCode::UnusableMesh,
+                            [&] { (void)fit(mesh, *make_cpu_backend(), options); });
+  };
+  EXPECT_THAT(said(hub),
+              testing::ContainsRegex("^vertex [0-9]+ has 1025 faces, averaged weights take 1024 "
+                                     "at most; doo-sabin weights take more$"));
+  EXPECT_EQ(said(test::prism(kLargestByPoints + 1)).substr(0, 24), "face 0 has 1025 corners,");
+  // What is evaluated has as many: no cage gets round it.
+  EXPECT_THROW((void)evaluate(hub, *make_cpu_backend(), {.weights = Weights::Averaged}), Error);
+  const MeshTopology largest(test::bipyramid(kLargestByPoints));
+  EXPECT_EQ(ring_columns(largest, Weights::Averaged), RingColumns::Points);
+  options.weights = Weights::DooSabin;
+  EXPECT_TRUE(fit(hub, *make_cpu_backend(), options).interpolation.converged);
 }
 
 TEST(Fit, ConjugateGradientsOnAnOpenMeshIsAUsageError) {

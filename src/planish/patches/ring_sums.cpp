@@ -6,8 +6,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "planish/core/assert.h"
+#include "planish/core/error.h"
 
 namespace planish {
 
@@ -25,6 +27,28 @@ glm::dvec3 turned(std::int32_t which, double cosine, double sine) {
 }
 
 }  // namespace
+
+RingColumns ring_columns(const MeshTopology& topology, Weights weights,
+                         std::span<const std::int32_t> vertices) {
+  if (weights == Weights::DooSabin) return RingColumns::Sums;
+  const auto refuse = [](const std::string& what, std::int32_t number, std::int32_t size,
+                         const char* parts) {
+    throw Error(ErrorCode::UnusableMesh,
+                what + " " + std::to_string(number) + " has " + std::to_string(size) + " " + parts +
+                    ", averaged weights take " + std::to_string(kLargestByPoints) +
+                    " at most; doo-sabin weights take more",
+                number);
+  };
+  for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
+    const auto size = static_cast<std::int32_t>(topology.corners_at(v).size());
+    if (size > kLargestByPoints)
+      refuse("vertex", vertices.empty() ? v : vertices[v], size, "faces");
+  }
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    if (topology.face_size(f) > kLargestByPoints)
+      refuse("face", f, topology.face_size(f), "corners");
+  return RingColumns::Points;
+}
 
 RingAngles ring_angles(PatchKind kind, std::int32_t size) {
   if (kind == PatchKind::Smooth || kind == PatchKind::Cone || kind == PatchKind::Dart)

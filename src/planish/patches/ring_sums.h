@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planish/doosabin/face_rule.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/patches/patch_class.h"
 
 namespace planish {
@@ -13,9 +14,16 @@ namespace planish {
 /// How patches take rings, sectors and faces from kSummedRing on: by each of their points, or by
 /// sums, which Doo and Sabin's weights allow.
 enum class RingColumns { Points, Sums };
-[[nodiscard]] constexpr RingColumns ring_columns(Weights weights) {
-  return weights == Weights::DooSabin ? RingColumns::Sums : RingColumns::Points;
-}
+
+/// Faces around a vertex, and corners of a face, that are taken by points: time and memory are
+/// their square. A second and some 1.5 GB for one such vertex amid a boundary.
+inline constexpr std::int32_t kLargestByPoints = 1024;
+
+/// How they are taken with these weights. Throws Error{UnusableMesh} for the first vertex or face
+/// with more than kLargestByPoints where that is by points. `vertices`: their numbers in messages;
+/// none: the topology's.
+[[nodiscard]] RingColumns ring_columns(const MeshTopology& topology, Weights weights,
+                                       std::span<const std::int32_t> vertices = {});
 
 /// A large ring or sector of faces around a vertex, or of corners around a face. All that its rule
 /// needs of it are a mean M and two vectors U, W that turn with the place i, at angle a_i:

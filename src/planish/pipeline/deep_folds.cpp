@@ -225,7 +225,7 @@ void DeepLook::Parts::make_surface() {
   is_known.assign(corner_areas.size(), 0);
   mesh_area = area_of(mesh, halo);
   if (mesh.face_count() == 0) return;
-  patch_mesh.emplace(topology, features, ring_columns(weights));
+  patch_mesh.emplace(topology, features, ring_columns(topology, weights));
   patches.emplace(*patch_mesh,
                   PatchSurfaceOptions{.level = kDeepLevel, .weights = weights, .hidden = {}});
   folds = folded_edges(mesh, topology);

@@ -173,6 +173,9 @@ Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options)
   Fit result;
   result.prepared = options.prepared ? options.prepared : prepare_mesh(mesh, "mesh");
   const UsedPart used = used_part(mesh, result.prepared);
+  // Before the solve, and by the mesh's own numbers.
+  if (options.scheme == Scheme::DooSabin)
+    (void)ring_columns(*used.prepared->topology, options.weights, used.vertices);
   warn_of_semi_sharp(mesh, options);
   result.placement = placement_of(used.mesh.positions);
   RawVector<glm::dvec3> given(used.mesh.positions.size());

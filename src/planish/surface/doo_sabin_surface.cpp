@@ -30,7 +30,7 @@ std::shared_ptr<const SharpFeatures> sharp_features(const UsedPart& used,
 DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions& options, Begin)
     : used_(usable_part(mesh, options.prepared)),
       features_(sharp_features(used_, options)),
-      patches_(topology(), *features_, ring_columns(options.weights)),
+      patches_(topology(), *features_, ring_columns(topology(), options.weights, used_.vertices)),
       weights_(options.weights) {
   if (used_.mesh.hole_faces.empty()) return;
   hidden_ = hole_flags(used_.mesh);

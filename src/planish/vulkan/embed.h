@@ -66,7 +66,8 @@
 // Names. planish::Solve is the interface of backends; this one is planish::vulkan::Solve.
 // Hubs. Rings of 32 faces and more, and faces of as many corners, are evaluated by three sums that
 //   a work group makes, so a corner there costs what others do, as in the first step of the
-//   progressive method; with Weights::Averaged each corner's lane walks its rings on the surface.
+//   progressive method; with Weights::Averaged each corner's lane walks its rings on the surface,
+//   which have 1,024 faces or corners at most.
 //   In the fair method one lane walks a vertex's ring or a face a few hundred times: linear, but
 //   not parallel.
 // Units. Positions and errors are in the mesh's own units, in float32; coordinates should lie

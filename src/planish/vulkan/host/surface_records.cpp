@@ -7,7 +7,7 @@ namespace planish::vulkan {
 SurfaceRecords::SurfaceRecords(const PolygonMesh& mesh, const SystemOptions& options)
     : topology(std::make_shared<const MeshTopology>(mesh)),
       features(find_sharp_features(mesh, *topology, mesh.positions, options.sharp)),
-      patch_mesh(*topology, features, ring_columns(options.weights)),
+      patch_mesh(*topology, features, ring_columns(*topology, options.weights)),
       weights(options.weights),
       uvs(options.textured ? std::optional<CornerUvs>(mesh) : std::nullopt),
       uv_values(options.textured ? mesh.uvs : std::vector<glm::dvec2>()),
