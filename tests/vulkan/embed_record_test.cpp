@@ -47,6 +47,20 @@ std::map<std::string, int> calls_since(const std::map<std::string, int>& before)
   return calls;
 }
 
+TEST_F(EmbedRecording, KernelsAreCompiledWhenTheyAreFirstWanted) {
+  const auto compiled = [] { return PretendedDriver::count("vkCreateComputePipelines"); };
+  EXPECT_EQ(compiled(), 0);  // by the Context
+  HostTopology topology(*context_, test::icosphere(1));
+  EXPECT_EQ(compiled(), 0);
+  const HostFrame frame(*context_, topology);
+  const int first = compiled();
+  EXPECT_GT(first, 8);
+  // Nothing of conjugate gradients, edits, places, levels or the fair method.
+  EXPECT_LT(first, 20);
+  const HostFrame again(*context_, topology);
+  EXPECT_EQ(compiled(), first);
+}
+
 TEST_F(EmbedRecording, DoesNothingButRecord) {
   const PolygonMesh mesh = test::icosphere(2);
   const auto topology = make_topology(mesh);

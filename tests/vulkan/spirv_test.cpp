@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "planish/vulkan/device/functions.h"
-#include "planish/vulkan/device/pipelines.h"
+#include "planish/vulkan/device/kernels.h"
 
 namespace planish::testing {
 namespace {
@@ -80,7 +80,7 @@ TEST(Spirv, EveryKernelIsThere) {
   const std::map<std::string, Module> all = modules();
   for (std::size_t i = 0; i < vulkan::kKernelCount; ++i) {
     // Debuggers are told "planish NAME".
-    const std::string label = vulkan::name_of(static_cast<vulkan::Kernel>(i));
+    const std::string label = vulkan::source_of(static_cast<vulkan::Kernel>(i)).name;
     const std::string name = label.substr(label.find(' ') + 1);
     ASSERT_TRUE(all.count(name)) << name;
     EXPECT_GT(all.at(name).instructions.size(), 20u) << name;

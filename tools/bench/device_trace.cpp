@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "planish/vulkan/device/kernels.h"
+
 namespace planish::bench {
 
 namespace {
@@ -206,7 +208,7 @@ std::string_view kernel_of(const vulkan::Context& context, VkPipelineLayout layo
   for (std::size_t i = 0; i < vulkan::kKernelCount; ++i) {
     const auto kernel = static_cast<vulkan::Kernel>(i);
     if (context.pipelines()[kernel].layout != layout) continue;
-    const std::string_view name = vulkan::name_of(kernel);
+    const std::string_view name = vulkan::source_of(kernel).name;
     return name.starts_with(kPrefix) ? name.substr(kPrefix.size()) : name;
   }
   return {};

@@ -145,6 +145,7 @@ void DescriptorSets::allocate(std::span<const BoundKernel> kernels) {
                                   {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1}};
   std::vector<VkDescriptorSetLayout> layouts;
   for (const BoundKernel& kernel : kernels) {
+    pipelines.prepare(kernel.kernel);
     const std::span<const Binding> bindings = pipelines[kernel.kernel].bindings;
     PLANISH_ASSERT(kernel.buffers.size() == bindings.size());
     for (const Binding binding : bindings) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planish/vulkan/device/context.h"
+#include "planish/vulkan/device/kernels.h"
 
 namespace planish::vulkan {
 
@@ -66,7 +67,7 @@ struct BoundKernel {
   std::vector<BufferRange> buffers;
 };
 
-/// Descriptor sets, allocated and written once.
+/// Descriptor sets, allocated and written once. Their kernels are compiled, but for special ones.
 class DescriptorSets {
  public:
   DescriptorSets() = default;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "planish/vulkan/device/context.h"
+#include "planish/vulkan/device/kernels.h"
 #include "planish/vulkan/device/scope.h"
 
 namespace planish::vulkan {

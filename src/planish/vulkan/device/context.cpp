@@ -64,17 +64,11 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
                   : DebugLabels()),
       memory_(functions_, device_, capabilities_, callbacks_, host.memory,
               (options.further_usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0),
-      pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_) {
+      pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_, labels_) {
   // Texels may be as small as a float.
   if (variant_.read_path == ReadPath::Texel)
     max_storage_range_ =
         std::min(max_storage_range_, capabilities_.max_texel_elements * sizeof(float));
-  for (std::size_t i = 0; i < kKernelCount; ++i) {
-    const auto kernel = static_cast<Kernel>(i);
-    if (!pipelines_[kernel].pipeline) continue;  // compiled on demand
-    labels_.name(VK_OBJECT_TYPE_PIPELINE, handle_number(pipelines_[kernel].pipeline),
-                 name_of(kernel));
-  }
   log("planish: " + capabilities_.name + ", " +
       (variant_.read_path == ReadPath::Texel ? "texel" : "storage") + " buffers, " +
       std::to_string(max_storage_range_) + " bytes a binding");

@@ -1,8 +1,9 @@
 #include "planish/vulkan/device/pipelines.h"
 
+#include <array>
 #include <span>
 
-#include "planish/vulkan/device/kernel_sources.h"
+#include "planish/vulkan/device/kernels.h"
 #include "planish/vulkan/device/result.h"
 
 namespace planish::vulkan {
@@ -42,8 +43,15 @@ VkFormat texel_format(Binding binding, ReadPath path) {
 }
 
 Pipelines::Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipelineCache cache,
-                     const VkAllocationCallbacks* callbacks, const PipelineVariant& variant)
-    : vk_(functions), device_(device), cache_(cache), callbacks_(callbacks), variant_(variant) {
+                     const VkAllocationCallbacks* callbacks, const PipelineVariant& variant,
+                     const DebugLabels& labels)
+    : vk_(functions),
+      device_(device),
+      cache_(cache),
+      callbacks_(callbacks),
+      variant_(variant),
+      labels_(labels),
+      pipelines_(kKernelCount) {
   try {
     for (std::size_t i = 0; i < kKernelCount; ++i) create(static_cast<Kernel>(i));
   } catch (...) {
@@ -78,7 +86,6 @@ void Pipelines::create(Kernel kernel) {
   layout_info.pPushConstantRanges = &range;
   check(vk_.vkCreatePipelineLayout(device_, &layout_info, callbacks_, &target.layout),
         "vkCreatePipelineLayout");
-  if (!source.on_demand) target.pipeline = compile(kernel, target.layout, {});
 }
 
 VkPipeline Pipelines::compile(Kernel kernel, VkPipelineLayout layout,
@@ -113,7 +120,15 @@ VkPipeline Pipelines::compile(Kernel kernel, VkPipelineLayout layout,
       vk_.vkCreateComputePipelines(device_, cache_, 1, &info, callbacks_, &pipeline);
   vk_.vkDestroyShaderModule(device_, module, callbacks_);
   check(result, "vkCreateComputePipelines");
+  labels_.name(VK_OBJECT_TYPE_PIPELINE, handle_number(pipeline), source.name);
   return pipeline;
+}
+
+void Pipelines::prepare(Kernel kernel) const {
+  if (source_of(kernel).is_special) return;
+  const std::lock_guard lock(mutex_);
+  Pipeline& target = pipelines_[static_cast<std::size_t>(kernel)];
+  if (!target.pipeline) target.pipeline = compile(kernel, target.layout, {});
 }
 
 Pipeline Pipelines::specialised(Kernel kernel, std::span<const std::uint32_t> constants) const {

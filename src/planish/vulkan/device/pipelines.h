@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -8,98 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "planish/vulkan/device/debug_labels.h"
 #include "planish/vulkan/device/functions.h"
 
 namespace planish::vulkan {
 
-/// Every kernel, each one a file of that name in shaders/.
-enum class Kernel {
-  InterpolationStep,
-  ReduceRms,
-  FinishSolve,
-  ApplyStencils,
-  ApplyLimit,
-  FirstStep,      ///< only specialised
-  CornerPatches,  ///< only specialised
-  SurfacePlaces,  ///< only specialised
-  RingSums,       ///< only specialised
-  CgApply,
-  CgAdvance,
-  CgTurn,
-  ReduceSums,
-  StopTest,
-  GatherPoints,
-  InitialResidual,
-  TakeUp,
-  ControlPoints,
-  EvalPatches,  ///< only specialised
-  // Edits; only specialised.
-  EditBegin,
-  EditTake,
-  EditResidual,
-  EditAdvance,
-  EditCommit,
-  EditJobs,
-  EditPoints,
-  EditStale,
-  ListedPatches,
-  // Levels by need; only specialised.
-  ChooseLevels,
-  PlaceInstances,
-  InstancePatches,
-  // Where the mesh bends least; only specialised.
-  BendingDirections,
-  BendingRows,
-  BendingStep,
-  // The fair construction; only specialised.
-  FairPlace,
-  FairFaceNormals,
-  FairVertexNormals,
-  FairSectorNormals,
-  FairOffsets,
-  FairShares,
-  FairMaskStep,
-  FairPolygons,
-  FairReversed,
-  FairHandles,
-  FairSectors,
-  FairCurvePoints,
-  FairEdgeFolds,
-  FairFaceFolds,
-  FairRound,
-  FairShrink,
-  FairDirections,
-  FairRows,
-  FairDiagonals,
-  FairPrecondition,
-  FairLines,
-  FairGradient,
-  FairStepLength,
-  FairDescend,
-  FairMomentum,
-  FairApplyHeights,
-  FairMeasure,
-  FairState,
-  FairCureEdges,
-  FairCureFaces,
-  FairCureCurves,
-  FairCureVertices,
-  FairCureAround,
-  FairCureSharp,
-  FairCureDecide,
-  FairFaceHeights,
-  FairCurePlanes,
-  FairCurePolygons,
-  FairCureCreases,
-  FairCureCorners,
-};
-inline constexpr std::size_t kKernelCount = 74;
-
-/// The name of its file, for debuggers.
-[[nodiscard]] const char* name_of(Kernel kernel);
-
-/// Bindings of the kernel with the most of them.
-inline constexpr std::uint32_t kMaxBindings = 8;
+/// What kernels.h names.
+enum class Kernel : std::uint32_t;
 
 /// What a binding holds. All but Storage are read only, and are uniform texel buffers where the
 /// device reads those faster.
@@ -129,20 +44,25 @@ struct PipelineVariant {
 /// Specialisation constants below this one follow from the variant.
 inline constexpr std::uint32_t kFirstOwnConstant = 3;
 
-/// The compute pipelines of all kernels on one device; those that few hosts want only by
-/// specialised().
+/// The compute pipelines of all kernels on one device, each compiled when it is first wanted.
 class Pipelines {
  public:
-  /// Throws planish::Error.
+  /// Makes the layouts. Throws planish::Error.
   Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipelineCache cache,
-            const VkAllocationCallbacks* callbacks, const PipelineVariant& variant);
+            const VkAllocationCallbacks* callbacks, const PipelineVariant& variant,
+            const DebugLabels& labels);
   ~Pipelines();
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
 
+  /// With a VkPipeline once it was prepared.
   [[nodiscard]] const Pipeline& operator[](Kernel kernel) const {
     return pipelines_[static_cast<std::size_t>(kernel)];
   }
+
+  /// Compiles the kernel, which is not only specialised, unless that was done. Thread-safe. Throws
+  /// planish::Error.
+  void prepare(Kernel kernel) const;
 
   /// The kernel with its own specialisation constants, those with ids from kFirstOwnConstant on,
   /// instead of their defaults. Compiled when first asked for; as long-lived as this. Thread-safe.
@@ -160,8 +80,9 @@ class Pipelines {
   VkPipelineCache cache_;
   const VkAllocationCallbacks* callbacks_;
   PipelineVariant variant_;
-  std::array<Pipeline, kKernelCount> pipelines_{};
-  mutable std::mutex mutex_;  // of specialised_
+  const DebugLabels& labels_;
+  mutable std::vector<Pipeline> pipelines_;
+  mutable std::mutex mutex_;  // of what is compiled
   mutable std::map<std::pair<Kernel, std::vector<std::uint32_t>>, VkPipeline> specialised_;
 };
 
