@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "planish/vulkan/device/pipelines.h"
+#include "planish/vulkan/device/kernels.h"
 #include "planish/vulkan/device/result.h"
 
 namespace planish::vulkan {
