@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 
 namespace py = pybind11;
 
@@ -23,8 +24,8 @@ std::string shape_text(const py::array& array) {
 void require_count(const py::array& array, py::ssize_t columns, const char* name) {
   const py::ssize_t count = array.ndim() > 0 ? array.shape(0) : 1;
   if (count > kMaxIndex || array.size() > columns * kMaxIndex) {
-    refuse(std::string(name) + ": shape " + shape_text(array) +
-           " has more than 2^31 - 1 elements; give fewer");
+    refuse(formatted("{}: shape {} has more than 2^31 - 1 elements; give fewer", name,
+                     shape_text(array)));
   }
 }
 
@@ -39,8 +40,8 @@ Doubles as_doubles(const py::object& values, const char* name, const char* wante
   require_count(array, columns, name);
   const char kind = array.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u') {
-    refuse(std::string(name) + ": an array of " + py::str(array.dtype()).cast<std::string>() +
-           "; " + wanted);
+    refuse(formatted("{}: an array of {}; {}", name, py::str(array.dtype()).cast<std::string>(),
+                     wanted));
   }
   return py::array_t<double, py::array::c_style | py::array::forcecast>(array);
 }
@@ -48,8 +49,7 @@ Doubles as_doubles(const py::object& values, const char* name, const char* wante
 void require_vertex(std::int32_t vertex, std::int32_t count, std::int64_t face) {
   if (vertex >= 0 && vertex < count) return;
   throw Error(ErrorCode::UnusableMesh,
-              "face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + " of " +
-                  std::to_string(count) + "; indices count from 0",
+              formatted("face {} names vertex {} of {}; indices count from 0", face, vertex, count),
               face);
 }
 
@@ -66,21 +66,21 @@ void set_alike_faces(const Integers& faces, PolygonMesh& mesh) {
 
 void set_sized_faces(const Integers& sizes, const Integers& indices, PolygonMesh& mesh) {
   if (sizes.ndim() != 1 || indices.ndim() != 1) {
-    refuse("faces: a tuple is (sizes, indices), both of one dimension; these have shapes " +
-           shape_text(sizes) + " and " + shape_text(indices));
+    refuse(formatted(
+        "faces: a tuple is (sizes, indices), both of one dimension; these have shapes {} and {}",
+        shape_text(sizes), shape_text(indices)));
   }
   std::int64_t end = 0;
   for (py::ssize_t f = 0; f < sizes.size(); ++f) {
     const std::int32_t size = sizes.data()[f];
-    if (size < 0) refuse("faces: size " + std::to_string(size) + " of face " + std::to_string(f));
+    if (size < 0) refuse(formatted("faces: size {} of face {}", size, f));
     end += size;
     if (end > indices.size()) break;
     mesh.face_offsets.push_back(static_cast<std::int32_t>(end));
   }
   if (end != indices.size()) {
-    refuse("faces: the sizes add up to " + std::to_string(end) +
-           (end > indices.size() ? " or more" : "") + ", and there are " +
-           std::to_string(indices.size()) + " indices");
+    refuse(formatted("faces: the sizes add up to {}{}, and there are {} indices", end,
+                     end > indices.size() ? " or more" : "", indices.size()));
   }
   mesh.face_vertices.assign(indices.data(), indices.data() + indices.size());
 }
@@ -89,7 +89,7 @@ void set_sized_faces(const Integers& sizes, const Integers& indices, PolygonMesh
 void set_listed_faces(const py::sequence& faces, PolygonMesh& mesh) {
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const Integers face = as_integers(faces[f], "faces");
-    if (face.ndim() != 1) refuse("faces: face " + std::to_string(f) + " is no sequence of indices");
+    if (face.ndim() != 1) refuse(formatted("faces: face {} is no sequence of indices", f));
     mesh.add_face({face.data(), static_cast<std::size_t>(face.size())});
   }
 }
@@ -121,7 +121,7 @@ Doubles as_points(const py::object& values, const char* name) {
   Doubles points = as_doubles(values, name, kWanted);
   if (points.size() == 0 && points.ndim() == 1) return Doubles(std::vector<py::ssize_t>{0, 3});
   if (points.ndim() != 2 || points.shape(1) != 3)
-    refuse(std::string(name) + ": shape " + shape_text(points) + "; " + kWanted);
+    refuse(formatted("{}: shape {}; {}", name, shape_text(points), kWanted));
   return points;
 }
 
@@ -129,23 +129,22 @@ Doubles as_numbers(const py::object& values, const char* name) {
   constexpr const char* kWanted = "numbers of shape (n,) are wanted";
   Doubles numbers = as_doubles(values, name, kWanted);
   if (numbers.ndim() != 1)
-    refuse(std::string(name) + ": shape " + shape_text(numbers) + "; " + kWanted);
+    refuse(formatted("{}: shape {}; {}", name, shape_text(numbers), kWanted));
   return numbers;
 }
 
 Doubles as_rows(const py::object& values, const char* name, py::ssize_t least, py::ssize_t most) {
   const std::string columns = least == most ? std::to_string(most)
                               : least == 0  ? "k"
-                                            : std::to_string(least) + " or " + std::to_string(most);
-  const std::string wanted = "numbers of shape " + std::string(least == 0 ? "(n,) or " : "") +
-                             "(n, " + columns + ") are wanted" +
-                             (least == 0 ? ", k up to " + std::to_string(most) : "");
+                                            : formatted("{} or {}", least, most);
+  const std::string wanted =
+      formatted("numbers of shape {}(n, {}) are wanted{}", least == 0 ? "(n,) or " : "", columns,
+                least == 0 ? formatted(", k up to {}", most) : "");
   Doubles rows = as_doubles(values, name, wanted.c_str(), most);
   const bool is_list = least == 0 && rows.ndim() == 1;
   const bool is_table =
       rows.ndim() == 2 && rows.shape(1) >= std::max<py::ssize_t>(least, 1) && rows.shape(1) <= most;
-  if (!is_list && !is_table)
-    refuse(std::string(name) + ": shape " + shape_text(rows) + "; " + wanted);
+  if (!is_list && !is_table) refuse(formatted("{}: shape {}; {}", name, shape_text(rows), wanted));
   return rows;
 }
 
@@ -166,8 +165,8 @@ Integers as_integers(const py::object& values, const char* name) {
     return Integers(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
   const char kind = array.dtype().kind();
   if (kind != 'i' && kind != 'u') {
-    refuse(std::string(name) + ": an array of " + py::str(array.dtype()).cast<std::string>() +
-           "; integers are wanted");
+    refuse(formatted("{}: an array of {}; integers are wanted", name,
+                     py::str(array.dtype()).cast<std::string>()));
   }
   if (array.itemsize() < 4 || py::isinstance<py::array_t<std::int32_t>>(array))
     return py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>(array);
@@ -177,7 +176,7 @@ Integers as_integers(const py::object& values, const char* name) {
   for (py::ssize_t i = 0; i < wide.size(); ++i) {
     const std::int64_t value = wide.data()[i];
     if (value < -kMaxIndex || value > kMaxIndex)
-      refuse(std::string(name) + ": " + std::to_string(value) + " needs more than 32 bits");
+      refuse(formatted("{}: {} needs more than 32 bits", name, value));
   }
   return py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>(array);
 }

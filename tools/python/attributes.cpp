@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "errors.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/srgb.h"
 
@@ -32,8 +33,7 @@ std::vector<std::int32_t> list_of(const py::object& given, const char* name) {
 
 void require_length(std::size_t length, std::int64_t wanted, const char* name, const char* of) {
   if (static_cast<std::int64_t>(length) == wanted) return;
-  refuse(std::string(name) + ": " + std::to_string(length) + " entries where the mesh has " +
-         std::to_string(wanted) + " " + of);
+  refuse(formatted("{}: {} entries where the mesh has {} {}", name, length, wanted, of));
 }
 
 void require_below(std::span<const std::int32_t> numbers, std::size_t count, std::int32_t least,
@@ -42,8 +42,7 @@ void require_below(std::span<const std::int32_t> numbers, std::size_t count, std
     return number < least || number >= static_cast<std::int64_t>(count);
   });
   if (wrong == numbers.end()) return;
-  refuse(std::string(name) + ": entry " + std::to_string(wrong - numbers.begin()) + " is " +
-         std::to_string(*wrong) + " of " + std::to_string(count));
+  refuse(formatted("{}: entry {} is {} of {}", name, wrong - numbers.begin(), *wrong, count));
 }
 
 // Finite, and no more than float32 holds where `is_float`.
@@ -52,8 +51,8 @@ void require_finite(const Doubles& rows, const std::string& name, bool is_float)
   for (py::ssize_t i = 0; i < rows.size(); ++i) {
     const double value = rows.data()[i];
     if (std::isfinite(is_float ? static_cast<float>(value) : value)) continue;
-    refuse(name + ": entry " + std::to_string(i / width) + " is " + shortest(value) +
-           "; finite numbers are wanted");
+    refuse(formatted("{}: entry {} is {}; finite numbers are wanted", name, i / width,
+                     shortest(value)));
   }
 }
 

@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/limit/limit_attributes.h"
 #include "planish/limit/surface_queries.h"
@@ -153,8 +154,7 @@ py::dict first_hits(const PythonLimit& limit, const py::object& origins,
                 direction_values = as_points(directions, "directions");
   const auto from = points_of(origin_values), along = points_of(direction_values);
   if (from.size() != along.size())
-    refuse("directions: " + std::to_string(along.size()) + " for " + std::to_string(from.size()) +
-           " origins");
+    refuse(formatted("directions: {} for {} origins", along.size(), from.size()));
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<SurfaceHit> hits(from.size());
   limit.ask([&] {

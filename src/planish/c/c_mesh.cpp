@@ -6,6 +6,7 @@
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
+#include "planish/core/formatted.h"
 #include "planish/core/memory_size.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
@@ -16,17 +17,14 @@ namespace {
 constexpr std::size_t kMaxCount = std::numeric_limits<std::int32_t>::max();
 
 void require_count(std::size_t count, const void* array, const char* name) {
-  if (count > kMaxCount)
-    refuse(std::string(name) + ": " + std::to_string(count) + " elements are more than 2^31 - 1");
-  if (count > 0 && array == nullptr)
-    refuse(std::string(name) + " is NULL, with " + std::to_string(count) + " elements");
+  if (count > kMaxCount) refuse(formatted("{}: {} elements are more than 2^31 - 1", name, count));
+  if (count > 0 && array == nullptr) refuse(formatted("{} is NULL, with {} elements", name, count));
 }
 
 void require_vertex(std::int32_t vertex, std::size_t count, const char* what, std::size_t index) {
   if (vertex >= 0 && static_cast<std::size_t>(vertex) < count) return;
   throw Error(ErrorCode::UnusableMesh,
-              std::string(what) + " " + std::to_string(index) + " names vertex " +
-                  std::to_string(vertex) + " of " + std::to_string(count),
+              formatted("{} {} names vertex {} of {}", what, index, vertex, count),
               static_cast<std::int64_t>(index));
 }
 
@@ -37,7 +35,7 @@ void require_counts(const planish_mesh_arrays& arrays) {
   require_count(arrays.crease_count, arrays.crease_edges, "crease_edges");
   require_count(arrays.sharp_corner_count, arrays.corner_vertices, "corner_vertices");
   if (arrays.face_sizes == nullptr && arrays.face_count > 0 && arrays.corners_per_face < 1)
-    refuse("face_sizes is NULL and corners_per_face is " + std::to_string(arrays.corners_per_face));
+    refuse(formatted("face_sizes is NULL and corners_per_face is {}", arrays.corners_per_face));
 }
 
 std::int32_t face_size(const planish_mesh_arrays& arrays, std::size_t face) {
@@ -49,16 +47,16 @@ void require_faces(const planish_mesh_arrays& arrays) {
   for (std::size_t f = 0; f < arrays.face_count; ++f) {
     const std::int32_t size = face_size(arrays, f);
     if (size < 0 || static_cast<std::size_t>(size) > arrays.corner_count - end) {
-      refuse("face " + std::to_string(f) + " has " + std::to_string(size) + " corners, and " +
-             std::to_string(arrays.corner_count - end) + " of corner_count are left");
+      refuse(formatted("face {} has {} corners, and {} of corner_count are left", f, size,
+                       arrays.corner_count - end));
     }
     end += static_cast<std::size_t>(size);
     for (std::size_t c = end - static_cast<std::size_t>(size); c < end; ++c)
       require_vertex(arrays.face_vertices[c], arrays.vertex_count, "face", f);
   }
   if (end != arrays.corner_count) {
-    refuse("corner_count is " + std::to_string(arrays.corner_count) + ", and the faces have " +
-           std::to_string(end) + " corners");
+    refuse(
+        formatted("corner_count is {}, and the faces have {} corners", arrays.corner_count, end));
   }
 }
 
@@ -73,8 +71,7 @@ void require_numbers(const std::int32_t* numbers, std::size_t length, std::size_
                      std::int32_t least, const char* name) {
   for (std::size_t i = 0; i < length; ++i)
     if (numbers[i] < least || numbers[i] >= static_cast<std::int64_t>(count))
-      refuse(std::string(name) + "[" + std::to_string(i) + "] is " + std::to_string(numbers[i]) +
-             " of " + std::to_string(count));
+      refuse(formatted("{}[{}] is {} of {}", name, i, numbers[i], count));
 }
 
 void add_groups(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
@@ -98,8 +95,8 @@ void add_attributes(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
     const planish_attribute& given = arrays.attributes[i];
     require(given.name, "the name of an attribute");
     if (given.width < 1 || given.width > kWidest)
-      refuse("attribute \"" + visible(std::string_view(given.name)) + "\" has a width of " +
-             std::to_string(given.width) + "; 1 to 1024 is wanted");
+      refuse(formatted("attribute \"{}\" has a width of {}; 1 to 1024 is wanted",
+                       visible(std::string_view(given.name)), given.width));
     require_count(arrays.vertex_count, given.values, "the values of an attribute");
     const std::size_t count = memory_size(std::uint64_t{sizeof(float)} * arrays.vertex_count *
                                               static_cast<std::uint64_t>(given.width),
@@ -118,7 +115,7 @@ void add_riders(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
       mesh.uvs.emplace_back(arrays.uvs[2 * i], arrays.uvs[2 * i + 1]);
     mesh.face_uvs.assign(arrays.face_uvs, arrays.face_uvs + arrays.corner_count);
   } else if (arrays.uv_count > 0) {
-    refuse("face_uvs is NULL, with " + std::to_string(arrays.uv_count) + " texture coordinates");
+    refuse(formatted("face_uvs is NULL, with {} texture coordinates", arrays.uv_count));
   }
   if (arrays.colors != nullptr)
     for (std::size_t v = 0; v < arrays.vertex_count; ++v) {
@@ -202,8 +199,8 @@ planish_status planish_mesh_warning(const planish_mesh* mesh, size_t index, cons
   return call([&] {
     require(mesh, "mesh");
     if (index >= mesh->warnings.size())
-      refuse("index is " + std::to_string(index) + "; the mesh has " +
-             std::to_string(mesh->warnings.size()) + " warnings");
+      refuse(planish::formatted("index is {}; the mesh has {} warnings", index,
+                                mesh->warnings.size()));
     if (code != nullptr) *code = mesh->warnings[index].code.c_str();
     if (message != nullptr) *message = mesh->warnings[index].message.c_str();
     return PLANISH_OK;

@@ -8,6 +8,7 @@
 
 #include "planish/c/planish.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 
 namespace planish::c {
 
@@ -58,8 +59,7 @@ Struct taken(const Struct* given, void (*init)(Struct*, std::size_t), const char
   std::size_t size = 0;
   std::memcpy(&size, given, sizeof size);
   if (size < sizeof size + 1 || size > 4096) {
-    refuse(std::string(name) + ".struct_size is " + std::to_string(size) +
-           "; planish_..._init() sets it");
+    refuse(formatted("{}.struct_size is {}; planish_..._init() sets it", name, size));
   }
   std::memcpy(&own, given, size < sizeof own ? size : sizeof own);
   own.struct_size = sizeof own;
@@ -73,8 +73,7 @@ void give(const Struct& own, Struct* target, const char* name) {
   std::size_t size = 0;
   std::memcpy(&size, target, sizeof size);
   if (size < sizeof size + 1 || size > 4096) {
-    refuse(std::string(name) + ".struct_size is " + std::to_string(size) +
-           "; planish_..._init() sets it");
+    refuse(formatted("{}.struct_size is {}; planish_..._init() sets it", name, size));
   }
   std::memcpy(target, &own, size < sizeof own ? size : sizeof own);
   std::memcpy(target, &size, sizeof size);

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <string_view>
 
+#include "planish/core/formatted.h"
 #include "planish/distributed/part_rows.h"
 
 namespace planish {
@@ -146,15 +147,14 @@ std::vector<FoundProblem> unknown_tags(const MeshPart& part) {
     // The owner of its first vertex tells.
     if (!owned(crease.v0) || (crease.v1 >= 0 && meet(crease.v0, crease.v1))) continue;
     found.push_back({Kind::UnknownCreaseEdge, crease.index,
-                     "crease " + std::to_string(crease.index) + " names " +
-                         std::to_string(crease.file_v0) + "-" + std::to_string(crease.file_v1) +
-                         ", which is no edge of the mesh"});
+                     formatted("crease {} names {}-{}, which is no edge of the mesh", crease.index,
+                               crease.file_v0, crease.file_v1)});
   }
   for (const PartCorner& corner : part.corners) {
     if (!part.around(corner.vertex).empty()) continue;
     found.push_back({Kind::UnknownCornerVertex, corner.index,
-                     "corner " + std::to_string(corner.index) + " names vertex " +
-                         std::to_string(part.file_ids[corner.vertex]) + ", which no face uses"});
+                     formatted("corner {} names vertex {}, which no face uses", corner.index,
+                               part.file_ids[corner.vertex])});
   }
   return found;
 }
@@ -172,8 +172,8 @@ void require_none(const Ranks& ranks, const std::vector<FoundProblem>& found,
     if (count == 1) {
       message += first.front().message;
     } else {
-      message += std::to_string(count) + " problems";
-      if (count > kNamed) message += ", the first " + std::to_string(kNamed) + " being";
+      message += formatted("{} problems", count);
+      if (count > kNamed) message += formatted(", the first {} being", kNamed);
       message += ":";
       for (std::int64_t i = 0; i < std::min(count, kNamed); ++i)
         message += "\n  " + first[i].message;

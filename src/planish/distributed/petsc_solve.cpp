@@ -13,6 +13,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
@@ -25,8 +26,8 @@ void require(PetscErrorCode code) {
   if (code == 0) return;
   const char* text = nullptr;
   PetscErrorMessage(code, &text, nullptr);
-  throw std::runtime_error("PETSc: error " + std::to_string(code) + ", " +
-                           (text != nullptr ? text : "without a text"));
+  throw std::runtime_error(
+      formatted("PETSc: error {}, {}", code, text != nullptr ? text : "without a text"));
 }
 
 // A PETSc object that is destroyed with this.
@@ -306,9 +307,8 @@ PetscSession::PetscSession() {
 PetscSession::~PetscSession() { (void)PetscFinalize(); }
 
 std::string PetscSession::version() {
-  return std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) + "." +
-         std::to_string(PETSC_VERSION_SUBMINOR) + ", integers of " +
-         std::to_string(8 * sizeof(PetscInt)) + " bits";
+  return formatted("{}.{}.{}, integers of {} bits", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
+                   PETSC_VERSION_SUBMINOR, 8 * sizeof(PetscInt));
 }
 
 PetscSolution petsc_solve(const Ranks& ranks, const Layout& layout, const PartRows& rows,

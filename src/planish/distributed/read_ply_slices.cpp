@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "planish/core/formatted.h"
 #include "planish/distributed/range_file.h"
 #include "planish/distributed/read_slices.h"
 #include "planish/distributed/record_chains.h"
@@ -79,14 +80,13 @@ struct FaceRecord {
     if (place + before + count_bytes() > end) return "the file ends inside it";
     const std::int64_t size = size_at(bytes, place);
     if (size < 1 || size > kMostCorners)
-      return "a list of " + std::to_string(size) + " corners, 1 to " +
-             std::to_string(kMostCorners) + " are possible";
+      return formatted("a list of {} corners, 1 to {} are possible", size, kMostCorners);
     for (std::int64_t k = 0; k < size; ++k) {
       const std::int64_t behind = place + before + count_bytes() + (k + 1) * index_bytes();
       if (behind > end) return "the file ends inside it";
       const std::int64_t index = index_at(bytes, place, k);
       if (index < 0 || index >= vertex_total)
-        return "it names vertex " + std::to_string(index) + " of " + std::to_string(vertex_total);
+        return formatted("it names vertex {} of {}", index, vertex_total);
     }
     return "the file ends inside it";
   }
@@ -173,8 +173,8 @@ class FaceRange {
     while (place < range_bytes_) {
       const std::int64_t next = record_.next(bytes, place);
       if (next < 0)
-        fail(file_.path(), "the face at byte " + std::to_string(begin_ + place) + ": " +
-                               record_.fault(bytes, place));
+        fail(file_.path(),
+             formatted("the face at byte {}: {}", begin_ + place, record_.fault(bytes, place)));
       const std::int64_t size = record_.size_at(bytes, place);
       for (std::int64_t k = 0; k < size; ++k)
         slice.face_vertices.push_back(record_.index_at(bytes, place, k));
@@ -212,9 +212,9 @@ MeshSlice read_ply_slices(const Ranks& ranks, const std::string& path, const Ply
   agree(ranks, [&] {
     file.emplace(path);
     if (vertex.count > (file->size() - body) / stride)
-      fail(path, "header promises " + std::to_string(vertex.count) +
-                     " of element `vertex` of at least " + std::to_string(stride) +
-                     " bytes, but only " + std::to_string(file->size() - body) + " bytes follow");
+      fail(path, formatted("header promises {} of element `vertex` of at least {} bytes, but only "
+                           "{} bytes follow",
+                           vertex.count, stride, file->size() - body));
     slice.vertices = even_layout(vertex.count, ranks.size);
     read_vertices(*file, vertex, body, slice.vertices[ranks.rank], slice.vertices[ranks.rank + 1],
                   slice);
@@ -224,8 +224,8 @@ MeshSlice read_ply_slices(const Ranks& ranks, const std::string& path, const Ply
   slice.faces = layout_of(ranks, slice.face_count());
   agree(ranks, [&] {
     if (slice.face_total() != face.count)
-      fail(path, "header promises " + std::to_string(face.count) + " of element `face`, but " +
-                     std::to_string(slice.face_total()) + " follow");
+      fail(path, formatted("header promises {} of element `face`, but {} follow", face.count,
+                           slice.face_total()));
   });
   const PlyVertexLayout layout = ply_vertex_layout(vertex);
   slice.attributes.has_colors = layout.has_colors;

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 
 namespace planish {
 
@@ -61,8 +62,7 @@ void StagedFile::write(std::int64_t offset, std::span<const std::byte> bytes) {
     if (code != MPI_SUCCESS) {
       fault = "cannot be written: " + text_of(code);
     } else if (MPI_Get_count(&status, MPI_BYTE, &written) != MPI_SUCCESS || written != count) {
-      fault = "only " + std::to_string(written) + " of " + std::to_string(count) +
-              " bytes could be written; is the disk full?";
+      fault = formatted("only {} of {} bytes could be written; is the disk full?", written, count);
     }
   }
   agree(ranks_, [&] {
@@ -82,8 +82,7 @@ void StagedFile::close(std::int64_t bytes) {
     const std::uintmax_t found = std::filesystem::file_size(output_->temporary(), code);
     if (code) fail("cannot be looked at: " + code.message());
     if (found != static_cast<std::uintmax_t>(bytes))
-      fail("has " + std::to_string(found) + " bytes, " + std::to_string(bytes) +
-           " were written; is the disk full?");
+      fail(formatted("has {} bytes, {} were written; is the disk full?", found, bytes));
   });
 }
 

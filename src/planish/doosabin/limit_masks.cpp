@@ -13,6 +13,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/stencil/stencil_builder.h"
@@ -198,12 +199,11 @@ std::optional<MeshProblem> too_many_entries(const MeshTopology& topology, const 
     if (topology.face_size(f) > topology.face_size(largest)) largest = f;
   }
   if (count <= kMost) return std::nullopt;
-  return MeshProblem{MeshProblemKind::TooLarge, largest,
-                     "the stencils of the progressive method need up to " + std::to_string(count) +
-                         " entries, at most " + std::to_string(kMost) +
-                         " can be addressed; the largest face, " + std::to_string(largest) +
-                         ", has " + std::to_string(topology.face_size(largest)) +
-                         " corners; the fair method needs none"};
+  return MeshProblem{
+      MeshProblemKind::TooLarge, largest,
+      formatted("the stencils of the progressive method need up to {} entries, at most {} can be "
+                "addressed; the largest face, {}, has {} corners; the fair method needs none",
+                count, kMost, largest, topology.face_size(largest))};
 }
 
 StencilTable mask_rows(const Subdivision& subdivision, const FaceSums& sums) {

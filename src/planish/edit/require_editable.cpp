@@ -5,6 +5,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish {
@@ -31,11 +32,10 @@ void require_editable(const PolygonMesh& mesh, const Fit& fit, const EditorOptio
                     "interpolation");
   }
   if (fit.prepared == nullptr || fit.prepared->given_vertex_count != mesh.vertex_count()) {
-    throw Error(ErrorCode::InvalidArgument,
-                "the fit is of " +
-                    std::to_string(fit.prepared ? fit.prepared->given_vertex_count : 0) +
-                    " vertices, the mesh has " + std::to_string(mesh.vertex_count()) +
-                    "; give the mesh that was fitted");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("the fit is of {} vertices, the mesh has {}; give the mesh that was fitted",
+                  fit.prepared ? fit.prepared->given_vertex_count : 0, mesh.vertex_count()));
   }
   if (options.fit.scheme != Scheme::DooSabin) {
     throw Error(ErrorCode::InvalidArgument,
@@ -48,23 +48,24 @@ void require_moves(std::span<const std::int32_t> vertices, std::span<const glm::
                    std::int32_t vertex_count, const Placement& placement) {
   if (vertices.size() != positions.size()) {
     throw Error(ErrorCode::InvalidArgument,
-                "move: there are " + std::to_string(vertices.size()) + " vertices and " +
-                    std::to_string(positions.size()) + " positions; give one each");
+                formatted("move: there are {} vertices and {} positions; give one each",
+                          vertices.size(), positions.size()));
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const auto name = [&] { return "move " + std::to_string(i) + ": "; };
+    const auto name = [&] { return formatted("move {}: ", i); };
     if (vertices[i] < 0 || vertices[i] >= vertex_count) {
       throw Error(ErrorCode::InvalidArgument,
-                  name() + "there is no vertex " + std::to_string(vertices[i]) +
-                      "; the mesh has 0 to " + std::to_string(vertex_count - 1),
+                  formatted("{}there is no vertex {}; the mesh has 0 to {}", name(), vertices[i],
+                            vertex_count - 1),
                   vertices[i]);
     }
     const glm::dvec3 unit = placement.to_unit(positions[i]);
     const double far = std::max({std::abs(unit.x), std::abs(unit.y), std::abs(unit.z)});
     if (far <= kFarthestMove && !std::isnan(unit.x + unit.y + unit.z)) continue;
     throw Error(ErrorCode::InvalidArgument,
-                name() + "the position of vertex " + std::to_string(vertices[i]) +
-                    " is not finite or farther than 10^6 diagonals off; fit the moved mesh anew",
+                formatted("{}the position of vertex {} is not finite or farther than 10^6 "
+                          "diagonals off; fit the moved mesh anew",
+                          name(), vertices[i]),
                 vertices[i]);
   }
 }

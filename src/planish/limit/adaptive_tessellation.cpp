@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
@@ -168,16 +169,18 @@ void Tessellation::require_counts(const AdaptiveRows& rows) const {
   const std::uint64_t bytes = vertices * (36 + (mesh.colors.empty() ? 0 : 16) + (has_uvs ? 16 : 0) +
                                           4 * numbers_of(mesh.attributes)) +
                               triangles * (12 + 4 + 4 + (has_uvs ? 12 : 0) + 4);
-  const std::string what = "the tessellation has " + std::to_string(vertices) + " vertices and " +
-                           std::to_string(triangles) + " triangles";
+  const std::string what =
+      formatted("the tessellation has {} vertices and {} triangles", vertices, triangles);
   if (3 * triangles > std::numeric_limits<std::int32_t>::max()) {
     throw Error(ErrorCode::OutOfMemory,
                 what + ", more than 32-bit indices reach; allow a larger chord error or angle");
   }
   if (bytes > limit_) {
-    throw Error(ErrorCode::OutOfMemory, what + " and needs " + std::to_string(bytes >> 20) +
-                                            " MiB of memory where " + std::to_string(limit_ >> 20) +
-                                            " are free; allow a larger chord error or angle");
+    throw Error(
+        ErrorCode::OutOfMemory,
+        formatted(
+            "{} and needs {} MiB of memory where {} are free; allow a larger chord error or angle",
+            what, bytes >> 20, limit_ >> 20));
   }
 }
 
@@ -359,12 +362,11 @@ void Tessellation::warn_of_turns(const SurfaceMesh& result) const {
   if (turns.count == 0) return;
   options_.callbacks.warn(
       {.code = "angle-not-kept",
-       .message =
-           "the surface turns by more than " + shortest(options_.angle) + " degrees, by up to " +
-           short_number(turns.largest) + ", beneath " + std::to_string(turns.count) + " of " +
-           std::to_string(triangle_count()) +
-           " triangles: it folds or bends so tightly there that parts of 2^-6 of half an edge "
-           "do not do; allow a larger angle, or take a chord error too, which splits on",
+       .message = formatted(
+           "the surface turns by more than {} degrees, by up to {}, beneath {} of {} triangles: it "
+           "folds or bends so tightly there that parts of 2^-6 of half an edge do not do; allow a "
+           "larger angle, or take a chord error too, which splits on",
+           shortest(options_.angle), short_number(turns.largest), turns.count, triangle_count()),
        .count = turns.count,
        .first = turns.first});
 }

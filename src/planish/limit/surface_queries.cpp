@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/safe_length.h"
 #include "planish/limit/closest_point.h"
@@ -22,7 +23,7 @@ bool is_finite(const glm::dvec3& p) {
 
 void require_finite(const glm::dvec3& point, std::size_t index) {
   if (is_finite(point)) return;
-  throw Error(ErrorCode::InvalidArgument, "point " + std::to_string(index) + " is not finite");
+  throw Error(ErrorCode::InvalidArgument, formatted("point {} is not finite", index));
 }
 
 // From here on the surface is one point, in unit coordinates.
@@ -42,9 +43,8 @@ glm::dvec3 nearby(const glm::dvec3& point, const Placement& placement) {
 
 void require_room(std::string_view name, std::size_t points, std::size_t answers) {
   if (points == answers) return;
-  throw Error(ErrorCode::InvalidArgument, std::string(name) + ": there are " +
-                                              std::to_string(points) + " points, and room for " +
-                                              std::to_string(answers) + " answers");
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("{}: there are {} points, and room for {} answers", name, points, answers));
 }
 
 // Calls answer(search, i) for each of the points.

@@ -5,6 +5,7 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/group_by.h"
 #include "planish/core/number_text.h"
 #include "planish/mesh/disjoint_sets.h"
@@ -18,15 +19,13 @@ namespace {
 
 using Kind = MeshProblemKind;
 
-std::string text_of(std::int64_t value) { return std::to_string(value); }
-
 std::string text_of(const glm::dvec3& position) {
-  return "(" + shortest(position.x) + ", " + shortest(position.y) + ", " + shortest(position.z) +
-         ")";
+  return formatted("({}, {}, {})", shortest(position.x), shortest(position.y),
+                   shortest(position.z));
 }
 
-std::string vertex_name(std::int32_t vertex) { return "vertex " + text_of(vertex); }
-std::string face_name(std::int32_t face) { return "face " + text_of(face); }
+std::string vertex_name(std::int32_t vertex) { return formatted("vertex {}", vertex); }
+std::string face_name(std::int32_t face) { return formatted("face {}", face); }
 
 // For meshes with a problem: the checks in turn, each trusting what the ones before it have found
 // sound.
@@ -81,8 +80,8 @@ bool Inspection::counts_fit() {
   if (faces <= 0) add(Kind::NoFaces, -1, "the mesh has no faces");
   if (largest > kMaxInt32)
     add(Kind::TooLarge, -1,
-        "the mesh has " + text_of(largest) + " vertices, faces or corners, at most " +
-            text_of(kMaxInt32) + " can be addressed");
+        formatted("the mesh has {} vertices, faces or corners, at most {} can be addressed",
+                  largest, kMaxInt32));
   if (!problems_.empty() && largest <= kMaxInt32) check_positions();
   return problems_.empty();
 }
@@ -109,8 +108,7 @@ bool Inspection::offsets_are_sound() {
     const bool ends = face + 1 < mesh_.face_count() || end == count;
     if (starts && ends && 0 <= begin && begin <= end && end <= count) continue;
     add(Kind::IndexOutOfRange, face,
-        face_name(face) + " spans corners " + text_of(begin) + " to " + text_of(end) + " of " +
-            text_of(count));
+        formatted("{} spans corners {} to {} of {}", face_name(face), begin, end, count));
   }
   return problems_.size() == problems_before;
 }
@@ -124,13 +122,12 @@ void Inspection::check_faces() {
     for (const std::int32_t vertex : mesh_.face(face)) {
       if (vertex < 0 || vertex >= mesh_.vertex_count()) {
         add(Kind::IndexOutOfRange, face,
-            face_name(face) + " names vertex " + text_of(vertex) + " of " +
-                text_of(mesh_.vertex_count()));
+            formatted("{} names vertex {} of {}", face_name(face), vertex, mesh_.vertex_count()));
         break;
       }
       if (last_face[vertex] == face) {
         add(Kind::RepeatedCorner, face,
-            face_name(face) + " names vertex " + text_of(vertex) + " twice");
+            formatted("{} names vertex {} twice", face_name(face), vertex));
         break;
       }
       last_face[vertex] = face;
@@ -138,11 +135,11 @@ void Inspection::check_faces() {
     const std::int32_t size = mesh_.face_size(face);
     if (size < 3)
       add(Kind::FaceTooSmall, face,
-          face_name(face) + " has " + counted(size, "corner") + ", at least 3 are needed");
+          formatted("{} has {}, at least 3 are needed", face_name(face), counted(size, "corner")));
     if (size > kMaxValence)
       add(Kind::ValenceTooHigh, face,
-          face_name(face) + " has " + text_of(size) + " corners, at most " + text_of(kMaxValence) +
-              " can be refined");
+          formatted("{} has {} corners, at most {} can be refined", face_name(face), size,
+                    kMaxValence));
     sound_[face] = problems_.size() == problems_before;
   }
 }
@@ -193,28 +190,25 @@ void Inspection::compare_faces(std::span<const std::int32_t> faces) {
       }
       sound_[sorted[i].second] = 0;
       add(Kind::DuplicateFace, sorted[i].second,
-          "face " + text_of(sorted[i].second) + " has the same vertices as face " +
-              text_of(sorted[first].second));
+          formatted("face {} has the same vertices as face {}", sorted[i].second,
+                    sorted[first].second));
     }
   }
 }
 
 void Inspection::check_edges(const EdgeGroups& edges) {
   edges.for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
-    const auto edge_name = [&] {
-      return "edge " + text_of(lower) + "-" + text_of(sides.front().higher);
-    };
+    const auto edge_name = [&] { return formatted("edge {}-{}", lower, sides.front().higher); };
     const std::int32_t first = sides.front().face, last = sides.back().face;
     if (sides.size() > 2) {
       add(Kind::NonManifoldEdge, last,
-          edge_name() + " has " + text_of(static_cast<std::int64_t>(sides.size())) +
-              " faces, at most 2 are possible; among them " + face_name(first) + " and " +
-              face_name(last));
+          formatted("{} has {} faces, at most 2 are possible; among them {} and {}", edge_name(),
+                    sides.size(), face_name(first), face_name(last)));
     } else if (sides.size() == 2 &&
                mesh_.face_vertices[sides[0].corner] == mesh_.face_vertices[sides[1].corner]) {
       add(Kind::InconsistentWinding, last,
-          face_name(last) + " runs along " + edge_name() + " in the same direction as " +
-              face_name(first) + "; turn one of them round");
+          formatted("{} runs along {} in the same direction as {}; turn one of them round",
+                    face_name(last), edge_name(), face_name(first)));
     }
   });
 }
@@ -242,13 +236,13 @@ void Inspection::check_vertices(const EdgeGroups& edges) {
   for (std::int32_t vertex = 0; vertex < mesh_.vertex_count(); ++vertex) {
     if (fan_counts[vertex] > 1)
       add(Kind::NonManifoldVertex, vertex,
-          vertex_name(vertex) + " joins " + text_of(fan_counts[vertex]) +
-              " separate fans of faces; split it");
+          formatted("{} joins {} separate fans of faces; split it", vertex_name(vertex),
+                    fan_counts[vertex]));
     const std::int32_t valence = std::max(edge_counts[vertex], uses_[vertex]);
     if (valence > kMaxValence)
       add(Kind::ValenceTooHigh, vertex,
-          vertex_name(vertex) + " has " + text_of(valence) + " edges, at most " +
-              text_of(kMaxValence) + " can be refined");
+          formatted("{} has {} edges, at most {} can be refined", vertex_name(vertex), valence,
+                    kMaxValence));
   }
 }
 
@@ -258,15 +252,14 @@ void Inspection::check_tags(const EdgeGroups& edges) {
     if (!edges.find(v0, v1).empty()) continue;
     const auto index = static_cast<std::int64_t>(i);
     add(Kind::UnknownCreaseEdge, index,
-        "crease " + text_of(index) + " names " + text_of(v0) + "-" + text_of(v1) +
-            ", which is no edge of the mesh");
+        formatted("crease {} names {}-{}, which is no edge of the mesh", index, v0, v1));
   }
   for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
     const std::int32_t vertex = mesh_.corners[i].vertex;
     if (vertex >= 0 && vertex < mesh_.vertex_count() && uses_[vertex] > 0) continue;
     const auto index = static_cast<std::int64_t>(i);
     add(Kind::UnknownCornerVertex, index,
-        "corner " + text_of(index) + " names vertex " + text_of(vertex) + ", which no face uses");
+        formatted("corner {} names vertex {}, which no face uses", index, vertex));
   }
 }
 
@@ -357,8 +350,8 @@ void require_usable(const PolygonMesh& mesh, std::string_view name) {
   if (problems.size() == 1) {
     message += ": " + problems.front().message;
   } else {
-    message += ": " + std::to_string(problems.size()) + " problems";
-    if (problems.size() > kNamed) message += ", the first " + std::to_string(kNamed) + " being";
+    message += formatted(": {} problems", problems.size());
+    if (problems.size() > kNamed) message += formatted(", the first {} being", kNamed);
     message += ":";
     for (std::size_t i = 0; i < std::min(problems.size(), kNamed); ++i)
       message += "\n  " + problems[i].message;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 
 namespace planish {
 
@@ -12,8 +13,7 @@ std::vector<std::uint8_t> hole_flags(const PolygonMesh& mesh) {
     const std::int32_t face = mesh.hole_faces[i];
     if (face < 0 || face >= mesh.face_count())
       throw Error(ErrorCode::UnusableMesh,
-                  "hole " + std::to_string(i) + " is face " + std::to_string(face) + " of " +
-                      std::to_string(mesh.face_count()),
+                  formatted("hole {} is face {} of {}", i, face, mesh.face_count()),
                   static_cast<std::int64_t>(i));
     flags[face] = 1;
   }

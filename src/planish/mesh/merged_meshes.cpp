@@ -5,6 +5,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/mesh/mesh_arrays.h"
 
 namespace planish {
@@ -21,9 +22,9 @@ void check_sizes(std::span<const PolygonMesh> meshes, std::int32_t most) {
     const std::size_t largest = std::max({vertices, corners, faces, uvs});
     if (largest > static_cast<std::size_t>(most))
       throw Error(ErrorCode::UnusableMesh,
-                  "mesh " + std::to_string(i) + " would make " + std::to_string(largest) +
-                      " vertices, corners, faces or uvs of one mesh, more than the " +
-                      std::to_string(most) + " that it may have; merge fewer meshes",
+                  formatted("mesh {} would make {} vertices, corners, faces or uvs of one mesh, "
+                            "more than the {} that it may have; merge fewer meshes",
+                            i, largest, most),
                   static_cast<std::int64_t>(i));
   }
 }
@@ -32,7 +33,7 @@ void check_indices(std::span<const PolygonMesh> meshes) {
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const std::optional<MeshProblem> problem = first_index_problem(arrays_of(meshes[i]));
     if (problem)
-      throw Error(ErrorCode::UnusableMesh, "mesh " + std::to_string(i) + ": " + problem->message,
+      throw Error(ErrorCode::UnusableMesh, formatted("mesh {}: {}", i, problem->message),
                   static_cast<std::int64_t>(i));
   }
 }

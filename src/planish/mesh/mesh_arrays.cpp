@@ -9,6 +9,7 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/first_where.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 
@@ -24,8 +25,7 @@ bool is_below(std::int32_t index, std::size_t count) {
 template <class Number>
 std::string of_count(const std::string& what, std::size_t element, const char* verb, Number index,
                      std::size_t count) {
-  return what + " " + std::to_string(element) + " " + verb + " " + std::to_string(index) + " of " +
-         std::to_string(count);
+  return formatted("{} {} {} {} of {}", what, element, verb, index, count);
 }
 
 // Sizes that do not fit.
@@ -34,18 +34,17 @@ std::vector<MeshProblem> wrong_counts(const MeshArrays& arrays) {
   const auto require = [&](std::size_t count, std::size_t wanted, const std::string& what) {
     if (count != 0 && count != wanted)
       problems.push_back({Kind::WrongAttributeCount, -1,
-                          std::to_string(count) + " " + what + " where " + std::to_string(wanted) +
-                              " are needed, or none"});
+                          formatted("{} {} where {} are needed, or none", count, what, wanted)});
   };
   require(arrays.face_uvs.size(), arrays.face_vertices.size(), "corners of the texture");
   require(arrays.color_count, arrays.vertex_count, "colours");
   for (const VertexAttribute& attribute : arrays.attributes) {
     const auto width = static_cast<std::size_t>(std::max(attribute.width, 0));
     if (width == 0 || attribute.values.size() != width * arrays.vertex_count)
-      problems.push_back({Kind::WrongAttributeCount, -1,
-                          std::to_string(attribute.values.size()) + " values of " + attribute.name +
-                              " where " + std::to_string(width) + " of each of " +
-                              std::to_string(arrays.vertex_count) + " vertices are needed"});
+      problems.push_back(
+          {Kind::WrongAttributeCount, -1,
+           formatted("{} values of {} where {} of each of {} vertices are needed",
+                     attribute.values.size(), attribute.name, width, arrays.vertex_count)});
   }
   require(arrays.face_groups.size(), arrays.face_count(), "groups of faces");
   return problems;
@@ -72,15 +71,15 @@ void visit_attribute_rules(const MeshArrays& a, const Rule& rule) {
       Kind::UnknownCreaseEdge, a.creases.size(),
       [&](std::size_t i) { return !std::isnan(a.creases[i].sharpness); },
       [&](std::size_t i) {
-        return "crease " + std::to_string(i) + " has sharpness nan; a number from 0 is wanted, " +
-               shortest(kInfiniteSharpness) + " is infinite";
+        return formatted("crease {} has sharpness nan; a number from 0 is wanted, {} is infinite",
+                         i, shortest(kInfiniteSharpness));
       });
   rule(
       Kind::UnknownCornerVertex, a.corners.size(),
       [&](std::size_t i) { return !std::isnan(a.corners[i].sharpness); },
       [&](std::size_t i) {
-        return "corner " + std::to_string(i) + " has sharpness nan; a number from 0 is wanted, " +
-               shortest(kInfiniteSharpness) + " is infinite";
+        return formatted("corner {} has sharpness nan; a number from 0 is wanted, {} is infinite",
+                         i, shortest(kInfiniteSharpness));
       });
   rule(
       Kind::UnknownHole, a.hole_faces.size(),
@@ -112,17 +111,16 @@ void visit_face_rules(const MeshArrays& a, std::int32_t least_corners, const Rul
           return 0 <= begin && begin <= end && end <= corner_count;
         },
         [&](std::size_t f) {
-          return "face " + std::to_string(f) + " spans corners " +
-                 std::to_string(a.face_offsets[f]) + " to " +
-                 std::to_string(a.face_offsets[f + 1]) + " of " + std::to_string(corner_count);
+          return formatted("face {} spans corners {} to {} of {}", f, a.face_offsets[f],
+                           a.face_offsets[f + 1], corner_count);
         });
     rule(
         Kind::FaceTooSmall, a.face_count(),
         [&](std::size_t f) { return a.face_offsets[f + 1] - a.face_offsets[f] >= least_corners; },
         [&](std::size_t f) {
-          return "face " + std::to_string(f) + " has " +
-                 counted(a.face_offsets[f + 1] - a.face_offsets[f], "corner") + ", at least " +
-                 std::to_string(least_corners) + " are needed";
+          return formatted("face {} has {}, at least {} are needed", f,
+                           counted(a.face_offsets[f + 1] - a.face_offsets[f], "corner"),
+                           least_corners);
         });
   }
   rule(
@@ -142,9 +140,8 @@ void visit_tag_rules(const MeshArrays& a, const Rule& rule) {
                is_below(a.creases[i].v1, a.vertex_count);
       },
       [&](std::size_t i) {
-        return "crease " + std::to_string(i) + " names " + std::to_string(a.creases[i].v0) + "-" +
-               std::to_string(a.creases[i].v1) + " of " + std::to_string(a.vertex_count) +
-               " vertices";
+        return formatted("crease {} names {}-{} of {} vertices", i, a.creases[i].v0,
+                         a.creases[i].v1, a.vertex_count);
       });
   rule(
       Kind::UnknownCornerVertex, a.corners.size(),

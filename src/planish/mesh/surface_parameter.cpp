@@ -5,6 +5,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 
 namespace planish {
@@ -19,9 +20,8 @@ std::int32_t tiles_across(std::int32_t m) {
 }
 
 [[noreturn]] void refuse(const SurfaceParameter& at, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument, "face " + std::to_string(at.face) + " at (" +
-                                              shortest(at.u) + ", " + shortest(at.v) +
-                                              "): " + what);
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("face {} at ({}, {}): {}", at.face, shortest(at.u), shortest(at.v), what));
 }
 
 double inside(double value, double largest, const SurfaceParameter& at) {
@@ -43,7 +43,7 @@ std::pair<std::int32_t, double> tile_of(double value, const SurfaceParameter& at
 
 CornerParameter corner_parameter(const MeshTopology& topology, const SurfaceParameter& at) {
   if (at.face < 0 || at.face >= topology.face_count())
-    refuse(at, "the mesh has " + std::to_string(topology.face_count()) + " faces");
+    refuse(at, formatted("the mesh has {} faces", topology.face_count()));
   const std::int32_t first = topology.first_corner(at.face);
   const std::int32_t m = topology.face_size(at.face);
   if (m != 4) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/parallel.h"
 #include "planish/surface/memory_need.h"
@@ -23,16 +24,15 @@ void require_memory_of(std::uint64_t count, std::int64_t rows) {
   const std::uint64_t needed = sizeof(float) * count * static_cast<std::uint64_t>(rows),
                       free = available_memory_bytes();
   if (needed > free)
-    throw Error(ErrorCode::OutOfMemory,
-                std::to_string(count) + " numbers of vertices at " + std::to_string(rows) +
-                    " rows need " + std::to_string(needed >> 20) + " MiB of memory where " +
-                    std::to_string(free >> 20) + " are free; take a lower level");
+    throw Error(ErrorCode::OutOfMemory, formatted("{} numbers of vertices at {} rows need {} MiB "
+                                                  "of memory where {} are free; take a lower level",
+                                                  count, rows, needed >> 20, free >> 20));
 }
 
 constexpr int kWidestField = 4;  // glTF's VEC4
 
 VertexAttribute column_of(const VertexAttribute& of, int column) {
-  VertexAttribute made = attribute_of_size(of.name + "_" + std::to_string(column), 1, of.count());
+  VertexAttribute made = attribute_of_size(formatted("{}_{}", of.name, column), 1, of.count());
   for (std::size_t i = 0; i < made.values.size(); ++i)
     made.values[i] =
         of.values[static_cast<std::size_t>(of.width) * i + static_cast<std::size_t>(column)];

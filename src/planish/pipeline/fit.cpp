@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
@@ -50,12 +51,11 @@ void warn_of_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
     if (count++ == 0) first = &crease;
   }
   if (count == 0) return;
-  options.callbacks.warn(
-      {"semi-sharp-creases",
-       "creases of a sharpness below 10, taken as smooth: " + std::to_string(count) +
-           ", the first of them edge " + std::to_string(first->v0) + "-" +
-           std::to_string(first->v1) + "; give 10 for a sharp edge",
-       count, first->v0});
+  options.callbacks.warn({"semi-sharp-creases",
+                          formatted("creases of a sharpness below 10, taken as smooth: {}, the "
+                                    "first of them edge {}-{}; give 10 for a sharp edge",
+                                    count, first->v0, first->v1),
+                          count, first->v0});
 }
 
 void require_method_fits(const FitOptions& options) {

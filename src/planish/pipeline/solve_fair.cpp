@@ -9,6 +9,7 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/fair/cured_nets.h"
 #include "planish/fair/fair_builder.h"
@@ -50,24 +51,24 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  const Callbacks& callbacks, const FairDecisions* decisions) {
   const FairOptions fair{options.polish_steps, callbacks, decisions, options.cures_folds};
   if (fair.decisions && fair.decisions->reversed.size() != given.size()) {
-    throw Error(ErrorCode::InvalidArgument,
-                "fair_decisions are of " + std::to_string(fair.decisions->reversed.size()) +
-                    " vertices, the mesh has " + std::to_string(given.size()) +
-                    "; take those of the same mesh");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("fair_decisions are of {} vertices, the mesh has {}; take those of the same mesh",
+                  fair.decisions->reversed.size(), given.size()));
   }
   if (fair.decisions && !fair.decisions->leans.empty() &&
       fair.decisions->leans.size() != given.size()) {
     throw Error(ErrorCode::InvalidArgument,
-                "fair_decisions have leans of " + std::to_string(fair.decisions->leans.size()) +
-                    " vertices, the mesh has " + std::to_string(given.size()) +
-                    "; take those of the same mesh, or none");
+                formatted("fair_decisions have leans of {} vertices, the mesh has {}; take those "
+                          "of the same mesh, or none",
+                          fair.decisions->leans.size(), given.size()));
   }
   if (fair.decisions && !fair.decisions->ellipses.empty() &&
       fair.decisions->ellipses.size() != given.size()) {
     throw Error(ErrorCode::InvalidArgument,
-                "fair_decisions have ellipses of " +
-                    std::to_string(fair.decisions->ellipses.size()) + " vertices, the mesh has " +
-                    std::to_string(given.size()) + "; take those of the same mesh, or none");
+                formatted("fair_decisions have ellipses of {} vertices, the mesh has {}; take "
+                          "those of the same mesh, or none",
+                          fair.decisions->ellipses.size(), given.size()));
   }
   auto* const builder = dynamic_cast<FairBuilder*>(&backend);
   if (!builder) return fair_net(mesh, subdivision, given, fair);
@@ -119,20 +120,19 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
 
 Warning folds_left_warning(std::int64_t edges, std::int64_t faces) {
   return {"folds-left",
-          "the fair surface still turns over at " + counted(edges, "edge") + " and " +
-              counted(faces, "face") +
-              ", where the mesh itself is folded or too sharp for a smooth surface",
+          formatted("the fair surface still turns over at {} and {}, where the mesh itself is "
+                    "folded or too sharp for a smooth surface",
+                    counted(edges, "edge"), counted(faces, "face")),
           edges + faces, -1};
 }
 
 Warning concave_faces_warning(std::int64_t faces, std::int64_t crossing) {
-  std::string text =
-      "faces with corners that turn inward, beside which the fair surface may fold: " +
-      std::to_string(faces) + "; ";
+  std::string text = formatted(
+      "faces with corners that turn inward, beside which the fair surface may fold: {}; ", faces);
   if (crossing < faces) text += "with_convex_faces() and --repair safe cut them in parts";
   if (crossing > 0)
     text += crossing < faces
-                ? ", but not the " + std::to_string(crossing) + " that cross themselves"
+                ? formatted(", but not the {} that cross themselves", crossing)
                 : "they cross themselves: cut them in triangles, whichever way is meant";
   return {"concave-faces", text, faces, -1};
 }

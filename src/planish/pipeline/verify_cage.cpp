@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/safe_length.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/mesh_arrays.h"
@@ -18,20 +19,20 @@ namespace {
 
 void require_same_faces(const PolygonMesh& cage, const PolygonMesh& given,
                         const VerifyOptions& options) {
-  const std::string subject = options.cage_name + " is no cage of " + options.given_name + ": ";
+  const std::string subject =
+      formatted("{} is no cage of {}: ", options.cage_name, options.given_name);
   if (cage.vertex_count() < given.vertex_count()) {
-    throw Error(ErrorCode::UnusableMesh, subject + std::to_string(cage.vertex_count()) +
-                                             " vertices for " +
-                                             std::to_string(given.vertex_count()));
+    throw Error(ErrorCode::UnusableMesh, formatted("{}{} vertices for {}", subject,
+                                                   cage.vertex_count(), given.vertex_count()));
   }
   if (cage.face_count() != given.face_count()) {
-    throw Error(ErrorCode::UnusableMesh, subject + std::to_string(cage.face_count()) +
-                                             " faces for " + std::to_string(given.face_count()));
+    throw Error(ErrorCode::UnusableMesh,
+                formatted("{}{} faces for {}", subject, cage.face_count(), given.face_count()));
   }
   for (std::int32_t face = 0; face < cage.face_count(); ++face) {
     if (!std::ranges::equal(cage.face(face), given.face(face))) {
-      throw Error(ErrorCode::UnusableMesh,
-                  subject + "face " + std::to_string(face) + " has other corners", face);
+      throw Error(ErrorCode::UnusableMesh, formatted("{}face {} has other corners", subject, face),
+                  face);
     }
   }
 }
@@ -59,9 +60,10 @@ std::vector<glm::dvec3> fair_limits(const PolygonMesh& cage, const PolygonMesh& 
     return limit_positions(given, level_one_of_cage(given, cage, sharp), sharp);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::InvalidArgument) throw;
-    throw Error(ErrorCode::UnusableMesh,
-                options.cage_name + " is no cage of " + options.given_name + ": " + error.what(),
-                error.element());
+    throw Error(
+        ErrorCode::UnusableMesh,
+        formatted("{} is no cage of {}: {}", options.cage_name, options.given_name, error.what()),
+        error.element());
   }
 }
 

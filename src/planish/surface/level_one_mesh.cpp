@@ -12,6 +12,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "planish/mesh/hole_flags.h"
 #include "planish/surface/level_one_uvs.h"
@@ -324,18 +325,17 @@ LevelOne level_one_of_cage(const PolygonMesh& mesh, const PolygonMesh& cage,
   level_one.state.resize(std::min(size, cage.positions.size()));
   const PolygonMesh expected = level_one_mesh(base, level_one);
   if (cage.vertex_count() < expected.vertex_count()) {
-    throw Error(ErrorCode::InvalidArgument, "it has " + std::to_string(cage.vertex_count()) +
-                                                " vertices for " +
-                                                std::to_string(expected.vertex_count()));
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("it has {} vertices for {}", cage.vertex_count(), expected.vertex_count()));
   }
   if (cage.face_count() != expected.face_count()) {
-    throw Error(ErrorCode::InvalidArgument, "it has " + std::to_string(cage.face_count()) +
-                                                " faces for " +
-                                                std::to_string(expected.face_count()));
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("it has {} faces for {}", cage.face_count(), expected.face_count()));
   }
   for (std::int32_t f = 0; f < cage.face_count(); ++f) {
     if (std::ranges::equal(cage.face(f), expected.face(f))) continue;
-    throw Error(ErrorCode::InvalidArgument, "face " + std::to_string(f) + " has other corners", f);
+    throw Error(ErrorCode::InvalidArgument, formatted("face {} has other corners", f), f);
   }
   return level_one;
 }

@@ -4,6 +4,7 @@
 
 #include "job/apply_moves.h"
 #include "job/timed.h"
+#include "planish/core/formatted.h"
 #include "planish/core/refuse.h"
 #include "planish/pipeline/fit_report.h"
 #include "terminal/text.h"
@@ -61,15 +62,15 @@ void warn_of_the_solve(JobReport& report, Console& console) {
   if (result.converged) return;
   report.exit_code = ExitCode::NotConverged;
   const bool iterates = report.method == InterpolationMethod::Progressive;
-  add_warning(
-      report, console,
-      {"not-converged",
-       input_name(report.input.path) + ": not converged (" + planish::name_of(result.stop_reason) +
-           "): the error is " + short_number(result.error.max) +
-           (iterates ? " after " + counted(result.iterations, "iteration") : "") +
-           ", the tolerance " + short_number(report.settings.tolerance) +
-           "; what is written says so; " + remedy(report),
-       1, result.worst_vertex});
+  add_warning(report, console,
+              {"not-converged",
+               formatted("{}: not converged ({}): the error is {}{}, the tolerance {}; what is "
+                         "written says so; {}",
+                         input_name(report.input.path), planish::name_of(result.stop_reason),
+                         short_number(result.error.max),
+                         iterates ? " after " + counted(result.iterations, "iteration") : "",
+                         short_number(report.settings.tolerance), remedy(report)),
+               1, result.worst_vertex});
 }
 
 void warn_of_unused(JobReport& report, const PreparedMesh& mesh, Console& console) {
@@ -77,15 +78,13 @@ void warn_of_unused(JobReport& report, const PreparedMesh& mesh, Console& consol
   if (count == 0) return;
   std::int64_t first = 0;
   while (first < std::ssize(mesh.vertices) && mesh.vertices[first] == first) ++first;
-  add_warning(
-      report, console,
-      {"unused-vertices",
-       input_name(report.input.path) + ": " + with_separators(count) + " of " +
-           counted(mesh.given_vertex_count, "vertex") +
-           (count == 1 ? " belongs to no face (" : " belong to no face (the first is ") +
-           std::to_string(first) + "); " +
-           (count == 1 ? "it stays where it is" : "they stay where they are") + " in the cage",
-       count, first});
+  add_warning(report, console,
+              {"unused-vertices",
+               formatted("{}: {} of {}{}{}); {} in the cage", input_name(report.input.path),
+                         with_separators(count), counted(mesh.given_vertex_count, "vertex"),
+                         count == 1 ? " belongs to no face (" : " belong to no face (the first is ",
+                         first, count == 1 ? "it stays where it is" : "they stay where they are"),
+               count, first});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "job/point_input.h"
 #include "job/torn_vertices.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/files/formats.h"
 #include "planish/mesh/check.h"
 #include "planish/pipeline/option_table.h"
@@ -90,9 +91,8 @@ PolygonMesh tagged(PolygonMesh mesh, const Settings& settings, const std::string
   const auto require_vertex = [&](std::int32_t vertex, const char* key) {
     if (vertex < mesh.vertex_count()) return;
     require_usable(mesh, name);
-    throw Error(ErrorCode::UnusableMesh, std::string(key) + " of the scene names vertex " +
-                                             std::to_string(vertex) + " of " +
-                                             std::to_string(mesh.vertex_count()));
+    throw Error(ErrorCode::UnusableMesh, formatted("{} of the scene names vertex {} of {}", key,
+                                                   vertex, mesh.vertex_count()));
   };
   for (const CreaseEdge& crease : settings.crease_edges)
     require_vertex(std::max(crease.v0, crease.v1), "crease_edges");
@@ -264,11 +264,10 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
   add_warning(
       report, console,
       {"unused-settings",
-       made.input.name + ": without effect here: " + unused + " (the input is " +
-           (made.points.empty() ? "a mesh" : "of points") + ", the method " +
-           std::string(name_of(report.method)) + (lacks_tiles ? ", no output 3D Tiles" : "") +
-           (lacks_step ? ", no output STEP" : "") + (lacks_levels ? ", STEP has no levels" : "") +
-           ")",
+       formatted("{}: without effect here: {} (the input is {}, the method {}{}{}{})",
+                 made.input.name, unused, made.points.empty() ? "a mesh" : "of points",
+                 name_of(report.method), lacks_tiles ? ", no output 3D Tiles" : "",
+                 lacks_step ? ", no output STEP" : "", lacks_levels ? ", STEP has no levels" : ""),
        count, -1});
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "planish/core/formatted.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "terminal/text.h"
@@ -33,7 +34,7 @@ std::string key_path(const std::string& where, std::string_view key) {
 }
 
 std::string entry_path(const std::string& where, std::size_t index) {
-  return where + "[" + std::to_string(index) + "]";
+  return formatted("{}[{}]", where, index);
 }
 
 void for_entries(const Json& json, const std::string& where,
@@ -58,8 +59,7 @@ std::int64_t count_of(const Json& json, const std::string& where, std::int64_t l
                       std::int64_t most) {
   const std::int64_t number = integer_of(json, where);
   if (number < least || number > most)
-    refuse(where, std::to_string(number) + " is not from " + std::to_string(least) + " to " +
-                      std::to_string(most));
+    refuse(where, formatted("{} is not from {} to {}", number, least, most));
   return number;
 }
 

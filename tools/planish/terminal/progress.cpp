@@ -1,4 +1,5 @@
 #include "terminal/progress.h"
+#include "planish/core/formatted.h"
 
 #include <algorithm>
 #include <chrono>
@@ -34,8 +35,8 @@ std::string left_text(double share, double seconds) {
   const double left = seconds_left(share, seconds);
   if (left < 0) return {};
   const auto whole = static_cast<long>(std::lround(left));
-  if (whole < 100) return ", " + std::to_string(whole) + " s left";
-  return ", " + std::to_string((whole + 30) / 60) + " min left";
+  if (whole < 100) return formatted(", {} s left", whole);
+  return formatted(", {} min left", (whole + 30) / 60);
 }
 
 }  // namespace
@@ -68,18 +69,18 @@ void Progress::draw_bar(JobProgress& job, double now) {
   last_bar_ = now;
   const int filled = static_cast<int>(std::lround(job.share_ * kBarWidth));
   std::string line;
-  if (job_count_ > 1) line = std::to_string(job.number_) + "/" + std::to_string(job_count_) + " ";
-  line += job.name_ + "  [" + std::string(filled, '#') + std::string(kBarWidth - filled, '.') +
-          "]  " + std::to_string(percent_of(job.share_)) + "%  " + job.step_ +
-          left_text(job.share_, now - job.begun_);
+  if (job_count_ > 1) line = formatted("{}/{} ", job.number_, job_count_);
+  line += formatted("{}  [{}{}]  {}%  {}{}", job.name_, std::string(filled, '#'),
+                    std::string(kBarWidth - filled, '.'), percent_of(job.share_), job.step_,
+                    left_text(job.share_, now - job.begun_));
   console_.status(line);
 }
 
 void Progress::write_plain(JobProgress& job, double now) {
   if (now - job.last_plain_ < kPlainInterval) return;
   job.last_plain_ = now;
-  console_.raw(job.name_ + ": " + std::to_string(percent_of(job.share_)) + "%, " + job.step_ +
-               left_text(job.share_, now - job.begun_));
+  console_.raw(formatted("{}: {}%, {}{}", job.name_, percent_of(job.share_), job.step_,
+                         left_text(job.share_, now - job.begun_)));
 }
 
 void Progress::write_json(JobProgress& job, double now) {

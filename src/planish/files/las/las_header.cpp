@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/mesh/check.h"
@@ -49,7 +50,7 @@ struct Projection {
     if (!wkt.empty()) return wkt;
     const std::uint16_t code = projected != 0 ? projected : geographic;
     if (code == 0) return names;
-    return "EPSG:" + std::to_string(code) + (names.empty() ? "" : ", " + names);
+    return formatted("EPSG:{}{}", code, names.empty() ? "" : ", " + names);
   }
 };
 
@@ -73,9 +74,10 @@ class HeaderReader {
 
   LasHeader read() {
     if (bytes_.size() < kShortHeader || text_at(bytes_.first(4)) != "LASF")
-      fail(bytes_.size() < kShortHeader ? "the file ends at byte " + std::to_string(bytes_.size()) +
-                                              ", inside the header of a LAS, which has 227"
-                                        : "is no LAS: it does not begin with LASF");
+      fail(bytes_.size() < kShortHeader
+               ? formatted("the file ends at byte {}, inside the header of a LAS, which has 227",
+                           bytes_.size())
+               : "is no LAS: it does not begin with LASF");
     read_version();
     read_point_format();
     read_placement();
@@ -96,19 +98,19 @@ class HeaderReader {
     const int major = at<std::uint8_t>(24);
     header_.minor_version = at<std::uint8_t>(25);
     if (major != 1 || header_.minor_version > kMostMinor)
-      fail("LAS version " + std::to_string(major) + "." + std::to_string(header_.minor_version) +
-           " is not read; 1.0 to 1.4 are");
+      fail(
+          formatted("LAS version {}.{} is not read; 1.0 to 1.4 are", major, header_.minor_version));
     header_.software = text_at(bytes_.subspan(58, 32));
     header_bytes_ = at<std::uint16_t>(94);
     header_.points_begin = at<std::uint32_t>(96);
     const std::size_t least = header_.minor_version == kMostMinor ? kLongHeader : kShortHeader;
     if (header_bytes_ < least || header_bytes_ > bytes_.size())
-      fail("the header's size, " + std::to_string(header_bytes_) + ", is not from " +
-           std::to_string(least) + " to the file's, " + std::to_string(bytes_.size()));
+      fail(formatted("the header's size, {}, is not from {} to the file's, {}", header_bytes_,
+                     least, bytes_.size()));
     if (header_.points_begin < header_bytes_ || header_.points_begin > bytes_.size())
-      fail("points begin at byte " + std::to_string(header_.points_begin) +
-           ", not between the header's end, " + std::to_string(header_bytes_) +
-           ", and the file's, " + std::to_string(bytes_.size()));
+      fail(
+          formatted("points begin at byte {}, not between the header's end, {}, and the file's, {}",
+                    header_.points_begin, header_bytes_, bytes_.size()));
   }
 
   void read_point_format() {
@@ -118,26 +120,23 @@ class HeaderReader {
           "is compressed (LAZ), which is not read; \"pdal translate FILE.laz FILE.las\" or "
           "\"laszip -i FILE.laz -o FILE.las\" unpacks it");
     if (static_cast<std::size_t>(format) >= kLayouts.size())
-      fail("point data record format " + std::to_string(format) + " is not from 0 to 10");
+      fail(formatted("point data record format {} is not from 0 to 10", format));
     const RecordLayout& layout = kLayouts[static_cast<std::size_t>(format)];
     header_.point_format = format;
     header_.color_begin = layout.color_begin;
     header_.record_bytes = at<std::uint16_t>(105);
     if (header_.record_bytes < layout.bytes)
-      fail("points of format " + std::to_string(format) + " have " + std::to_string(layout.bytes) +
-           " bytes, and " + std::to_string(header_.record_bytes) + " are promised");
+      fail(formatted("points of format {} have {} bytes, and {} are promised", format, layout.bytes,
+                     header_.record_bytes));
     std::uint64_t count = at<std::uint32_t>(107);
     if (header_.minor_version == kMostMinor)
       if (const auto wide = at<std::uint64_t>(247); wide != 0) count = wide;
     const std::size_t room = bytes_.size() - header_.points_begin;
     if (count > room / header_.record_bytes)
-      fail("the header promises " + std::to_string(count) + " points of " +
-           std::to_string(header_.record_bytes) + " bytes, but only " + std::to_string(room) +
-           " bytes follow");
+      fail(formatted("the header promises {} points of {} bytes, but only {} bytes follow", count,
+                     header_.record_bytes, room));
     if (count > std::numeric_limits<std::int32_t>::max())
-      fail(std::to_string(count) +
-           " points are more than 2^31 - 1, which is what one file may "
-           "have");
+      fail(formatted("{} points are more than 2^31 - 1, which is what one file may have", count));
     header_.point_count = static_cast<std::int64_t>(count);
   }
 
@@ -148,9 +147,9 @@ class HeaderReader {
       header_.offset[axis] = at<double>(155 + 8 * static_cast<std::size_t>(axis));
       const double most = kSteps * std::abs(header_.scale[axis]) + std::abs(header_.offset[axis]);
       if (!(most <= kMaxCoordinate) || header_.scale[axis] == 0)
-        fail("scale " + shortest(header_.scale[axis]) + " and offset " +
-             shortest(header_.offset[axis]) + " of axis " + std::string(1, "xyz"[axis]) +
-             " make no coordinates up to 1e150");
+        fail(formatted("scale {} and offset {} of axis {} make no coordinates up to 1e150",
+                       shortest(header_.scale[axis]), shortest(header_.offset[axis]),
+                       std::string(1, "xyz"[axis])));
     }
   }
 
@@ -175,7 +174,7 @@ class HeaderReader {
   bool read_record(std::size_t& place, std::size_t end, bool is_long, Projection& projection) {
     const std::size_t head = is_long ? 60 : 54;
     const auto note = [&](const std::string& what) {
-      header_.record_damage = "the variable length record at byte " + std::to_string(place) + what;
+      header_.record_damage = formatted("the variable length record at byte {}{}", place, what);
       return false;
     };
     if (end - place < head) return note(" ends behind the room for it");
@@ -183,7 +182,7 @@ class HeaderReader {
     const std::uint64_t size =
         is_long ? load<std::uint64_t>(record.subspan(20)) : load<std::uint16_t>(record.subspan(20));
     if (size > end - place - head)
-      return note(" of " + std::to_string(size) + " bytes ends behind the room for it");
+      return note(formatted(" of {} bytes ends behind the room for it", size));
     const auto content = bytes_.subspan(place + head, static_cast<std::size_t>(size));
     place += head + content.size();
     if (text_at(record.subspan(2, 16)) != "LASF_Projection") return true;

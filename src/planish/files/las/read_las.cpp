@@ -9,6 +9,7 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/stop.h"
 #include "planish/files/las/las_header.h"
@@ -146,9 +147,9 @@ class LasReader {
     if (left_out == 0) return;
     cloud_.warnings.push_back(
         {.code = "noise-points",
-         .message = std::string(file_.name) + ": " + counted(left_out, "point") +
-                    (left_out == 1 ? " is" : " are") +
-                    " classified as noise or withheld in the file, and left out",
+         .message =
+             formatted("{}: {}{} classified as noise or withheld in the file, and left out",
+                       file_.name, counted(left_out, "point"), left_out == 1 ? " is" : " are"),
          .count = left_out});
   }
 
@@ -171,17 +172,17 @@ ScanContents las_contents(const FileBytes& file) {
     ++classes[record.classification()];
     ++sources[record.source()];
   }
-  ScanContents contents{.version = "LAS 1." + std::to_string(header.minor_version) +
-                                   ", point format " + std::to_string(header.point_format) + ", " +
-                                   std::to_string(header.record_bytes) + " bytes a point",
-                        .software = header.software,
-                        .coordinate_system = header.coordinate_system,
-                        .scans = {},
-                        .classes = {}};
+  ScanContents contents{
+      .version = formatted("LAS 1.{}, point format {}, {} bytes a point", header.minor_version,
+                           header.point_format, header.record_bytes),
+      .software = header.software,
+      .coordinate_system = header.coordinate_system,
+      .scans = {},
+      .classes = {}};
   for (const auto& [number, points] : classes)
     contents.classes.emplace_back(class_name(number), points);
   for (const auto& [number, points] : sources)
-    contents.scans.emplace_back("source " + std::to_string(number), points);
+    contents.scans.emplace_back(formatted("source {}", number), points);
   return contents;
 }
 

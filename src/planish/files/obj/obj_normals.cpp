@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/obj/obj_tags.h"
 #include "planish/files/shared/text_lines.h"
@@ -49,8 +50,7 @@ CornerNormals read_obj_normals(const FileBytes& file, LineNote& missing) {
         normal = largest.note(index - 1, lines.number(), face);
       } else if (index < -before) {
         lines.note(missing,
-                   "face names normal " + std::to_string(index) + ", but only " +
-                       std::to_string(before) + " stand before it",
+                   formatted("face names normal {}, but only {} stand before it", index, before),
                    face);
       } else if (index < 0) {
         normal = static_cast<std::int32_t>(before + index);
@@ -68,10 +68,8 @@ CornerNormals read_obj_normals(const FileBytes& file, LineNote& missing) {
   }
   const auto count = static_cast<std::int64_t>(normals.values.size());
   if (largest.index < count) return normals;
-  whole.note_at(
-      missing, largest.line,
-      "face names normal " + std::to_string(largest.index + 1) + " of " + std::to_string(count),
-      largest.element);
+  whole.note_at(missing, largest.line,
+                formatted("face names normal {} of {}", largest.index + 1, count), largest.element);
   --missing.count;
   for (std::int32_t& normal : normals.of_corners) {
     if (normal < count) continue;

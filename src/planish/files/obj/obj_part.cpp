@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/srgb.h"
 
@@ -135,8 +136,7 @@ void ObjPartReader::read_vertex(Words words) {
       color[count - 3] = value;
     }
   }
-  if (count < 3)
-    lines_.fail("vertex has " + std::to_string(count) + " coordinates, 3 are needed", vertex());
+  if (count < 3) lines_.fail(formatted("vertex has {} coordinates, 3 are needed", count), vertex());
   part_.mesh.positions.push_back(position);
   if (count < 6 || is_bad) return;
   const auto is_outside = [&](int i) { return color[i] < 0 || color[i] > 1; };
@@ -150,7 +150,7 @@ void ObjPartReader::read_vertex(Words words) {
 void ObjPartReader::read_uv(Words words) {
   const std::int64_t index = before_.uv + std::ssize(part_.uvs);
   if (index >= kMostIndices)
-    lines_.fail("more than " + std::to_string(kMostIndices) + " texture coordinates");
+    lines_.fail(formatted("more than {} texture coordinates", kMostIndices));
   glm::dvec2 uv(0.0);
   int count = 0;
   bool is_bad = false;
@@ -181,8 +181,7 @@ std::int32_t ObjPartReader::zero_based(std::int64_t index, const Indices& indice
   const std::int64_t place = indices.before + index;
   if (part_.is_settled) {
     if (place >= 0) return static_cast<std::int32_t>(place);
-    return fault(named + std::to_string(index) + ", but only " + std::to_string(indices.before) +
-                 " stand before it");
+    return fault(formatted("{}{}, but only {} stand before it", named, index, indices.before));
   }
   indices.backward.corners.push_back(part_.mesh.face_vertices.size());
   indices.backward.lowest = std::min(indices.backward.lowest, place);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/ply/read_ply.h"
 #include "planish/files/shared/bytes.h"
@@ -107,8 +108,8 @@ std::array<std::int64_t, 2> OffReader::read_counts(std::string_view behind_keywo
                                            std::tuple(counts[1], kLeastFaceBytes, " faces")}) {
     if (static_cast<std::uint64_t>(count) > left / least ||
         count >= std::numeric_limits<std::int32_t>::max())
-      lines_.fail("header promises " + std::to_string(count) + what + ", but only " +
-                  std::to_string(lines_.bytes_left()) + " bytes follow");
+      lines_.fail(formatted("header promises {}{}, but only {} bytes follow", count, what,
+                            lines_.bytes_left()));
   }
   return counts;
 }
@@ -134,15 +135,12 @@ std::int64_t append_face_of(const TextLines& lines, std::int64_t face, std::int6
     lines.fail("face size " + quote(word) + " is no integer from 0", face);
   for (std::int64_t i = 0; i < size; ++i) {
     word = words.next();
-    if (word.empty())
-      lines.fail("face has " + counted(i, "corner") + " of " + std::to_string(size), face);
+    if (word.empty()) lines.fail(formatted("face has {} of {}", counted(i, "corner"), size), face);
     std::int64_t vertex = 0;
     if (!parse_integer(word, vertex))
       lines.fail("face corner " + quote(word) + " is no integer", face);
     if (vertex < 0 || vertex >= vertex_count)
-      lines.fail(
-          "face names vertex " + std::to_string(vertex) + " of " + std::to_string(vertex_count),
-          face);
+      lines.fail(formatted("face names vertex {} of {}", vertex, vertex_count), face);
     vertices.push_back(static_cast<std::int32_t>(vertex));
   }
   return size;
@@ -185,7 +183,7 @@ MeshFile OffReader::read_binary() {
   const auto count_at = [&](std::size_t at) {
     const auto count = load<std::int32_t>(bytes_.bytes.subspan(begin + at), std::endian::big);
     if (count < 0)
-      lines_.fail("count " + std::to_string(count) + " behind the keyword is no integer from 0");
+      lines_.fail(formatted("count {} behind the keyword is no integer from 0", count));
     return count;
   };
   const bool has_uvs = prefix_.starts_with("ST");

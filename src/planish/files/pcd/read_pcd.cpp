@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
@@ -100,8 +101,7 @@ std::int64_t PcdReader::read_count(std::string_view keyword, std::string_view wo
                                    std::int64_t most) {
   std::int64_t value = 0;
   if (!parse_integer(word, value) || value < 0 || value > most)
-    lines_.fail(std::string(keyword) + " " + quote(word) + " is no integer from 0 to " +
-                std::to_string(most));
+    lines_.fail(formatted("{} {} is no integer from 0 to {}", keyword, quote(word), most));
   return value;
 }
 
@@ -200,8 +200,7 @@ void PcdReader::check_header() {
   const std::int64_t product = header_.width < 0 ? header_.points : header_.width * header_.height;
   if (header_.points < 0) header_.points = product;
   if (header_.points != product || product > kMaxPoints)
-    lines_.fail("POINTS " + std::to_string(header_.points) + " is not WIDTH times HEIGHT, " +
-                std::to_string(product));
+    lines_.fail(formatted("POINTS {} is not WIDTH times HEIGHT, {}", header_.points, product));
 }
 
 PcdPart PcdReader::empty_part() const {
@@ -217,9 +216,9 @@ void PcdReader::add_further(const PcdRecord& record, std::int64_t index, PcdPart
   for (std::size_t k = 0; k < header_.further.size(); ++k) {
     float value = record.further[k];
     if (!std::isfinite(value)) {
-      const std::string what = "point " + std::to_string(index) + ": " +
-                               visible(header_.fields[header_.further[k]].name) + " is " +
-                               shortest(value);
+      const std::string what =
+          formatted("point {}: {} is {}", index, visible(header_.fields[header_.further[k]].name),
+                    shortest(value));
       if (line != nullptr && !is_noted) line->note(part.no_number, what, index);
       if (line == nullptr && !is_noted) {
         if (file_.is_strict) fail(what, index);
@@ -243,9 +242,7 @@ void PcdReader::add(const PcdRecord& record, std::int64_t index, PcdPart& part,
       return;
     }
     if (std::abs(point[axis]) > kMaxCoordinate)
-      fail("point " + std::to_string(index) + " of " + std::to_string(header_.points) +
-               " has a coordinate beyond 1e150",
-           index);
+      fail(formatted("point {} of {} has a coordinate beyond 1e150", index, header_.points), index);
   }
   cloud.points.push_back(point);
   add_further(record, index, part, line);
@@ -285,8 +282,8 @@ void PcdReader::set_word(PcdRecord& record, std::size_t slot, std::string_view w
 
 void PcdReader::read_text() {
   if (static_cast<std::uint64_t>(header_.points) > (lines_.bytes_left() + 1) / 6)
-    lines_.fail("POINTS promises " + std::to_string(header_.points) + ", but only " +
-                std::to_string(lines_.bytes_left()) + " bytes follow");
+    lines_.fail(formatted("POINTS promises {}, but only {} bytes follow", header_.points,
+                          lines_.bytes_left()));
   FileBytes body = file_;
   body.bytes = file_.bytes.last(lines_.bytes_left());
   TextLines lines(body);
@@ -309,7 +306,7 @@ PcdRecord PcdReader::record_of(const TextLines& line, std::int64_t index) const 
     std::string_view word;
     for (std::int64_t i = 0; i < header_.fields[f].count; ++i) {
       word = words.next();
-      if (word.empty()) line.fail("point " + std::to_string(index) + " has too few values");
+      if (word.empty()) line.fail(formatted("point {} has too few values", index));
     }
     const auto slot = std::ranges::find(header_.places, f) - header_.places.begin();
     if (slot <= static_cast<std::ptrdiff_t>(kPcdColor))
@@ -328,9 +325,8 @@ void PcdReader::read_binary() {
   const std::span<const std::byte> body = file_.bytes.last(lines_.bytes_left());
   const std::int64_t stride = header_.record_bytes();
   if (static_cast<std::uint64_t>(header_.points) > body.size() / static_cast<std::size_t>(stride))
-    fail("POINTS promises " + std::to_string(header_.points) + " points of " +
-         std::to_string(stride) + " bytes, but only " + std::to_string(body.size()) +
-         " bytes follow");
+    fail(formatted("POINTS promises {} points of {} bytes, but only {} bytes follow",
+                   header_.points, stride, body.size()));
   read_.cloud.points.reserve(header_.points);
   const std::array<std::size_t, kPcdColor + 1> offsets = header_.offsets();
   const std::vector<std::size_t> further = header_.further_offsets();
@@ -354,12 +350,11 @@ void PcdReader::read_compressed() {
   const std::size_t packed = load<std::uint32_t>(body);
   const std::size_t expanded = load<std::uint32_t>(body.subspan(4));
   if (packed > body.size() - kSizes)
-    fail("compressed data of " + std::to_string(packed) + " bytes is promised, but only " +
-         std::to_string(body.size() - kSizes) + " bytes follow");
+    fail(formatted("compressed data of {} bytes is promised, but only {} bytes follow", packed,
+                   body.size() - kSizes));
   if (header_.points * header_.record_bytes() != static_cast<std::int64_t>(expanded))
-    fail("compressed data expands to " + std::to_string(expanded) + " bytes, but " +
-         std::to_string(header_.points) + " points of " + std::to_string(header_.record_bytes()) +
-         " bytes are promised");
+    fail(formatted("compressed data expands to {} bytes, but {} points of {} bytes are promised",
+                   expanded, header_.points, header_.record_bytes()));
   const auto count = static_cast<std::size_t>(header_.points);
   const std::vector<std::byte> data = expand_lzf(body.subspan(kSizes, packed), expanded);
   if (data.size() != expanded) fail("the compressed data is damaged");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "planish/core/formatted.h"
 #include "planish/core/stop.h"
 
 namespace planish {
@@ -20,18 +21,17 @@ void PlyTextBody::require_room(const PlyElement& element) const {
   const TextLines lines = records_.before(first_);
   const std::size_t least = 2 * std::max<std::size_t>(element.properties.size(), 1);
   if (static_cast<std::uint64_t>(element.count) > (lines.bytes_left() + 1) / least)
-    lines.fail("header promises " + std::to_string(element.count) + " of element " +
-               quote(element.name) + ", but only " + std::to_string(lines.bytes_left()) +
-               " bytes follow");
+    lines.fail(formatted("header promises {} of element {}, but only {} bytes follow",
+                         element.count, quote(element.name), lines.bytes_left()));
 }
 
 void PlyBinaryBody::require_room(const PlyElement& element) const {
   const std::size_t least = std::max<std::size_t>(element.least_bytes(), 1);
   if (static_cast<std::uint64_t>(element.count) > bytes_left() / least)
-    fail("header promises " + std::to_string(element.count) + " of element " + quote(element.name) +
-             " of at least " + std::to_string(least) + " bytes, but only " +
-             std::to_string(bytes_left()) + " bytes follow",
-         -1);
+    fail(
+        formatted("header promises {} of element {} of at least {} bytes, but only {} bytes follow",
+                  element.count, quote(element.name), least, bytes_left()),
+        -1);
 }
 
 // The counts of lists say where entries begin. Where one is wrong its piece is the last: whoever

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
@@ -23,8 +24,7 @@ namespace planish {
 
 /// Where in the file an error is: "vertex 12 of 345".
 [[nodiscard]] inline std::string place_of(const PlyElement& element, std::int64_t index) {
-  return visible(element.name) + " " + std::to_string(index) + " of " +
-         std::to_string(element.count);
+  return formatted("{} {} of {}", visible(element.name), index, element.count);
 }
 
 /// The number at the beginning of `bytes`.
@@ -179,9 +179,9 @@ std::int64_t ply_list_count(Cursor& cursor, const PlyProperty& property, const P
                             std::int64_t index) {
   const double count = cursor.number(*property.count_type, element, index);
   if (count < 0 || count != std::floor(count) || !cursor.has_values(count, property.type))
-    cursor.fail(place_of(element, index) + ": list " + quote(property.name) + " promises " +
-                    shortest(count) + " values, but no more than " +
-                    std::to_string(cursor.values_left(property.type)) + " can follow",
+    cursor.fail(formatted("{}: list {} promises {} values, but no more than {} can follow",
+                          place_of(element, index), quote(property.name), shortest(count),
+                          cursor.values_left(property.type)),
                 index);
   return static_cast<std::int64_t>(count);
 }

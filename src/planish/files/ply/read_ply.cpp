@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planish/core/drop_marked.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/ply/ply_body.h"
 #include "planish/files/ply/ply_texture_corners.h"
@@ -166,7 +167,7 @@ template <class Body>
 void PlyReader<Body>::read_vertices(const PlyElement& element) {
   const PlyVertexLayout layout = layout_of(element);
   if (element.count > kMaxCount)
-    body_.fail("more vertices than 32 bits can count: " + std::to_string(element.count), -1);
+    body_.fail(formatted("more vertices than 32 bits can count: {}", element.count), -1);
   make_room(layout, element.count);
   const std::size_t pieces = body_.piece_count(element);
   for_pieces(element, pieces,
@@ -214,7 +215,7 @@ void PlyReader<Body>::read_faces(const PlyElement& element) {
   if (element.count > 0 && indices == nullptr)
     body_.fail("element `face` has no list `vertex_indices`", -1);
   if (element.count > kMaxCount)
-    body_.fail("more faces than 32 bits can count: " + std::to_string(element.count), -1);
+    body_.fail(formatted("more faces than 32 bits can count: {}", element.count), -1);
   if (indices == nullptr) return;
   FaceParts faces;
   const std::size_t pieces = body_.piece_count(element);
@@ -264,8 +265,8 @@ std::int32_t PlyReader<Body>::read_index(Cursor& cursor, const PlyProperty& prop
   const double vertex = cursor.number(property.type, element, face);
   // The negated comparison catches NaN.
   if (!(vertex >= 0 && vertex < static_cast<double>(vertex_count_)) || vertex != std::floor(vertex))
-    cursor.fail(place_of(element, face) + " names vertex " + shortest(vertex) + " of " +
-                    std::to_string(vertex_count_),
+    cursor.fail(formatted("{} names vertex {} of {}", place_of(element, face), shortest(vertex),
+                          vertex_count_),
                 face);
   return static_cast<std::int32_t>(vertex);
 }
@@ -305,7 +306,7 @@ MeshFile read_binary_ply_body(const FileBytes& file, const PlyHeader& header) {
   PlyReader<PlyBinaryBody> reader(file, header, {});
   MeshFile found = reader.read();
   if (const std::size_t left = reader.body().bytes_left(); left > 0)
-    reader.body().fail(std::to_string(left) + " bytes more follow after the last face", -1);
+    reader.body().fail(formatted("{} bytes more follow after the last face", left), -1);
   return found;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/line_records.h"
 #include "planish/files/shared/srgb.h"
@@ -38,12 +39,11 @@ std::array<double, n> scan_numbers(const TextLines& lines, const std::string& wh
   for (double& number : numbers) {
     const std::string_view word = words.next();
     if (!parse_number(word, number) || std::abs(number) > kMaxCoordinate)
-      lines.fail(what + " needs " + std::to_string(n) + " numbers up to 1e150" +
-                 (word.empty() ? "" : ", " + quote(word) + " is none"));
+      lines.fail(formatted("{} needs {} numbers up to 1e150{}", what, n,
+                           word.empty() ? "" : ", " + quote(word) + " is none"));
   }
   if (const std::string_view word = words.next(); !word.empty())
-    lines.fail(what + " has " + std::to_string(n) + " numbers; " + quote(word) +
-               " is one too many");
+    lines.fail(formatted("{} has {} numbers; {} is one too many", what, n, quote(word)));
   return numbers;
 }
 
@@ -52,7 +52,7 @@ std::int64_t size_of(const TextLines& lines, const std::string& what) {
   const std::string_view word = words.next();
   std::int64_t size = 0;
   if (!parse_integer(word, size) || size < 1 || size > kMostPoints || !words.next().empty())
-    lines.fail(what + " " + quote(lines.line()) + " is no integer from 1 to 2147483647");
+    lines.fail(formatted("{} {} is no integer from 1 to 2147483647", what, quote(lines.line())));
   return size;
 }
 
@@ -69,8 +69,7 @@ PtxScan read_head(TextLines lines) {
   next("rows");
   scan.rows = size_of(lines, "the number of rows");
   if (scan.rows > kMostPoints / scan.columns)
-    lines.fail(std::to_string(scan.columns) + " times " + std::to_string(scan.rows) +
-               " points are more than 2^31 - 1");
+    lines.fail(formatted("{} times {} points are more than 2^31 - 1", scan.columns, scan.rows));
   next("scanner's place");
   const auto place = scan_numbers<3>(lines, "the scanner's place");
   scan.place = {place[0], place[1], place[2]};
@@ -151,8 +150,8 @@ class PtxReader {
           (count >= kPlace || std::abs(numbers[count]) <= kMaxCoordinate))
         continue;
       if (count >= kPlace || !is_nan_word(word))
-        lines.fail("the " + std::string(count < kPlace ? "coordinate " : "value ") + quote(word) +
-                       " is no finite number up to 1e150",
+        lines.fail(formatted("the {}{} is no finite number up to 1e150",
+                             count < kPlace ? "coordinate " : "value ", quote(word)),
                    index);
       is_missing = true;
     }
@@ -207,9 +206,9 @@ ScanContents ptx_contents(const FileBytes& file) {
   const LineRecords records(file, TextLines(file), kTextPartBytes);
   for (const PtxScan& scan : read_heads(records))
     contents.scans.emplace_back(
-        "scan " + std::to_string(contents.scans.size() + 1) + ", " + std::to_string(scan.columns) +
-            " x " + std::to_string(scan.rows) + " from (" + shortest(scan.place.x) + ", " +
-            shortest(scan.place.y) + ", " + shortest(scan.place.z) + ")",
+        formatted("scan {}, {} x {} from ({}, {}, {})", contents.scans.size() + 1, scan.columns,
+                  scan.rows, shortest(scan.place.x), shortest(scan.place.y),
+                  shortest(scan.place.z)),
         scan.count());
   return contents;
 }

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "planish/core/formatted.h"
 #include "planish/files/shared/read_progress.h"
 
 namespace planish {
@@ -39,10 +40,8 @@ TextLines LineRecords::before(std::int64_t record) const {
 
 void LineRecords::fail_at_end(const std::string& what, std::int64_t index,
                               std::int64_t total) const {
-  start_.fail_at(
-      std::max<std::int64_t>(last_line_, 1),
-      "the file ends at " + what + " " + std::to_string(index) + " of " + std::to_string(total),
-      index);
+  start_.fail_at(std::max<std::int64_t>(last_line_, 1),
+                 formatted("the file ends at {} {} of {}", what, index, total), index);
 }
 
 std::int64_t FaceParts::append_to(PolygonMesh& mesh) const {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
@@ -54,10 +55,10 @@ void LineNote::warn(std::vector<Warning>& warnings, const std::string& code, std
                     std::string_view done) const {
   if (count == 0) return;
   std::string place(name);
-  if (line > 0) place += ":" + std::to_string(line);
-  const std::string times = count > 1 ? " (" + std::to_string(count) + " times)" : "";
+  if (line > 0) place += formatted(":{}", line);
+  const std::string times = count > 1 ? formatted(" ({} times)", count) : "";
   warnings.push_back({.code = code,
-                      .message = place + ": " + what + "; " + std::string(done) + times,
+                      .message = formatted("{}: {}; {}{}", place, what, done, times),
                       .count = count,
                       .first = element});
 }
@@ -170,8 +171,7 @@ void TextLines::note_at(LineNote& note, std::int64_t line, const std::string& wh
 }
 
 void TextLines::fail_at(std::int64_t line, const std::string& what, std::int64_t element) const {
-  throw Error(ErrorCode::UnreadableInput, name_ + ":" + std::to_string(line) + ": " + what,
-              element);
+  throw Error(ErrorCode::UnreadableInput, formatted("{}:{}: {}", name_, line, what), element);
 }
 
 std::vector<TextLines> numbered_parts(const TextLines& lines, std::size_t part_bytes) {

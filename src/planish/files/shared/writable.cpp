@@ -1,6 +1,7 @@
 #include "planish/files/shared/writable.h"
 
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/mesh/mesh_arrays.h"
 
 namespace planish {
@@ -9,9 +10,9 @@ void require_field_sizes(std::span<const NamedField> fields, std::int64_t row_co
                          const std::string& name) {
   for (const NamedField& field : fields)
     if (field.values.size() != static_cast<std::size_t>(field.width * row_count))
-      throw Error(ErrorCode::InvalidArgument, name + ": " + std::to_string(field.values.size()) +
-                                                  " values of " + field.name + " for " +
-                                                  std::to_string(row_count) + " positions");
+      throw Error(ErrorCode::InvalidArgument,
+                  formatted("{}: {} values of {} for {} positions", name, field.values.size(),
+                            field.name, row_count));
 }
 
 void require_writable(const PolygonView& view, const std::string& name) {
@@ -29,9 +30,8 @@ void require_writable(const PolygonView& view, const std::string& name) {
                          .corners = view.corners},
                         name, ErrorCode::InvalidArgument, kLeastCorners);
   if (!view.normals.empty() && view.normals.size() != view.positions.size())
-    throw Error(ErrorCode::InvalidArgument,
-                name + ": " + std::to_string(view.normals.size()) + " normals for " +
-                    std::to_string(view.positions.size()) + " positions");
+    throw Error(ErrorCode::InvalidArgument, formatted("{}: {} normals for {} positions", name,
+                                                      view.normals.size(), view.positions.size()));
   require_field_sizes(view.fields, static_cast<std::int64_t>(view.positions.size()), name);
 }
 

@@ -12,6 +12,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
@@ -50,10 +51,10 @@ bool is_text(std::span<const std::byte> bytes) {
       const auto value = static_cast<float>(positions[corner][axis]);
       if (std::isfinite(value)) continue;
       const auto triangle = static_cast<std::int64_t>(corner / 3);
-      throw Error(ErrorCode::UnreadableInput,
-                  std::string(name) + ": triangle " + std::to_string(triangle) +
-                      " has the coordinate " + shortest(value),
-                  triangle);
+      throw Error(
+          ErrorCode::UnreadableInput,
+          formatted("{}: triangle {} has the coordinate {}", name, triangle, shortest(value)),
+          triangle);
     }
   }
   assertion_failed("a coordinate is not finite", __FILE__, __LINE__);
@@ -235,12 +236,12 @@ MeshFile read_stl(const FileBytes& file, std::size_t part_bytes) {
   const std::uint64_t expected = kHeaderBytes + kTriangleBytes * count;
   if (bytes.size() == expected) {
     if (3 * count > std::numeric_limits<std::int32_t>::max())
-      fail("header promises " + std::to_string(count) + " triangles, more than 32 bits can count");
+      fail(formatted("header promises {} triangles, more than 32 bits can count", count));
     return read_binary(file);
   }
   if (!is_text(bytes))
-    fail("header promises " + std::to_string(count) + " triangles in " + std::to_string(expected) +
-         " bytes, but the file has " + std::to_string(bytes.size()));
+    fail(formatted("header promises {} triangles in {} bytes, but the file has {}", count, expected,
+                   bytes.size()));
   return read_text(file, part_bytes);
 }
 

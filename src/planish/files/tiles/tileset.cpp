@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "planish/core/formatted.h"
 #include "planish/files/gltf/gltf_document.h"
 
 namespace planish {
@@ -48,7 +49,7 @@ class TilesetWriter {
     for (std::size_t first = 0; first < blocks_.size(); first += kBlocksInDocument) {
       const std::size_t count = std::min(kBlocksInDocument, blocks_.size() - first);
       const Node group = node_of(std::span(blocks_).subspan(first, count), "");
-      const std::string path = "group-" + std::to_string(first / kBlocksInDocument) + ".json";
+      const std::string path = formatted("group-{}.json", first / kBlocksInDocument);
       documents.push_back({path, text_of(group)});
       // A tile that names a document may have no children.
       ordered_json link{{"boundingVolume", volume_of(group.box)}, {"geometricError", group.error}};
@@ -142,12 +143,11 @@ bool take(std::string_view& text, std::string_view word) {
 }  // namespace
 
 std::string tile_name(const PlannedTile& tile) {
-  return std::to_string(tile.block) + "-" + std::to_string(tile.level) + "-" +
-         std::to_string(tile.quarter);
+  return formatted("{}-{}-{}", tile.block, tile.level, tile.quarter);
 }
 
 std::string tile_path(const PlannedTile& tile, std::size_t index) {
-  return std::to_string(index / kTilesInFolder) + "/" + tile_name(tile) + ".glb";
+  return formatted("{}/{}.glb", index / kTilesInFolder, tile_name(tile));
 }
 
 bool is_tileset_entry(std::string_view name) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/files/shared/first_failure.h"
@@ -190,8 +191,7 @@ class TextPointReader {
     return point - promise_.points_before;
   }
   [[nodiscard]] std::string kept_of(std::int64_t point) const {
-    return std::to_string(since_promise(point)) + " of " + std::to_string(promise_.promised) +
-           " points";
+    return formatted("{} of {} points", since_promise(point), promise_.promised);
   }
 
   // Of the next part.
@@ -219,11 +219,11 @@ class TextPointReader {
     const std::int64_t line = line_of(parts_[part], kind_, first - points_before_[part]);
     cloud_.warnings.push_back(
         {.code = "point-count",
-         .message = name_ + ":" + std::to_string(line) + ": " + counted(excess_count_, "point") +
-                    (excess_count_ == 1 ? " stands behind the " : " stand behind the ") +
-                    std::to_string(excess_promise_.promised) + " that line " +
-                    std::to_string(excess_promise_.line) + " counts; " +
-                    (excess_count_ == 1 ? "it is" : "they are") + " read as well",
+         .message = formatted("{}:{}: {}{}{} that line {} counts; {} read as well", name_, line,
+                              counted(excess_count_, "point"),
+                              excess_count_ == 1 ? " stands behind the " : " stand behind the ",
+                              excess_promise_.promised, excess_promise_.line,
+                              excess_count_ == 1 ? "it is" : "they are"),
          .count = excess_count_,
          .first = first});
   }
@@ -252,8 +252,9 @@ class TextPointReader {
     if (columns_.further > 0)
       cloud_.warnings.push_back(
           {.code = "columns",
-           .message = name_ + ": names of " + std::to_string(columns_.names.size()) +
-                      " columns are no names, since the first point has " + std::to_string(count)});
+           .message =
+               formatted("{}: names of {} columns are no names, since the first point has {}",
+                         name_, columns_.names.size(), count)});
     columns_.names.clear();
   }
 
