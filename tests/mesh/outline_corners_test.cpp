@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <glm/common.hpp>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -73,6 +74,23 @@ TEST(OutlineCorners, TurnInwardToo) {
   mesh.add_face(std::array{0, 1, 2});
   mesh.add_face(std::array{0, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
   EXPECT_EQ(found_in(mesh), (Corners{0, 1, 2, 3, 4, 8}));
+}
+
+// Its tips turn by 127 degrees, the corners between by 55.
+TEST(OutlineCorners, LeaveOtherTurnsOfAClearOutline) {
+  PolygonMesh star;
+  constexpr int kSides = 10, kParts = 4, kCount = kSides * kParts;
+  const auto corner = [](int i) {
+    const double angle = std::numbers::pi * i / 5;
+    return glm::dvec3(std::cos(angle), std::sin(angle), 0) * (i % 2 ? 0.5 : 1.0);
+  };
+  for (int i = 0; i < kCount; ++i)
+    star.positions.push_back(glm::mix(corner(i / kParts), corner(i / kParts + 1),
+                                      static_cast<double>(i % kParts) / kParts));
+  star.positions.emplace_back(0, 0, 0);
+  for (int i = 0; i < kCount; ++i) star.add_face(std::array{i, (i + 1) % kCount, kCount});
+  EXPECT_EQ(found_in(star), (Corners{0, 8, 16, 24, 32}));
+  EXPECT_EQ(found_in(star, 45).size(), 10u);
 }
 
 TEST(OutlineCorners, ARoundRimHasNone) {

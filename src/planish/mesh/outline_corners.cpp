@@ -14,8 +14,8 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 // A boundary goes on straight where it turns by less, along the surface: so rough ground has
 // straight rims.
 constexpr double kOnwardDegrees = 30;
-// What the vertices of a loop that are no corners may turn by along it, root of the mean square.
-constexpr double kQuietDegrees = 15;
+// So large a part of a loop's vertices that are no corners turns by less along the surface.
+constexpr double kQuietDegrees = 15, kQuietPart = 0.75;
 
 struct Turns {
   double in_space = 0, along_surface = 0;  // degrees
@@ -65,17 +65,18 @@ void add_clear(const std::vector<std::int32_t>& loop, const std::vector<Turns>& 
     return turns[i].along_surface < kOnwardDegrees || turns_far(i);
   };
   const std::size_t first = corners.size();
-  double squares = 0;
+  std::size_t quiet = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (turns_far(i) && goes_on((i + count - 1) % count) && goes_on((i + 1) % count)) {
       corners.push_back(loop[i]);
-    } else {
-      squares += turns[i].along_surface * turns[i].along_surface;
+    } else if (turns[i].along_surface < kQuietDegrees) {
+      ++quiet;
     }
   }
   const std::size_t found = corners.size() - first;
-  const auto others = static_cast<double>(count - found);
-  if (2 * found > count || squares > kQuietDegrees * kQuietDegrees * others) corners.resize(first);
+  if (2 * found > count ||
+      static_cast<double>(quiet) < kQuietPart * static_cast<double>(count - found))
+    corners.resize(first);
 }
 
 }  // namespace

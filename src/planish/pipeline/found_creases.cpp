@@ -144,6 +144,12 @@ bool are_creases_clear(const PolygonMesh& mesh,
 
 }  // namespace
 
+CreaseDetectionOptions crease_detection(double degrees) {
+  CreaseDetectionOptions options{.dihedral_degrees = degrees};
+  if (degrees >= kOutlineDegrees) options.corner_degrees = kOutlineCornerDegrees;
+  return options;
+}
+
 FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
                                const CreaseDetectionOptions& options) {
   FoundCreases found{options, mesh.creases, mesh.corners};
@@ -176,7 +182,7 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
 
 std::optional<std::vector<std::int32_t>> add_outline_corners(
     PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared) {
-  const CreaseDetectionOptions options{.dihedral_degrees = kOutlineDegrees};
+  const CreaseDetectionOptions options = crease_detection(kOutlineDegrees);
   std::vector<std::uint8_t> is_clear(mesh.positions.size(), 0);
   {
     const UsedPart used = used_part(mesh, prepared);
@@ -195,7 +201,7 @@ std::optional<std::vector<std::int32_t>> add_outline_corners(
 
 void tag_outline_corners(PolygonMesh& mesh, const PreparedMesh& prepared,
                          std::span<const std::int32_t> smoothed_vertices) {
-  const FoundCreases before{{.dihedral_degrees = kOutlineDegrees}, mesh.creases, mesh.corners};
+  const FoundCreases before{crease_detection(kOutlineDegrees), mesh.creases, mesh.corners};
   leave_smooth(mesh, prepared, before, smoothed_vertices);
 }
 

@@ -38,8 +38,12 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
 [[nodiscard]] std::optional<FoundCreases> add_clear_creases(
     PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
 
-/// Of CreaseDetectionOptions: no edge is sharp, but corners of outlines are.
-inline constexpr double kOutlineDegrees = 180;
+/// Of CreaseDetectionOptions: no edge is sharp, but corners of outlines are, which turn by more
+/// than kOutlineCornerDegrees then, as those of a hexagon do.
+inline constexpr double kOutlineDegrees = 180, kOutlineCornerDegrees = 45;
+
+/// How edges that turn by more than `degrees` are found, by default or as a user asks.
+[[nodiscard]] CreaseDetectionOptions crease_detection(double degrees);
 
 /// Tags the corners that outlines have beyond doubt (see outline_corners()), as with_detected_
 /// creases() by kOutlineDegrees with the vertices that are returned left smooth. Nothing where

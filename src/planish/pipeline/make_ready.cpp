@@ -51,7 +51,7 @@ void name_sources(ReadyMesh& ready, std::vector<std::int32_t>&& welded) {
 }
 
 void find_creases(ReadyMesh& ready, const Preparation& choice) {
-  const CreaseDetectionOptions options{.dihedral_degrees = *choice.crease_degrees};
+  const CreaseDetectionOptions options = crease_detection(*choice.crease_degrees);
   FoundCreases found = add_found_creases(ready.mesh, *ready.prepared, options);
   if (!choice.smoothed_vertices.empty())
     leave_smooth(ready.mesh, *ready.prepared, found, choice.smoothed_vertices);
