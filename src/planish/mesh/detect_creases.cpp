@@ -16,6 +16,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/core/raw_vector.h"
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/coherent_edges.h"
 #include "planish/mesh/disjoint_sets.h"
@@ -49,12 +50,6 @@ void require_angle(double degrees, const char* name) {
   if (degrees >= 0 && degrees <= 180) return;
   throw Error(ErrorCode::InvalidArgument, std::string(name) + " angle " + std::to_string(degrees) +
                                               " is outside 0 to 180 degrees");
-}
-
-// Faces without area have no direction to compare.
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  if (glm::length(a) == 0 || glm::length(b) == 0) return 0;
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
 // Whether the angle is less than the one of that slope without any doubt by rounding: most are, and

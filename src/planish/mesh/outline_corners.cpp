@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 
 namespace planish {
@@ -32,8 +33,7 @@ class BoundaryTurns {
     const glm::dvec3 out = mesh_.positions[behind] - mesh_.positions[vertex];
     double reach = 0;
     for (const std::int32_t corner : topology_.corners_at(vertex)) reach += angle_of(corner);
-    return {std::atan2(glm::length(glm::cross(in, out)), glm::dot(in, out)) * kDegrees,
-            std::abs(180 - reach * kDegrees)};
+    return {angle_between(in, out) * kDegrees, std::abs(180 - reach * kDegrees)};
   }
 
  private:
@@ -44,7 +44,7 @@ class BoundaryTurns {
     const glm::dvec3 to = mesh_.positions[topology_.vertex_of(topology_.next(corner))] - at;
     const glm::dvec3 from = mesh_.positions[topology_.vertex_of(topology_.prev(corner))] - at;
     const glm::dvec3 across = glm::cross(to, from);
-    const double angle = std::atan2(glm::length(across), glm::dot(to, from));
+    const double angle = angle_between(to, from);
     if (topology_.face_size(topology_.face_of(corner)) == 3) return angle;
     const glm::dvec3 area = area_vector(mesh_.positions, topology_.face(topology_.face_of(corner)));
     return glm::dot(across, area) < 0 ? 2 * std::numbers::pi - angle : angle;

@@ -27,6 +27,7 @@ struct Candidate {
   // Gives back the memory of a fit that is hardly taken any more.
   void drop() {
     fit.cage = {};
+    fit.features.reset();
     fit.interpolation.displacement = {};
     is_kept = false;
   }

@@ -89,28 +89,25 @@ double sum_of(const FitTiming& timing) {
 void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warnings) {
   const auto began = std::chrono::steady_clock::now();
   FittedMesh& result = ready.fitted;
+  // What keep_outline_corners() left smooth, if it kept any: else nothing is found before.
+  const auto outline = ready.chooses_creases && result.crease_degrees
+                           ? std::optional(result.smoothed_vertices)
+                           : std::nullopt;
   ReadyMesh fair;
   const auto make_fair_mesh = [&] {
     fair = ready.given ? make_ready(std::move(*ready.given),
                                     preparation_of(ready.options, InterpolationMethod::Fair))
                        : ready_again(result);
-    FairMesh made;
-    if (ready.has_outline_corners) {
-      fair.mesh.corners.clear();
-      made.outline = result.smoothed_vertices;
-    }
+    if (outline) fair.mesh.corners.clear();
     if (!ready.given && ready.options.repairs) make_fair(fair);
-    made.mesh = std::move(fair.mesh);
-    made.prepared = fair.prepared;
-    made.found = std::move(fair.found);
-    return made;
+    return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found), outline};
   };
   BestFit best =
       fit_best(result.mesh, backend, result.options, make_fair_mesh, ready.chooses_creases);
   result.reason = MethodReason{best.reason, best.progressive, best.fair, best.creased};
   if (best.crease_degrees) {
     result.crease_degrees = best.crease_degrees;
-  } else if (ready.has_outline_corners) {
+  } else if (outline) {
     best.smoothed_vertices = std::move(result.smoothed_vertices);
     result.reason->text += "; corners of its outline are kept (--creases use rounds them)";
   }
@@ -280,12 +277,9 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
 
 // Corners of outlines, where creases are chosen: after triangles are joined, as verify_cage() has
 // it.
-void keep_outline_corners(ReadyFit& ready) {
-  if (!ready.chooses_creases) return;
-  FittedMesh& result = ready.fitted;
+void keep_outline_corners(FittedMesh& result) {
   auto smoothed = add_outline_corners(result.mesh, result.options.prepared);
   if (!smoothed) return;
-  ready.has_outline_corners = true;
   result.crease_degrees = kOutlineDegrees;
   result.smoothed_vertices = std::move(*smoothed);
 }
@@ -345,8 +339,8 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
       ready.paired = prepare_paired(ready, std::move(given));
     }
   }
-  keep_outline_corners(ready);
-  if (ready.paired) keep_outline_corners(*ready.paired);
+  for (ReadyFit* one : {&ready, ready.paired.get()})
+    if (one && one->chooses_creases) keep_outline_corners(one->fitted);
   report(1);
   return ready;
 }

@@ -88,7 +88,6 @@ struct ReadyFit {
   std::optional<FoundCreases> found;  ///< where creases were for the fair method
   bool chooses_method = false;        ///< by measurement
   bool chooses_creases = false;       ///< and creases
-  bool has_outline_corners = false;   ///< by add_outline_corners(): tags, and smoothed_vertices
   std::optional<PolygonMesh> given;   ///< as it was, where that needs it
   /// The same with triangles joined, where these may be better, or plainly are.
   std::shared_ptr<ReadyFit> paired;
