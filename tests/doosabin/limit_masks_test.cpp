@@ -54,19 +54,31 @@ PolygonMesh polygon(std::int32_t corners) {
   return mesh;
 }
 
+TEST(LimitMasks, MayBeLargeWhereNoFaceIs) {
+  constexpr int kSize = 16, kCount = 80'000;  // 224 entries each, 17'920'000 > 2^24
+  PolygonMesh mesh;
+  mesh.positions.resize(std::size_t{kSize} * kCount);
+  mesh.face_vertices.resize(mesh.positions.size());
+  std::iota(mesh.face_vertices.begin(), mesh.face_vertices.end(), 0);
+  mesh.face_offsets.clear();
+  for (int i = 0; i <= kCount; ++i) mesh.face_offsets.push_back(kSize * i);
+  EXPECT_FALSE(too_large_masks(MeshTopology(mesh)));
+}
+
 TEST(LimitMasks, AreRefusedWhereTheyMayBeTooLarge) {
-  // 46341 * (46341 - 1) = 2147441940 < 2^31
-  EXPECT_FALSE(too_large_masks(MeshTopology(polygon(46341))));
-  const PolygonMesh mesh = polygon(46342);
+  // 4096 * (4096 - 1) = 16773120 < 2^24
+  EXPECT_FALSE(too_large_masks(MeshTopology(polygon(4096))));
+  const PolygonMesh mesh = polygon(4097);
   const MeshTopology topology(mesh);
   const auto problem = too_large_masks(topology);
   ASSERT_TRUE(problem);
   EXPECT_EQ(problem->kind, MeshProblemKind::TooLarge);
   EXPECT_EQ(problem->element, 0);
-  EXPECT_EQ(problem->message,
-            "the stencils of the progressive method need up to 2147534622 entries, at most "
-            "2147483647 can be addressed; the largest face, 0, has 46342 corners; the fair method "
-            "needs none");
+  EXPECT_EQ(
+      problem->message,
+      "the stencils of the progressive method need up to 16781312 entries, without sums "
+      "of large faces at most 16777216 are taken here; the largest face, 0, has 4097 corners; "
+      "the fair method needs none");
   const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
   try {
     (void)limit_masks(Subdivision(topology, features, Weights::DooSabin));

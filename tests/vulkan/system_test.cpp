@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <string_view>
 #include <tuple>
 
 #include "planish/backend/chebyshev.h"
@@ -12,6 +13,7 @@
 #include "planish/core/error.h"
 #include "planish/surface/evaluate.h"
 #include "planish/vulkan/embed.h"
+#include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding.h"
 
@@ -45,6 +47,22 @@ TEST(System, CountsTheStepsOfItsRestPose) {
     EXPECT_LE(errors[count], system.tolerance() * (1 + 1e-9)) << seed;
     EXPECT_GT(errors[count - 1], system.tolerance()) << seed;
   }
+}
+
+TEST(System, RefusesFacesThatIterationsCannotTake) {
+  const PolygonMesh drum = test::prism(5000);
+  try {
+    const System system(drum);
+    FAIL() << "was made";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::UnusableMesh);
+    EXPECT_NE(std::string_view(error.what()).find("the largest face, 0, has 5000 corners"),
+              std::string_view::npos)
+        << error.what();
+  }
+  SystemOptions fair;
+  fair.method = InterpolationMethod::Fair;
+  EXPECT_EQ(System(drum, fair).given_count(), drum.vertex_count());
 }
 
 TEST(System, TellsWhatItsCopiesStandFor) {

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "planish/core/assert.h"
@@ -188,22 +188,32 @@ void close_gaps(StencilTable& masks) {
 
 namespace {
 
-// The problem where as many entries as `of_face(size)` says are too many.
+constexpr std::int64_t kMostAddressed = std::numeric_limits<std::int32_t>::max();
+// Rows without sums may take what a million quads do, or so many times what they would with them.
+constexpr std::int64_t kMostUnsummed = 1 << 24, kMostExpansion = 8;
+
+std::int64_t unsummed_entries(std::int64_t face_size) { return face_size * (face_size - 2); }
+// A corner of a large face takes a neighbour, three sums and a place in each of these.
+std::int64_t summed_entries(std::int64_t face_size) {
+  return face_size >= kSummedRing ? 7 * face_size : unsummed_entries(face_size);
+}
+
 template <class OfFace>
-std::optional<MeshProblem> too_many_entries(const MeshTopology& topology, const OfFace& of_face) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+std::int64_t entry_count(const MeshTopology& topology, const OfFace& of_face) {
   std::int64_t count = topology.vertex_count();
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) count += of_face(topology.face_size(f));
+  return count;
+}
+
+MeshProblem too_many_entries(const MeshTopology& topology, std::int64_t count,
+                             std::string_view rule) {
   std::int32_t largest = 0;
-  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
-    count += of_face(std::int64_t{topology.face_size(f)});
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
     if (topology.face_size(f) > topology.face_size(largest)) largest = f;
-  }
-  if (count <= kMost) return std::nullopt;
-  return MeshProblem{
-      MeshProblemKind::TooLarge, largest,
-      formatted("the stencils of the progressive method need up to {} entries, at most {} can be "
-                "addressed; the largest face, {}, has {} corners; the fair method needs none",
-                count, kMost, largest, topology.face_size(largest))};
+  return {MeshProblemKind::TooLarge, largest,
+          formatted("the stencils of the progressive method need up to {} entries, {}; the largest "
+                    "face, {}, has {} corners; the fair method needs none",
+                    count, rule, largest, topology.face_size(largest))};
 }
 
 StencilTable mask_rows(const Subdivision& subdivision, const FaceSums& sums) {
@@ -250,14 +260,20 @@ void require_not(const std::optional<MeshProblem>& problem) {
 }  // namespace
 
 std::optional<MeshProblem> too_large_masks(const MeshTopology& topology) {
-  return too_many_entries(topology, [](std::int64_t size) { return size * (size - 2); });
+  const std::int64_t count = entry_count(topology, unsummed_entries);
+  const std::int64_t most =
+      std::min(kMostAddressed,
+               std::max(kMostUnsummed, kMostExpansion * entry_count(topology, summed_entries)));
+  if (count <= most) return std::nullopt;
+  return too_many_entries(topology, count,
+                          formatted("without sums of large faces at most {} are taken here", most));
 }
 
 std::optional<MeshProblem> too_large_summed_masks(const MeshTopology& topology) {
-  // A corner of a large face takes a neighbour, three sums and a place in each of these.
-  return too_many_entries(topology, [](std::int64_t size) {
-    return size >= kSummedRing ? 7 * size : size * (size - 2);
-  });
+  const std::int64_t count = entry_count(topology, summed_entries);
+  if (count <= kMostAddressed) return std::nullopt;
+  return too_many_entries(topology, count,
+                          formatted("at most {} can be addressed", kMostAddressed));
 }
 
 StencilTable limit_masks(const Subdivision& subdivision) {

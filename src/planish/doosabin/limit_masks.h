@@ -18,8 +18,8 @@ namespace planish {
 [[nodiscard]] StencilTable limit_masks(const Subdivision& subdivision);
 
 /// A row names every vertex of every face around its own, so that a face of m corners costs up to
-/// m^2 entries: the problem where those of all faces may be more than 2^31 - 1. The fair method
-/// needs no masks.
+/// m^2 entries: the problem where those of all faces may be more than 2^24 and eight times those of
+/// summed_limit_masks(), or than 2^31 - 1. The fair method needs no masks.
 [[nodiscard]] std::optional<MeshProblem> too_large_masks(const MeshTopology& topology);
 
 /// B with the sums of large faces (FaceSumRule) apart, so that these take entries in proportion to
