@@ -21,7 +21,6 @@ namespace {
 
 using namespace vulkan;
 using ::testing::Each;
-using ::testing::HasSubstr;
 
 const std::vector<int> kLevels = {1, 2, 3, 4};
 constexpr std::uint32_t kNotSeen = Tessellation::kNotSeen;
@@ -357,74 +356,6 @@ TEST_F(EmbedLevels, ChordErrorsAreThoseOfTheSurface) {
       EXPECT_GE(largest, 0.4 * errors[k]) << kLevels[k];
     }
   }
-}
-
-TEST_F(EmbedLevels, RecordingOnlyRecords) {
-  LevelHost host(*context_, *submitter_, test::icosphere(1), {.levels = kLevels}, field(9));
-  HostCommands commands(*own_);
-  Buffer report(*context_, 64, MemoryUse::Download);
-  commands.record([&](VkCommandBuffer buffer) {
-    const std::map<std::string, int> before = PretendedDriver::counts();
-    host.levels->record_reset(buffer);
-    host.levels->record_evaluate(buffer, view_of(perspective(0.1f, 5000)));
-    host.levels->record_levels(buffer, report.handle(), 0);
-    for (const auto& [name, count] : PretendedDriver::counts()) {
-      const auto found = before.find(name);
-      if (found != before.end() && found->second == count) continue;
-      EXPECT_THAT(name, ::testing::StartsWith("vkCmd"));
-    }
-  });
-  // The same commands again and again.
-  std::vector<std::uint32_t> first;
-  for (int i = 0; i < 3; ++i) {
-    commands.submit();
-    commands.wait();
-    if (i == 0) first = words_of(report);
-    EXPECT_EQ(words_of(report), first);
-  }
-}
-
-TEST_F(EmbedLevels, WrongOptionsAreRefusedByName) {
-  const PolygonMesh mesh = test::icosphere(1);
-  const auto refusal = [](const auto& make) {
-    try {
-      make();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-      return std::string(error.what());
-    }
-    return std::string("nothing thrown");
-  };
-  const auto of_levels = [&](std::vector<int> levels) {
-    return refusal([&] { const System system(mesh, {.levels = std::move(levels)}); });
-  };
-  EXPECT_THAT(of_levels({0, 1}), HasSubstr("ascend from 1 to 5, but 0 stands first"));
-  EXPECT_THAT(of_levels({2, 2}), HasSubstr("but 2 stands behind 2"));
-  EXPECT_THAT(of_levels({3, 6}), HasSubstr("but 6 stands behind 3"));
-  HostTopology none(*context_, mesh), some(*context_, mesh, {.levels = {1, 3}});
-  const Buffer target(*context_, 1 << 16, MemoryUse::Device),
-      other(*context_, 64, MemoryUse::Device);
-  const vulkan::Solve without(*context_, none.device),
-      with(*context_, some.device, {.instances = 3});
-  const auto of_options = [&](const TessellationOptions& options) {
-    return refusal([&] { const Tessellation levels(*context_, some.device, with, options); });
-  };
-  EXPECT_THAT(refusal([&] {
-                const Tessellation levels(*context_, none.device, without,
-                                          {.vertices = {target.handle()}});
-              }),
-              HasSubstr("no levels to choose from"));
-  EXPECT_THAT(of_options({}), HasSubstr("have no buffer"));
-  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {3}}),
-              HasSubstr("places are of 1 levels, but the System has 2"));
-  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {2, 2}}),
-              HasSubstr("places for 2 instances, but takes all 3"));
-  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {3, 0}}),
-              HasSubstr("places for no instance"));
-  VertexLayout apart{target.handle()};
-  apart.attributes = {other.handle(), 0, 12};
-  apart.normal_offset = 0;
-  EXPECT_THAT(of_options({.vertices = apart}), HasSubstr("in one buffer"));
 }
 
 }  // namespace
