@@ -47,6 +47,11 @@ class BenchDevice : public testing::Test {
     return {};
   }
 
+  // Of the rows that log every access, a second frame of each method.
+  static bool is_by_accesses(const json& row) {
+    return row.contains("figures") && row["figures"].contains("transactions_per_element");
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -69,6 +74,25 @@ TEST_F(BenchDevice, KernelsBindTheBytesThatTheirLayoutsHold) {
   // points from them.
   EXPECT_NEAR(per_element("control_points"), 6 * 16 + 20 / 2500.0, 1e-9);
   EXPECT_EQ(row(bench, "interpolation_step")["figures"]["dispatches"], 5);
+}
+
+// By hand, for what each 32 lanes touch.
+TEST_F(BenchDevice, KernelsTouchWhatTheirLanesReadAndWrite) {
+  const json bench = run("--group kernels --repetitions 1 --points 256");
+  const auto counted = [&](const std::string& peer) {
+    for (const json& row : bench["rows"])
+      if (row["peer"] == peer && is_by_accesses(row)) return row["figures"];
+    return json();
+  };
+  // An index, three floats 12 bytes from those of the next lane, a vector.
+  const json gather = counted("gather_points");
+  EXPECT_EQ(gather["read_per_element"], 4 + 12);
+  EXPECT_EQ(gather["written_per_element"], 16);
+  EXPECT_EQ(gather["transactions_per_element"], (4 + 3 * 12 + 16) / 32.0);
+  // Two sides from nothing.
+  EXPECT_EQ(counted("take_up")["transactions_per_element"], 2 * 16 / 32.0);
+  // What is kept are the vertices: positions and normals.
+  EXPECT_EQ(counted("corner_patches")["written_per_element"], 24);
 }
 
 // Numbers of the last column, commas left out, and names in backquotes.
@@ -106,6 +130,7 @@ TEST_F(BenchDevice, TheTableOfBytesIsWhatIsCounted) {
   json of_progressive = json::object(), of_fair = json::object();
   double net = 0;
   for (const json& row : bench["rows"]) {
+    if (is_by_accesses(row)) continue;
     json& rows =
         row["size"].get<std::string>().find("fair") == std::string::npos ? of_progressive : of_fair;
     const std::string peer = row["peer"].get<std::string>();

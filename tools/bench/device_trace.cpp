@@ -7,7 +7,6 @@
 #include <functional>
 #include <map>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -42,22 +41,31 @@ std::uint64_t bytes_of(const Ranges& ranges) {
   return bytes;
 }
 
-#define TRACED_FUNCTIONS(X)   \
-  X(vkCreateBuffer)           \
-  X(vkCreateBufferView)       \
-  X(vkAllocateDescriptorSets) \
-  X(vkUpdateDescriptorSets)   \
-  X(vkCmdBindDescriptorSets)  \
-  X(vkCmdDispatch)            \
-  X(vkCmdDispatchIndirect)
-#define TRACED_MEMBER(name) PFN_##name name = nullptr;
+// And what is called in their place.
+#define TRACED_FUNCTIONS(X)                  \
+  X(vkCreateBuffer, create_buffer)           \
+  X(vkCreateBufferView, create_view)         \
+  X(vkCreateShaderModule, create_module)     \
+  X(vkCreatePipelineLayout, create_layout)   \
+  X(vkAllocateDescriptorSets, allocate_sets) \
+  X(vkUpdateDescriptorSets, update_sets)     \
+  X(vkCmdBindDescriptorSets, bind_sets)      \
+  X(vkCmdPipelineBarrier, barrier)           \
+  X(vkCmdDispatch, dispatch)                 \
+  X(vkCmdDispatchIndirect, dispatch_indirect)
+// What the trace calls itself.
+#define CALLED_FUNCTIONS(X)      \
+  X(vkCreateDescriptorSetLayout) \
+  X(vkCmdFillBuffer)             \
+  X(vkCmdWriteTimestamp)
+#define TRACED_MEMBER(name, ...) PFN_##name name = nullptr;
 
 // The loader's and the driver's functions, and what was seen.
 struct Trace {
   PFN_vkGetInstanceProcAddr get_instance_proc = nullptr;
   PFN_vkGetDeviceProcAddr get_device_proc = nullptr;
-  PFN_vkCmdWriteTimestamp write_timestamp = nullptr;
   TRACED_FUNCTIONS(TRACED_MEMBER)
+  CALLED_FUNCTIONS(TRACED_MEMBER)
   std::map<VkBuffer, std::uint64_t> buffers;
   std::map<VkBufferView, Range> views;
   std::map<VkDescriptorSet, Ranges> sets;
@@ -66,6 +74,11 @@ struct Trace {
   bool keeps = false;
   vulkan::Timestamps timestamps;
   std::vector<TracedDispatch> dispatches;
+  bool logs = false;
+  VkDescriptorSetLayout log_layout = VK_NULL_HANDLE;
+  VkDescriptorSet log_set = VK_NULL_HANDLE;
+  VkBuffer log = VK_NULL_HANDLE;
+  std::vector<Access> accesses;
 
   [[nodiscard]] Range range_of(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize range) const {
     const auto found = buffers.find(buffer);
@@ -76,7 +89,9 @@ struct Trace {
   template <class Dispatch>
   void record(VkCommandBuffer commands, bool is_indirect, const Dispatch& dispatch) {
     if (!keeps) return dispatch();
-    const auto query = timestamps.first + 2 * static_cast<std::uint32_t>(dispatches.size());
+    const auto number = static_cast<std::uint32_t>(dispatches.size());
+    const auto query = timestamps.first + 2 * number;
+    if (log) mark(commands, number);
     dispatches.push_back({layout, bytes_of(sets[set]), is_indirect});
     write(commands, query);
     dispatch();
@@ -86,7 +101,20 @@ struct Trace {
   // At the bottom of the pipe also before a dispatch: the top does not wait for what came before.
   void write(VkCommandBuffer commands, std::uint32_t query) const {
     if (timestamps.pool)
-      write_timestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps.pool, query);
+      vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps.pool, query);
+  }
+
+  void mark(VkCommandBuffer commands, std::uint32_t number) const {
+    const VkMemoryBarrier all{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
+                              VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
+                              VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT};
+    const auto wait = [&] {
+      vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                           VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 1, &all, 0, nullptr, 0, nullptr);
+    };
+    wait();
+    vkCmdFillBuffer(commands, log, kAccessMark * sizeof number, sizeof number, number);
+    wait();
   }
 } trace;
 
@@ -103,6 +131,38 @@ VkResult VKAPI_CALL create_view(VkDevice device, const VkBufferViewCreateInfo* i
   if (result == VK_SUCCESS)
     trace.views[*view] = trace.range_of(info->buffer, info->offset, info->range);
   return result;
+}
+
+VkResult VKAPI_CALL create_module(VkDevice device, const VkShaderModuleCreateInfo* info,
+                                  const VkAllocationCallbacks* callbacks, VkShaderModule* module) {
+  if (!trace.logs) return trace.vkCreateShaderModule(device, info, callbacks, module);
+  const std::vector<std::uint32_t> code =
+      with_access_log({info->pCode, info->codeSize / sizeof *info->pCode}, trace.accesses);
+  VkShaderModuleCreateInfo logging = *info;
+  logging.pCode = code.data();
+  logging.codeSize = std::span(code).size_bytes();
+  return trace.vkCreateShaderModule(device, &logging, callbacks, module);
+}
+
+// With the log as one set more.
+VkResult VKAPI_CALL create_layout(VkDevice device, const VkPipelineLayoutCreateInfo* info,
+                                  const VkAllocationCallbacks* callbacks,
+                                  VkPipelineLayout* layout) {
+  if (!trace.logs) return trace.vkCreatePipelineLayout(device, info, callbacks, layout);
+  if (!trace.log_layout) {
+    const VkDescriptorSetLayoutBinding log{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
+                                           VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+    const VkDescriptorSetLayoutCreateInfo of_log{
+        VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, nullptr, 0, 1, &log};
+    const VkResult result =
+        trace.vkCreateDescriptorSetLayout(device, &of_log, callbacks, &trace.log_layout);
+    if (result != VK_SUCCESS) return result;
+  }
+  const VkDescriptorSetLayout layouts[] = {info->pSetLayouts[0], trace.log_layout};
+  VkPipelineLayoutCreateInfo logging = *info;
+  logging.setLayoutCount = 2;
+  logging.pSetLayouts = layouts;
+  return trace.vkCreatePipelineLayout(device, &logging, callbacks, layout);
 }
 
 VkResult VKAPI_CALL allocate_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
@@ -138,6 +198,18 @@ void VKAPI_CALL bind_sets(VkCommandBuffer commands, VkPipelineBindPoint point,
   trace.layout = layout;
   trace.set = sets[0];
   trace.vkCmdBindDescriptorSets(commands, point, layout, first, count, sets, offset_count, offsets);
+  if (trace.log)
+    trace.vkCmdBindDescriptorSets(commands, point, layout, 1, 1, &trace.log_set, 0, nullptr);
+}
+
+void VKAPI_CALL barrier(VkCommandBuffer commands, VkPipelineStageFlags from,
+                        VkPipelineStageFlags to, VkDependencyFlags flags, std::uint32_t count,
+                        const VkMemoryBarrier* barriers, std::uint32_t buffer_count,
+                        const VkBufferMemoryBarrier* buffer_barriers, std::uint32_t image_count,
+                        const VkImageMemoryBarrier* image_barriers) {
+  if (trace.keeps && !trace.dispatches.empty()) ++trace.dispatches.back().barriers;
+  trace.vkCmdPipelineBarrier(commands, from, to, flags, count, barriers, buffer_count,
+                             buffer_barriers, image_count, image_barriers);
 }
 
 void VKAPI_CALL dispatch(VkCommandBuffer commands, std::uint32_t x, std::uint32_t y,
@@ -153,23 +225,15 @@ PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char* name)
   const PFN_vkVoidFunction found = trace.get_device_proc(device, name);
   if (!found) return nullptr;
   const std::string_view wanted = name;
-  const auto replaced = [&](auto& real, auto own) {
-    real = reinterpret_cast<std::remove_reference_t<decltype(real)>>(found);
-    return reinterpret_cast<PFN_vkVoidFunction>(own);
-  };
-  if (wanted == "vkCreateBuffer") return replaced(trace.vkCreateBuffer, create_buffer);
-  if (wanted == "vkCreateBufferView") return replaced(trace.vkCreateBufferView, create_view);
-  if (wanted == "vkAllocateDescriptorSets")
-    return replaced(trace.vkAllocateDescriptorSets, allocate_sets);
-  if (wanted == "vkUpdateDescriptorSets")
-    return replaced(trace.vkUpdateDescriptorSets, update_sets);
-  if (wanted == "vkCmdBindDescriptorSets")
-    return replaced(trace.vkCmdBindDescriptorSets, bind_sets);
-  if (wanted == "vkCmdDispatch") return replaced(trace.vkCmdDispatch, dispatch);
-  if (wanted == "vkCmdDispatchIndirect")
-    return replaced(trace.vkCmdDispatchIndirect, dispatch_indirect);
-  if (wanted == "vkCmdWriteTimestamp")
-    trace.write_timestamp = reinterpret_cast<PFN_vkCmdWriteTimestamp>(found);
+#define REPLACE_TRACED(function, own)                         \
+  if (wanted == #function) {                                  \
+    trace.function = reinterpret_cast<PFN_##function>(found); \
+    return reinterpret_cast<PFN_vkVoidFunction>(own);         \
+  }
+#define KEEP_CALLED(function) \
+  if (wanted == #function) trace.function = reinterpret_cast<PFN_##function>(found);
+  TRACED_FUNCTIONS(REPLACE_TRACED)
+  CALLED_FUNCTIONS(KEEP_CALLED)
   return found;
 }
 
@@ -202,6 +266,20 @@ std::vector<TracedDispatch> DeviceTrace::end() {
   trace.timestamps = {};
   return std::exchange(trace.dispatches, {});
 }
+
+void DeviceTrace::log_accesses(bool is_on) {
+  trace.logs = is_on;
+  trace.log_layout = VK_NULL_HANDLE;
+  trace.accesses.clear();
+}
+
+void DeviceTrace::set_log(VkDescriptorSet set, VkBuffer buffer) {
+  trace.log_set = set;
+  trace.log = buffer;
+}
+
+VkDescriptorSetLayout DeviceTrace::log_layout() { return trace.log_layout; }
+const std::vector<Access>& DeviceTrace::accesses() { return trace.accesses; }
 
 std::string_view kernel_of(const vulkan::Context& context, VkPipelineLayout layout) {
   constexpr std::string_view kPrefix = "planish ";

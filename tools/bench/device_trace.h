@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/spirv_accesses.h"
 #include "planish/vulkan/device/context.h"
 #include "planish/vulkan/embed.h"
 
@@ -14,6 +15,7 @@ struct TracedDispatch {
   VkPipelineLayout layout = VK_NULL_HANDLE;  ///< each kernel has its own
   std::uint64_t bound_bytes = 0;             ///< of the ranges that its descriptor set binds
   bool is_indirect = false;                  ///< the device decides how often it runs
+  std::uint32_t barriers = 0;                ///< that come before the next dispatch
 };
 
 /// Stands between planish and the loader, and sees what is recorded: which ranges of buffers every
@@ -29,6 +31,14 @@ class DeviceTrace {
   /// then ended.
   static void begin(const vulkan::Timestamps& timestamps);
   [[nodiscard]] static std::vector<TracedDispatch> end();
+
+  /// Kernels that are compiled while it is on log what they access of storage buffers; see
+  /// spirv_accesses.h. They run while `set`, of log_layout(), is their log, the buffer that it
+  /// binds; a record's mark is the number of the dispatch since begin().
+  static void log_accesses(bool is_on);
+  static void set_log(VkDescriptorSet set, VkBuffer buffer);
+  [[nodiscard]] static VkDescriptorSetLayout log_layout();
+  [[nodiscard]] static const std::vector<Access>& accesses();
 };
 
 /// The kernel that a layout belongs to, as its file is called; empty for one that is not planish's.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "bench/access_log.h"
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
 #include "bench/device_clock.h"
@@ -22,15 +23,30 @@ using namespace vulkan;
 // Iterations in the submission; one step more measures.
 constexpr std::uint32_t kTimedIterations = 4;
 constexpr std::uint32_t kCopySpans = 2;
+constexpr std::int32_t kCountedPoints = 256;
 constexpr std::uint64_t kSoftwareCopyBytes = 64u << 20;  // caches hold less, and it takes longer
 
 // What the dispatches of one kernel come to.
 struct KernelTotal {
   std::string name;
   std::uint64_t dispatches = 0, indirect = 0;
+  std::uint64_t barriers = 0;    // behind its dispatches
   std::uint64_t bytes = 0;       // of the others: how often the device runs those is its own affair
   std::vector<double> times_ms;  // per repetition
 };
+
+void record_frame(const DeviceFrame& frame, VkCommandBuffer commands) {
+  frame.solve.record_solve(commands, {.iterations = kTimedIterations});
+  frame.solve.record_evaluate(commands);
+}
+
+// What one pass of the kernel makes, times its passes.
+double elements_of(std::string_view kernel, const PolygonMesh& mesh, const DeviceFrame& frame) {
+  if (kernel == "first_step") return static_cast<double>(mesh.face_vertices.size());
+  if (kernel == "corner_patches") return frame.system.vertex_count();
+  const double passes = kernel == "interpolation_step" ? kTimedIterations + 1 : 1;
+  return passes * mesh.vertex_count();
+}
 
 class FrameKernels {
  public:
@@ -52,7 +68,7 @@ class FrameKernels {
     std::vector<TracedDispatch> dispatches;
     machine_.submitter.run([&](VkCommandBuffer commands) {
       DeviceTrace::begin({});
-      record_frame(commands);
+      record_frame(frame_, commands);
       dispatches = DeviceTrace::end();
     });
     const auto count = static_cast<std::uint32_t>(dispatches.size());
@@ -64,11 +80,6 @@ class FrameKernels {
   }
 
  private:
-  void record_frame(VkCommandBuffer commands) const {
-    frame_.solve.record_solve(commands, {.iterations = kTimedIterations});
-    frame_.solve.record_evaluate(commands);
-  }
-
   [[nodiscard]] std::vector<KernelTotal> totals_of(
       const std::vector<TracedDispatch>& dispatches) const {
     std::vector<KernelTotal> totals = {{"copy-kernel", 1}, {"vkCmdCopyBuffer", 1}};
@@ -76,6 +87,7 @@ class FrameKernels {
     for (const TracedDispatch& dispatch : dispatches) {
       KernelTotal& total = total_of(totals, dispatch);
       ++(dispatch.is_indirect ? total.indirect : total.dispatches);
+      total.barriers += dispatch.barriers;
       if (!dispatch.is_indirect) total.bytes += dispatch.bound_bytes;
     }
     return totals;
@@ -105,7 +117,7 @@ class FrameKernels {
       clock.record(commands, 3);
       barrier();
       DeviceTrace::begin({clock.pool(), 2 * kCopySpans});
-      record_frame(commands);
+      record_frame(frame_, commands);
       (void)DeviceTrace::end();
     });
     const auto count = static_cast<std::uint32_t>(dispatches.size());
@@ -119,19 +131,12 @@ class FrameKernels {
     }
   }
 
-  // What one pass of the kernel makes, times its passes.
-  [[nodiscard]] double elements_of(const std::string& kernel) const {
-    if (kernel == "first_step") return static_cast<double>(mesh_.face_vertices.size());
-    if (kernel == "corner_patches") return frame_.system.vertex_count();
-    const double passes = kernel == "interpolation_step" ? kTimedIterations + 1 : 1;
-    return passes * mesh_.vertex_count();
-  }
-
   [[nodiscard]] std::vector<Row> rows_of(std::vector<KernelTotal>& totals) const {
     KernelTotal all{"frame"};
     for (std::size_t i = kCopySpans; i < totals.size(); ++i) {
       all.dispatches += totals[i].dispatches;
       all.indirect += totals[i].indirect;
+      all.barriers += totals[i].barriers;
       all.bytes += totals[i].bytes;
       all.times_ms.resize(totals[i].times_ms.size());
       for (std::size_t k = 0; k < all.times_ms.size(); ++k)
@@ -143,9 +148,10 @@ class FrameKernels {
     for (const KernelTotal& total : totals) {
       Row row = row_of_times(group_, total.name, total.times_ms);
       const double elements = rows.size() < kCopySpans ? static_cast<double>(copy_.bytes()) / 16
-                                                       : elements_of(total.name);
+                                                       : elements_of(total.name, mesh_, frame_);
       row.figures = {{"dispatches", static_cast<double>(total.dispatches)},
                      {"indirect_dispatches", static_cast<double>(total.indirect)},
+                     {"barriers", static_cast<double>(total.barriers)},
                      {"bytes", static_cast<double>(total.bytes)},
                      {"elements", elements},
                      {"bytes_per_element", static_cast<double>(total.bytes) / elements}};
@@ -169,6 +175,45 @@ class FrameKernels {
   Group group_;
 };
 
+// A frame's kernels on hardware by what their lanes read and write; each access is logged, so of a
+// small mesh.
+std::vector<Row> count_accesses(const Options& options, InterpolationMethod method) {
+  AccessLog log(options);
+  const PolygonMesh mesh = rough_torus(std::min(kCountedPoints, options.point_counts.front()));
+  const DeviceFrame frame(log.machine(), mesh, {.level = kFrameLevel, .method = method});
+  std::vector<TracedDispatch> dispatches;
+  log.machine().submitter.run([&](VkCommandBuffer commands) {
+    DeviceTrace::begin({});
+    record_frame(frame, commands);
+    dispatches = DeviceTrace::end();
+  });
+  const std::vector<AccessTotal> totals = log.totals(dispatches.size());
+  const std::string size = std::to_string(mesh.vertex_count()) + " points, " +
+                           (method == InterpolationMethod::Fair ? "fair" : "progressive") +
+                           ", by accesses of lanes";
+  std::vector<std::pair<std::string, AccessTotal>> kernels;
+  AccessTotal all;
+  for (std::size_t i = 0; i < totals.size(); ++i) {
+    const std::string name(kernel_of(log.machine().context, dispatches[i].layout));
+    auto found = std::ranges::find(kernels, name, &std::pair<std::string, AccessTotal>::first);
+    if (found == kernels.end()) found = kernels.insert(found, {name, {}});
+    found->second += totals[i];
+    all += totals[i];
+  }
+  kernels.emplace_back("frame", all);
+  std::vector<Row> rows;
+  for (const auto& [name, total] : kernels) {
+    Row& row = rows.emplace_back(Row{.group = "kernels", .size = size, .peer = name});
+    const double elements = elements_of(name, mesh, frame);
+    row.figures = {
+        {"elements", elements},
+        {"read_per_element", static_cast<double>(total.read_bytes) / elements},
+        {"written_per_element", static_cast<double>(total.written_bytes) / elements},
+        {"transactions_per_element", static_cast<double>(total.transactions) / elements}};
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::vector<Row> bench_kernels(const Options& options) {
@@ -191,6 +236,10 @@ std::vector<Row> bench_kernels(const Options& options) {
                                is_fair ? "fair" : "progressive"));
       }
     }
+  }
+  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
+    const std::vector<Row> counted = count_accesses(options, method);
+    rows.insert(rows.end(), counted.begin(), counted.end());
   }
   return rows;
 }
