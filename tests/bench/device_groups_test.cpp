@@ -3,12 +3,12 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "cli/json_schema.h"
+#include "planish/core/json.h"
 #include "support/temporary_folder.h"
 #include "support/vulkan_device.h"
 

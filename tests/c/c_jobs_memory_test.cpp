@@ -80,6 +80,17 @@ TEST_F(CJobsMemory, MeshesToEveryFormat) {
     expect_clean_ends(mesh, name);
 }
 
+// From OBJ a document is made, from glTF that of the file is changed in place.
+TEST_F(CJobsMemory, GltfBothWays) {
+  const auto mesh = given("laden.obj", laden_mesh(1)), asset = folder_.path() / "laden.glb";
+  ASSERT_EQ(planish_fit_file(mesh.c_str(), asset.c_str(), 0, &options_, nullptr), PLANISH_OK);
+  for (const char* name : {"a.gltf", "a.glb"}) {
+    expect_clean_ends(mesh, name);
+    expect_clean_ends(asset, name);
+  }
+  expect_clean_ends(asset, "a.ply");
+}
+
 TEST_F(CJobsMemory, OpenMeshesByBothMethods) {
   const auto mesh = given("open.ply", random_open_mesh(2));
   for (const int method : {PLANISH_METHOD_PROGRESSIVE, PLANISH_METHOD_FAIR}) {

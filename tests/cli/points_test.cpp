@@ -7,7 +7,6 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 #include <set>
@@ -17,6 +16,7 @@
 #include "files/gltf/glb_bytes.h"
 #include "job/sampling.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/core/json.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
 #include "planish/limit/surface_queries.h"

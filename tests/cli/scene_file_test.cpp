@@ -4,9 +4,9 @@
 
 #include <cstdint>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/files/formats.h"
 
 namespace planish::command {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "mpi_flags.h"
 #include "mpi_options.h"
 #include "options/scene_file.h"
+#include "planish/core/json.h"
 
 namespace planish::test {
 namespace {

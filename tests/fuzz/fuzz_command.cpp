@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "output/cage_header.h"
 #include "page/page_text.h"
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 

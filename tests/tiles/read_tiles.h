@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "planish/core/json.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish::test {

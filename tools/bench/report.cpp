@@ -7,9 +7,9 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "planish/core/json.h"
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
 

@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "job/input_path.h"
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "report/inspection.h"
 #include "report/report.h"
 #include "terminal/faults.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "devices.h"
@@ -16,6 +15,7 @@
 #include "output/answers.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
+#include "planish/core/json.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/refuse.h"

@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "build_info.h"
 #include "commands.h"
@@ -11,6 +10,7 @@
 #include "output/output_plan.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
 #include "planish/pipeline/option_table.h"

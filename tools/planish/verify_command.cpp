@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "job/input.h"
@@ -8,6 +7,7 @@
 #include "options/option_flags.h"
 #include "options/settings.h"
 #include "output/cage_header.h"
+#include "planish/core/json.h"
 #include "planish/pipeline/option_table.h"
 #include "report/report.h"
 #include "terminal/faults.h"

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <iomanip>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <system_error>
 
 #include "build_info.h"
 #include "planish/core/counted.h"
+#include "planish/core/json.h"
 #include "planish/core/number_text.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"

@@ -1,10 +1,9 @@
-#include <nlohmann/json.hpp>
-
+#include "planish/pipeline/fit_report.h"
 #include "bindings.h"
+#include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
-#include "planish/pipeline/fit_report.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/surface_quality.h"
 

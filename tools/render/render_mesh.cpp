@@ -5,9 +5,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "planish/core/json.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/read_file.h"
@@ -55,8 +55,8 @@ RenderMesh read_glb(const std::filesystem::path& path, const std::string& attrib
   const RawVector<std::byte> bytes = read_file(path);
   const std::string name = path.string();
   const GlbParts parts = split_glb(bytes, name);
-  const JsonDocument document = parse_json(parts.json, name);
-  const JsonPlace root(*document, name, "");
+  const nlohmann::json document = parse_json(parts.json, name);
+  const JsonPlace root(document, name, "");
   GltfSource source(root, parts.chunk, std::nullopt);
   RenderMesh mesh;
   const JsonPlace primitives = root["meshes"][0]["primitives"];

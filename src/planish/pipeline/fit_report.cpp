@@ -1,8 +1,8 @@
 #include "planish/pipeline/fit_report.h"
 
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "planish/core/json.h"
 #include "planish/pipeline/option_words.h"
 
 namespace planish {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 
+#include "planish/core/json_fwd.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit_mesh.h"

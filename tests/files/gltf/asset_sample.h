@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <cstring>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "files/gltf/glb_bytes.h"
+#include "planish/core/json.h"
 
 namespace planish::test {
 

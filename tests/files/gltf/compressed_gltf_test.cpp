@@ -9,12 +9,12 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "files/gltf/read_square.h"
 #include "files/gltf/surfaces.h"
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/files/gltf/packed_numbers.h"
 #include "planish/files/gltf/strip_order.h"
 #include "planish/files/gltf/write_gltf.h"

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "planish/core/json.h"
 #include "support/byte_strings.h"
 
 namespace planish::test {

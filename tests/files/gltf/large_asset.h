@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "files/gltf/glb_bytes.h"
+#include "planish/core/json.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish::test {

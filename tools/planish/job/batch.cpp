@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <thread>
 
@@ -16,6 +15,7 @@
 #include "memory/large_arrays.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
 #include "terminal/interrupt.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "job/asset_job.h"
@@ -13,6 +12,7 @@
 #include "job/point_input.h"
 #include "job/timed.h"
 #include "output/job_outputs.h"
+#include "planish/core/json.h"
 #include "report/details.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"

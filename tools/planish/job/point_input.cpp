@@ -1,11 +1,10 @@
 #include "job/point_input.h"
 
-#include <nlohmann/json.hpp>
-
 #include "job/input_path.h"
 #include "memory/large_arrays.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/json.h"
 #include "planish/files/read_file.h"
 #include "planish/files/read_points.h"
 #include "planish/reconstruct/mesher_process.h"

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "job/input.h"
+#include "planish/core/json_fwd.h"
 #include "planish/reconstruct/reconstruct.h"
 
 namespace planish::command {

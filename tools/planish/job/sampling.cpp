@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "make_scenes/sample_points.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/core/json.h"
 #include "planish/core/stop.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/pipeline/fit.h"

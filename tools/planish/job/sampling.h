@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 
 #include "job/input.h"
 #include "planish/core/callbacks.h"
+#include "planish/core/json_fwd.h"
 #include "planish/mesh/point_cloud.h"
 
 namespace planish::command {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "job/input.h"
@@ -15,6 +14,7 @@
 #include "options/strict_json.h"
 #include "page/page_job.h"
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/nearest.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"

@@ -1,8 +1,7 @@
 #include "options/scene_moves.h"
 
-#include <nlohmann/json.hpp>
-
 #include "options/scene_settings.h"
+#include "planish/core/json.h"
 #include "planish/core/refuse.h"
 
 namespace planish::command {

@@ -1,9 +1,9 @@
 #include "options/scene_schema.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "options/scene_values.h"
+#include "planish/core/json.h"
 #include "planish/files/formats.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"

@@ -1,8 +1,8 @@
 #include "options/scene_settings.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "planish/core/json.h"
 #include "planish/core/nearest.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"

@@ -1,9 +1,9 @@
 #include "options/scene_values.h"
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 
 #include "planish/core/formatted.h"
+#include "planish/core/json.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "terminal/text.h"

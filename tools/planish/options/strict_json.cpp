@@ -1,11 +1,11 @@
 #include "options/strict_json.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "planish/core/json.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <nlohmann/json.hpp>
 #include <type_traits>
 #include <vector>
 
+#include "planish/core/json.h"
 #include "planish/core/parallel.h"
 #include "report/report.h"
 

@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <functional>
 #include <glm/vec3.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "planish/core/json_fwd.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/patches/patch_curvature.h"
 

@@ -1,9 +1,9 @@
 #include "output/further_buffers.h"
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "planish/core/json.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/write_gltf.h"

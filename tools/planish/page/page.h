@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "page/page_scene.h"
+#include "planish/core/json.h"
 
 namespace planish::command {
 

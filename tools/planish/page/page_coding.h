@@ -2,12 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "page/page_order.h"
+#include "planish/core/json.h"
 
 namespace planish::command {
 

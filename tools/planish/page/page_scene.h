@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "page/page_order.h"
+#include "planish/core/json.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/surface_mesh.h"

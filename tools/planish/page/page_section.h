@@ -1,7 +1,8 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
+
+#include "planish/core/json.h"
 
 namespace planish::command {
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <glm/common.hpp>
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/number_text.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/write_polygons.h"

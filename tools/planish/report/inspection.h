@@ -2,13 +2,13 @@
 
 #include <array>
 #include <glm/vec3.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "job/point_input.h"
 #include "job/torn_vertices.h"
+#include "planish/core/json_fwd.h"
 #include "planish/files/gltf/asset/asset_contents.h"
 #include "planish/files/scan_contents.h"
 #include "planish/mesh/check.h"

@@ -3,10 +3,10 @@
 #include <sys/resource.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "build_info.h"
+#include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/pipeline/fit_report.h"
 #include "planish/pipeline/option_table.h"

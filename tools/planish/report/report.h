@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "options/settings.h"
 #include "output/output_plan.h"
 #include "planish/backend/backend.h"
+#include "planish/core/json.h"
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/write_fitted_step.h"

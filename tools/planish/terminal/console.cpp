@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {

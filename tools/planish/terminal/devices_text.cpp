@@ -1,8 +1,8 @@
 #include "terminal/devices_text.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "planish/core/json.h"
 #include "report/report.h"
 #include "terminal/table.h"
 #include "terminal/text.h"

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "planish/core/json.h"
 
 namespace planish::command {
 namespace {

@@ -1,23 +1,37 @@
 // Based on: Khronos, "glTF 2.0 Specification", 2021.
 #include "planish/files/gltf/gltf_document.h"
 
-#include <tiny_gltf.h>
-
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
-#ifndef __EMSCRIPTEN__
 #include <sstream>
-#endif
+#include <string>
+#include <vector>
 
+#include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/files/gltf/gltf_materials.h"
 
-#ifdef __EMSCRIPTEN__
-// Of tools/wasm/libraries/tinygltf.cpp, without a stream.
-nlohmann::json tinygltf_document(const tinygltf::Model& model);
-#endif
+// tinygltf with a JSON that is taken apart without memory, and without the streams that its library
+// writes to. What it includes itself stands above; what is not called here is not compiled.
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_FS
+#define TINYGLTF_NO_INCLUDE_JSON
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+namespace {
+#include <tiny_gltf.h>
+}
 
 namespace planish {
 namespace {
@@ -142,14 +156,6 @@ void add_meshes(const GltfDocument& document, const GltfOptions& options, tinygl
   }
 }
 
-#ifndef __EMSCRIPTEN__
-json tinygltf_document(const tinygltf::Model& model) {
-  std::ostringstream text;
-  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
-  return json::parse(text.str());
-}
-#endif
-
 // What tinygltf cannot serialise: buffers without their bytes, extensions of buffer views, and
 // places in a buffer that streams stand for: it may be larger than the 32 bits of WebAssembly.
 void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
@@ -222,7 +228,8 @@ std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
   add_meshes(document, options, model);
   model.extensionsUsed = model.extensionsRequired = document.extensions;
   add_arrays(document, model);
-  json written = tinygltf_document(model);
+  json written;
+  tinygltf::SerializeGltfModel(&model, written);
   add_buffers(document, buffer_uri, written);
   if (takes_materials(document, options))
     options.materials->apply(written, options.image_folder, document.buffer_bytes);

@@ -3,13 +3,13 @@
 #include <cstddef>
 #include <filesystem>
 #include <glm/vec3.hpp>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/core/json.h"
 #include "planish/core/raw_vector.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 

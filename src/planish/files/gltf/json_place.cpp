@@ -1,9 +1,9 @@
 #include "planish/files/gltf/json_place.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 
 namespace planish {
 namespace {
@@ -12,13 +12,6 @@ namespace {
 // would overflow their stack long before anything useful stood there.
 constexpr int kMaxDepth = 64;
 constexpr std::int64_t kMaxInteger = std::int64_t{1} << 53;
-
-// No deeper than parse_json() lets a document be nested.
-void clear_members(nlohmann::json& value) noexcept {
-  if (!value.is_structured()) return;  // a loop over such a one would meet itself
-  for (nlohmann::json& member : value) clear_members(member);
-  value.clear();
-}
 
 }  // namespace
 
@@ -103,12 +96,7 @@ std::int64_t JsonPlace::integer_or(std::string_view key, std::int64_t otherwise)
   return found ? found->integer() : otherwise;
 }
 
-void JsonRemoval::operator()(nlohmann::json* document) const noexcept {
-  clear_members(*document);
-  delete document;
-}
-
-JsonDocument parse_json(std::string_view text, std::string_view file) {
+nlohmann::json parse_json(std::string_view text, std::string_view file) {
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorCode::UnreadableInput, std::string(file) + ": " + what);
   };
@@ -118,9 +106,7 @@ JsonDocument parse_json(std::string_view text, std::string_view file) {
     return true;
   };
   try {
-    JsonDocument document(new nlohmann::json);
-    *document = nlohmann::json::parse(text, limit_depth);
-    return document;
+    return nlohmann::json::parse(text, limit_depth);
   } catch (const nlohmann::json::exception& error) {
     // The library's messages begin with an identifier in brackets.
     const std::string message = error.what();

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "planish/core/json_fwd.h"
 
 namespace planish {
 
@@ -52,15 +52,8 @@ class JsonPlace {
   std::string path_;
 };
 
-/// Takes a document apart from its leaves on. nlohmann::json's own destructor asks for memory for
-/// the members of a value that has some, and ends the program where there is none.
-struct JsonRemoval {
-  void operator()(nlohmann::json* document) const noexcept;
-};
-using JsonDocument = std::unique_ptr<nlohmann::json, JsonRemoval>;
-
 /// Parses JSON text that is nested no deeper than 64 levels.
 /// Throws Error{UnreadableInput} with line and column.
-[[nodiscard]] JsonDocument parse_json(std::string_view text, std::string_view file);
+[[nodiscard]] nlohmann::json parse_json(std::string_view text, std::string_view file);
 
 }  // namespace planish

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
 
 #include "planish/core/formatted.h"
+#include "planish/core/json.h"
 #include "planish/files/gltf/gltf_document.h"
 
 namespace planish {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <variant>
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
 #include "planish/files/gltf/gltf_packing.h"

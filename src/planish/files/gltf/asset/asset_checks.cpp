@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "planish/core/json.h"
 #include "planish/core/number_text.h"
 #include "planish/files/gltf/scene_reader.h"
 

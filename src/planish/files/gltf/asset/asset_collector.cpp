@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "planish/core/json.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 
 namespace planish {

@@ -1,9 +1,9 @@
 #include "planish/files/gltf/asset/asset_contents.h"
 
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <set>
 
+#include "planish/core/json.h"
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/asset/tangent_sets.h"

@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "planish/core/json.h"
 #include "planish/files/gltf/asset/asset_references.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/files/gltf/asset/mesh_levels.h"

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "planish/core/json.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/draco_stream.h"
 

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <set>
+
+#include "planish/core/json_fwd.h"
 
 namespace planish {
 

@@ -1,9 +1,9 @@
 #include "planish/files/gltf/asset/gltf_asset.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "planish/core/json.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/asset_checks.h"
 #include "planish/files/gltf/asset/json_guard.h"
@@ -26,7 +26,8 @@ GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
     : file_(file),
       limits_(limits),
       format_(split_glb(file.bytes, file.name).format),
-      document_(parse_json(split_glb(file.bytes, file.name).json, file.name)),
+      document_(std::make_shared<nlohmann::json>(
+          parse_json(split_glb(file.bytes, file.name).json, file.name))),
       root_(*document_, file_.name, ""),
       source_(root_, split_glb(file.bytes, file.name).chunk, folder_of(file)) {
   file_.progress = nullptr;  // which counts the bytes of a scene

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "planish/core/json_fwd.h"
 #include "planish/files/gltf/asset/asset_vertices.h"
 #include "planish/files/gltf/gltf_budget.h"
 #include "planish/files/gltf/gltf_source.h"
@@ -55,7 +55,7 @@ class GltfAsset {
   FileBytes file_;
   GltfLimits limits_;
   FileFormat format_;
-  JsonDocument document_;
+  std::shared_ptr<const nlohmann::json> document_;
   JsonPlace root_;
   mutable GltfSource source_;  // fetches when it is asked
   std::vector<std::int64_t> surfaces_;

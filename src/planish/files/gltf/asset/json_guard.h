@@ -1,10 +1,10 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 
 namespace planish {
 

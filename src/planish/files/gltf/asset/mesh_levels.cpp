@@ -1,10 +1,10 @@
 #include "planish/files/gltf/asset/mesh_levels.h"
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 
 namespace planish {
 namespace {

@@ -2,8 +2,9 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
+
+#include "planish/core/json_fwd.h"
 
 namespace planish {
 

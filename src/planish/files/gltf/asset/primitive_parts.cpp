@@ -1,8 +1,8 @@
 #include "planish/files/gltf/asset/primitive_parts.h"
 
 #include <charconv>
-#include <nlohmann/json.hpp>
 
+#include "planish/core/json.h"
 #include "planish/files/gltf/draco_stream.h"
 
 namespace planish {

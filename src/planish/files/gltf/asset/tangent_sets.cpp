@@ -3,11 +3,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "planish/core/json.h"
 #include "planish/core/parallel.h"
 
 namespace planish {

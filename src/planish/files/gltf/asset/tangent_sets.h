@@ -1,7 +1,6 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "planish/core/json_fwd.h"
 #include "planish/files/gltf/asset/asset_vertices.h"
 #include "planish/mesh/polygon_mesh.h"
 

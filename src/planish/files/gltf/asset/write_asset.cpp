@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "planish/core/host_scope.h"
+#include "planish/core/json.h"
 #include "planish/files/gltf/asset/asset_document.h"
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/gltf_buffer.h"
