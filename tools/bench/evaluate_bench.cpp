@@ -7,6 +7,7 @@
 #include "bench/benchmarks.h"
 #include "bench/device_frame.h"
 #include "bench/table_evaluation.h"
+#include "planish/core/formatted.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/embed.h"
@@ -19,8 +20,7 @@ namespace {
 using namespace vulkan;
 
 std::string megabytes(std::uint64_t bytes) {
-  return std::to_string((bytes + 50'000) / 100'000 / 10) + "." +
-         std::to_string((bytes + 50'000) / 100'000 % 10) + " MB";
+  return formatted("{}.{} MB", (bytes + 50'000) / 100'000 / 10, (bytes + 50'000) / 100'000 % 10);
 }
 
 // The same surface from the same control points by tables.
@@ -105,10 +105,10 @@ std::vector<Row> bench_evaluate(const Options& options) {
 
   Group group;
   group.name = "evaluate";
-  group.size = std::to_string(mesh.face_count()) + " quads, " +
-               std::to_string(frame.system.vertex_count()) + " vertices; vulkan on " +
-               machine.device.capabilities().name + "; tables " + megabytes(tables.device_bytes()) +
-               ", System's whole " + megabytes(frame.tables.device_bytes());
+  group.size =
+      formatted("{} quads, {} vertices; vulkan on {}; tables {}, System's whole {}",
+                mesh.face_count(), frame.system.vertex_count(), machine.device.capabilities().name,
+                megabytes(tables.device_bytes()), megabytes(frame.tables.device_bytes()));
   group.baseline = "planish-tables";
   group.peers.push_back({"planish-tables", evaluate_tables});
   group.peers.push_back({"planish-patches", evaluate_patches});

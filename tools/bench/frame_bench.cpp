@@ -11,6 +11,7 @@
 #include "bench/device_trace.h"
 #include "bench/moving_torus.h"
 #include "bench/refusal.h"
+#include "planish/core/formatted.h"
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/device/fenced_commands.h"
 #include "planish/vulkan/device/result.h"
@@ -44,10 +45,9 @@ class FrameBudget {
         status_(machine.context, sizeof(GpuStatus), MemoryUse::Download) {
     for (int i = 0; i < kPoses; ++i) poses_.push_back(twisted(mesh, i));
     group_.name = "frame";
-    group_.size = std::to_string(mesh.vertex_count()) + " points, " +
-                  std::to_string(frame_.system.vertex_count()) + " vertices; " +
-                  machine.device.capabilities().name +
-                  (clock_.pool() ? "" : ", by the host's clock: it has no timestamps");
+    group_.size = formatted("{} points, {} vertices; {}{}", mesh.vertex_count(),
+                            frame_.system.vertex_count(), machine.device.capabilities().name,
+                            clock_.pool() ? "" : ", by the host's clock: it has no timestamps");
     group_.baseline = "warm-frame";
   }
 
@@ -154,7 +154,7 @@ class FrameBudget {
         {"table_bytes", static_cast<double>(frame_.tables.device_bytes())},
         {"gigabytes_per_second", ms > 0 ? 1e-6 * bytes / ms : 0}};
     for (const double speed : kMemorySpeeds)
-      figures.emplace_back("predicted_ms_" + std::to_string(static_cast<int>(speed)),
+      figures.emplace_back(formatted("predicted_ms_{}", static_cast<int>(speed)),
                            1e-6 * bytes / speed);
     return figures;
   }
@@ -247,7 +247,7 @@ std::vector<Row> bench_frame(const Options& options) {
       rows.push_back(FrameBudget(*machine, mesh, kFrameWithin).measure_within(options));
     } catch (const Error& error) {
       rows.push_back(
-          refusal(error, "frame", std::to_string(mesh.vertex_count()) + " points", "warm-frame"));
+          refusal(error, "frame", formatted("{} points", mesh.vertex_count()), "warm-frame"));
     }
   }
   return rows;

@@ -22,6 +22,7 @@
 #include "bench/benchmarks.h"
 #include "bench/table_chain.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/files/obj/read_obj.h"
@@ -169,7 +170,7 @@ std::vector<Row> bench_triangles_job(const Options& options) {
   write_text(folder.file("in.obj"), obj_text(mesh));
   Group group;
   group.name = "job-triangles";
-  group.size = std::to_string(mesh.face_count()) + " irregular triangles";
+  group.size = formatted("{} irregular triangles", mesh.face_count());
   group.baseline = "planish-default-level-0";
   group.peers = {
       {"planish-default-level-0",
@@ -207,8 +208,7 @@ std::vector<Row> bench_job(const Options& options) {
 
   Group group;
   group.name = "job";
-  group.size = std::to_string(file.mesh.face_count()) + " quads, " + std::to_string(text.size()) +
-               " bytes of OBJ";
+  group.size = formatted("{} quads, {} bytes of OBJ", file.mesh.face_count(), text.size());
   group.baseline = "planish-level-0";
   group.peers = {
       {"planish-level-0", [&] { run_program(progressive_command(folder, 0)); }},

@@ -12,6 +12,7 @@
 #include "bench/device_trace.h"
 #include "bench/moving_torus.h"
 #include "bench/refusal.h"
+#include "planish/core/formatted.h"
 #include "planish/vulkan/device/commands.h"
 
 namespace planish::bench {
@@ -57,10 +58,9 @@ class FrameKernels {
         mesh_(mesh),
         frame_(machine, mesh, {.level = kFrameLevel, .method = method}) {
     group_.name = "kernels";
-    group_.size = std::to_string(mesh.vertex_count()) + " points, " +
-                  (method == InterpolationMethod::Fair ? "fair, " : "progressive, ") +
-                  std::to_string(frame_.system.vertex_count()) + " vertices; " +
-                  machine.device.capabilities().name;
+    group_.size = formatted("{} points, {}{} vertices; {}", mesh.vertex_count(),
+                            method == InterpolationMethod::Fair ? "fair, " : "progressive, ",
+                            frame_.system.vertex_count(), machine.device.capabilities().name);
     group_.baseline = "vkCmdCopyBuffer";
   }
 
@@ -232,7 +232,7 @@ std::vector<Row> bench_kernels(const Options& options) {
         rows.insert(rows.end(), measured.begin(), measured.end());
       } catch (const Error& error) {
         const bool is_fair = method == InterpolationMethod::Fair;
-        rows.push_back(refusal(error, "kernels", std::to_string(mesh.vertex_count()) + " points",
+        rows.push_back(refusal(error, "kernels", formatted("{} points", mesh.vertex_count()),
                                is_fair ? "fair" : "progressive"));
       }
     }

@@ -4,6 +4,7 @@
 
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
+#include "planish/core/formatted.h"
 #include "planish/mesh/merged_meshes.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/embed.h"
@@ -106,11 +107,10 @@ std::vector<Row> bench_many(const Options& options) {
   Group group;
   group.name = "many";
   const auto points = [](const Instances& all) {
-    return std::to_string(all.solves.size()) + " of " + std::to_string(all.system.given_count());
+    return formatted("{} of {}", all.solves.size(), all.system.given_count());
   };
-  group.size = points(*one) + " points, " + points(*many) + ", " + points(*tiny) + "; " +
-               std::to_string(kSteps.iterations) + " steps; vulkan on " +
-               machine.device.capabilities().name;
+  group.size = formatted("{} points, {}, {}; {} steps; vulkan on {}", points(*one), points(*many),
+                         points(*tiny), kSteps.iterations, machine.device.capabilities().name);
   group.baseline = "solve-one";
   add_peers(group, "one", machine, one);
   add_peers(group, "merged", machine, merged);

@@ -73,6 +73,9 @@ COMMON = set(
 )
 
 
+# Headers that come with another: whoever throws an Error has a message to write.
+COME_WITH = {("src/planish/core/error.h", "src/planish/core/formatted.h")}
+
 # planish::vulkan::Solve is the hosts' word for what planish::Solve is to a fit.
 ACCEPTED_TYPES = {"Solve"}
 
@@ -163,7 +166,9 @@ def unused_includes(texts):
         for include in included(text):
             path = resolve(include, name, headers)
             own = path and pathlib.PurePath(path).stem == pathlib.PurePath(name).stem
-            if not path or own or path == "src/planish/planish.h":  # it holds includes alone
+            if not path or own or (name, path) in COME_WITH:
+                continue
+            if path == "src/planish/planish.h":  # it holds includes alone
                 continue
             if not (words[path] - COMMON) & set(re.findall(r"\b[A-Za-z_]\w+\b", body)):
                 yield f'{name}: "{include}" is not used'

@@ -41,7 +41,7 @@ std::string slip_among_inputs(const FitFlags& flags, const std::string& path) {
   const bool could_be_output = format && serves(*format, FormatUse::WriteSurface);
   if (flags.inputs.size() > 1 && path != flags.inputs.front() && could_be_output &&
       flags.outputs.empty())
-    return visible(path) + ": no such input; did you mean -o " + visible(path) + "?";
+    return formatted("{}: no such input; did you mean -o {}?", visible(path), visible(path));
   return {};
 }
 
@@ -60,9 +60,9 @@ void check_inputs(const FitFlags& flags, const FitPlan& plan, std::optional<File
 // What to type where nothing is to be written.
 std::string nothing_to_write(const FitPlan& plan) {
   const std::string& first = plan.inputs.paths.empty() ? "mesh.obj" : plan.inputs.paths.front();
-  const std::string line = is_batch(plan)
-                               ? "planish fit ... -o out/"
-                               : "planish fit " + visible(first) + " -o " + output_beside(first);
+  const std::string line =
+      is_batch(plan) ? "planish fit ... -o out/"
+                     : formatted("planish fit {} -o {}", visible(first), output_beside(first));
   return "nothing to write; did you mean: " + line +
          "  (or --cage FILE, --page FILE, --report FILE)";
 }

@@ -17,9 +17,9 @@ ExitCode print_completion(const std::string& name) {
   constexpr std::array<std::string_view, 3> kShells{"bash", "zsh", "fish"};
   const auto shell = shell_of(name);
   if (!shell)
-    throw Error(ErrorCode::InvalidArgument, "planish completion: \"" + visible(name) +
-                                                "\" is not one of bash, zsh, fish" +
-                                                did_you_mean(name, kShells));
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("planish completion: \"{}\" is not one of bash, zsh, fish{}",
+                          visible(name), did_you_mean(name, kShells)));
   write_stdout(completion_script(*shell, all_help()));
   return ExitCode::Done;
 }

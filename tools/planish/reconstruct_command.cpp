@@ -36,8 +36,8 @@ FileFormat output_format(const std::string& path) {
   const auto format = format_of(path);
   if (format && serves(*format, FormatUse::WriteCage)) return *format;
   throw Error(ErrorCode::InvalidArgument,
-              "-o: " + visible(path) + ": the extension is none of a mesh that is written (" +
-                  names_of(FormatUse::WriteCage) + ")");
+              formatted("-o: {}: the extension is none of a mesh that is written ({})",
+                        visible(path), names_of(FormatUse::WriteCage)));
 }
 
 // A PLY may be one of a mesh: its vertices are points all the same.
@@ -92,8 +92,8 @@ void check_files(const ReconstructFlags& flags) {
   if (flags.outputs.empty() && flags.report.empty())
     faults.note([&] {
       throw Error(ErrorCode::InvalidArgument,
-                  "nothing to write; did you mean: planish reconstruct " + visible(flags.input) +
-                      " -o " + job_name_of(flags.input) + ".obj");
+                  formatted("nothing to write; did you mean: planish reconstruct {} -o {}.obj",
+                            visible(flags.input), job_name_of(flags.input)));
     });
   PathClaims claims({.overwrite = flags.force});
   claims.add_input(flags.input);

@@ -31,9 +31,9 @@ void require_scene(const std::string& path) {
   const auto format = format_of(path);
   if (!format || info_of(*format).is_tiles) return;
   const std::filesystem::path stem = std::filesystem::path(path).stem();
-  throw Error(ErrorCode::InvalidArgument, visible(path) +
-                                              ": is no scene file; did you mean: planish fit " +
-                                              visible(path) + " -o " + visible(stem) + ".glb");
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("{}: is no scene file; did you mean: planish fit {} -o {}.glb",
+                        visible(path), visible(path), visible(stem)));
 }
 
 // The jobs as the flags change them.

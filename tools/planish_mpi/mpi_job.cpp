@@ -126,9 +126,9 @@ void make_folders(const MpiJob& job) {
     std::error_code error;
     if (!folder.empty()) std::filesystem::create_directories(folder, error);
     if (error)
-      throw Error(ErrorCode::UnwritableOutput, visible(path) + ": cannot make the folder " +
-                                                   visible(folder.string()) + ": " +
-                                                   error.message());
+      throw Error(ErrorCode::UnwritableOutput,
+                  formatted("{}: cannot make the folder {}: {}", visible(path),
+                            visible(folder.string()), error.message()));
   }
 }
 

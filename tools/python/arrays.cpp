@@ -6,7 +6,6 @@
 
 #include "errors.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 
 namespace py = pybind11;
 

@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "errors.h"
 #include "keywords.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/pipeline/option_table.h"
 
@@ -39,7 +40,7 @@ class Keywords {
     try {
       target = value.cast<Value>();
     } catch (const py::cast_error&) {
-      refuse(std::string(name) + ": " + py::repr(value).cast<std::string>() + "; " + wanted);
+      refuse(formatted("{}: {}; {}", name, py::repr(value).cast<std::string>(), wanted));
     }
   }
 
@@ -54,8 +55,8 @@ class Keywords {
   void require_none_left() const {
     if (keywords_.empty()) return;
     const auto name = py::cast<std::string>((*keywords_.begin()).first);
-    throw py::type_error(std::string(function_) + "() got an unexpected keyword argument '" + name +
-                         "'");
+    throw py::type_error(
+        formatted("{}() got an unexpected keyword argument '{}'", function_, name));
   }
 
  private:
@@ -104,7 +105,7 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
   constexpr int kMostThreads = 4096;
   keywords.take("threads", result.threads, "a whole number is wanted");
   if (result.threads < 0 || result.threads > kMostThreads)
-    refuse("threads: " + std::to_string(result.threads) + " is out of range; 0 to 4096 is wanted");
+    refuse(formatted("threads: {} is out of range; 0 to 4096 is wanted", result.threads));
   result.callbacks.progress = keywords.take("progress");
   result.callbacks.cancelled = keywords.take("cancelled");
   result.mesh.visit([&](const char* name, py::object& value) { value = keywords.take(name); });
@@ -126,7 +127,7 @@ std::string step_keywords() {
   for (const FitOption& option : option_table()) {
     if (!is_step_keyword(option)) continue;
     const std::string values = option.words.empty() ? std::string() : choices_of(option) + "; ";
-    text += "\n    " + keyword_of(option) + ": " + values + help_of(option);
+    text += formatted("\n    {}: {}{}", keyword_of(option), values, help_of(option));
   }
   return text;
 }
@@ -136,7 +137,7 @@ std::string fit_keywords() {
   for (const FitOption& option : option_table()) {
     if (!is_keyword(option)) continue;
     const std::string values = option.words.empty() ? std::string() : choices_of(option) + "; ";
-    text += "    " + keyword_of(option) + ": " + values + help_of(option) + "\n";
+    text += formatted("    {}: {}{}\n", keyword_of(option), values, help_of(option));
   }
   return text +
          R"(    threads: 0 takes all cores. Results are the same bits for any number.

@@ -208,9 +208,9 @@ void CatmullClarkSplines::require_settled() const {
     char text[32];
     std::snprintf(text, sizeof text, "%.3g", static_cast<double>(sharpness));
     throw Error(ErrorCode::UnusableMesh,
-                name() + " has sharpness " + text +
-                    "; of Catmull-Clark surfaces B-spline faces have such up to 1, and 10, which "
-                    "stays sharp: tag it with one of these");
+                formatted("{} has sharpness {}; of Catmull-Clark surfaces B-spline faces have such "
+                          "up to 1, and 10, which stays sharp: tag it with one of these",
+                          name(), text));
   };
   const auto given = [&](int vertex) {
     return std::to_string(used_.vertices[static_cast<std::size_t>(vertex)]);
@@ -219,7 +219,7 @@ void CatmullClarkSplines::require_settled() const {
     require(mesh.GetEdgeSharpness(e), [&] {
       const auto [first, second] =
           std::minmax({mesh.GetEdgeVertices(e)[0], mesh.GetEdgeVertices(e)[1]});
-      return "the edge between vertices " + given(first) + " and " + given(second);
+      return formatted("the edge between vertices {} and {}", given(first), given(second));
     });
   }
   for (int v = 0; v < mesh.GetNumVertices(); ++v)

@@ -7,6 +7,7 @@
 
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
+#include "planish/core/formatted.h"
 
 namespace planish::c {
 namespace {
@@ -24,8 +25,7 @@ void require_list(const std::int32_t* values, std::size_t count, const char* nam
                   const char* count_name) {
   if (count > 0) require(values, name);
   if (count > kMostVertices)
-    refuse(std::string(count_name) + " is " + std::to_string(count) +
-           ", more than 2^31 - 1; name fewer at once");
+    refuse(formatted("{} is {}, more than 2^31 - 1; name fewer at once", count_name, count));
 }
 
 // The parts of every call that names vertices, before memory is taken for so many.

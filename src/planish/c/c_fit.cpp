@@ -6,6 +6,7 @@
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/option_table.h"
@@ -18,7 +19,7 @@ constexpr std::int32_t kMaxThreads = 4096;
 constexpr double kNoWeld = -1, kMeasured = -1;
 
 [[noreturn]] void out_of_range(std::string_view name, double value, const char* wanted) {
-  refuse("options." + std::string(name) + " is " + shortest(value) + "; " + wanted);
+  refuse(formatted("options.{} is {}; {}", name, shortest(value), wanted));
 }
 
 std::string spelled(std::string_view name) {
@@ -38,7 +39,7 @@ void set_choice(FitSettings& settings, std::string_view name, std::int32_t value
                 const char* wanted) {
   const FitOption& option = fit_option(name);
   if (value < 0 || static_cast<std::size_t>(value) >= option.words.size())
-    refuse(spelled(name) + " is " + std::to_string(value) + "; " + wanted);
+    refuse(formatted("{} is {}; {}", spelled(name), value, wanted));
   set_option(option, settings, {.text = option.words[static_cast<std::size_t>(value)]},
              spelled(name));
 }
@@ -97,11 +98,10 @@ planish_fit_info info_of(const FittedMesh& fitted) {
 planish_status convergence_status(const FittedMesh& fitted) {
   const Interpolation& found = fitted.fit.interpolation;
   if (found.converged) return PLANISH_OK;
-  const std::string message = "not converged: the largest error is " + shortest(found.error.max) +
-                              " of the diagonal after iteration " +
-                              std::to_string(found.iterations) + ", and options.tolerance " +
-                              shortest(fitted.options.tolerance) +
-                              "; allow more of either, or take PLANISH_METHOD_FAIR";
+  const std::string message = formatted(
+      "not converged: the largest error is {} of the diagonal after iteration {}, and "
+      "options.tolerance {}; allow more of either, or take PLANISH_METHOD_FAIR",
+      shortest(found.error.max), found.iterations, shortest(fitted.options.tolerance));
   note(message.c_str(), -1);
   return PLANISH_NOT_CONVERGED;
 }
@@ -110,11 +110,11 @@ planish_status convergence_status(const FittedMesh& fitted) {
 planish_status written_status(const FittedMesh& fitted, const StepFigures* step) {
   const planish_status status = convergence_status(fitted);
   if (status != PLANISH_OK || step == nullptr || step->keeps_limits) return status;
-  const std::string message = "normals jump by up to " + shortest(step->max_angle) +
-                              " degrees where faces meet, and faces leave the surface by up to " +
-                              shortest(step->max_deviation) +
-                              " of the diagonal; allow more by options.step_angle and "
-                              "options.step_tolerance, or take a more even mesh";
+  const std::string message = formatted(
+      "normals jump by up to {} degrees where faces meet, and faces leave the surface by up to {} "
+      "of the diagonal; allow more by options.step_angle and options.step_tolerance, or take a "
+      "more even mesh",
+      shortest(step->max_angle), shortest(step->max_deviation));
   note(message.c_str(), -1);
   return PLANISH_NOT_CONVERGED;
 }

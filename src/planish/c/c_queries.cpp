@@ -8,6 +8,7 @@
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 
 namespace planish::c {
@@ -28,8 +29,7 @@ void require_question(const planish_queries* queries, std::size_t count, const v
   require(queries, "queries");
   require(answers, "answers");
   constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
-  if (count > kMost)
-    refuse("count is " + std::to_string(count) + ", more than 2^31 - 1; ask in parts");
+  if (count > kMost) refuse(formatted("count is {}, more than 2^31 - 1; ask in parts", count));
 }
 
 glm::dvec3 vector_at(const double* values, std::size_t i) {

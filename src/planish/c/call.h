@@ -8,7 +8,6 @@
 
 #include "planish/c/planish.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 
 namespace planish::c {
 

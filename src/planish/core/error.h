@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "planish/core/formatted.h"
+
 namespace planish {
 
 /// What kind of thing went wrong. The command maps each to an exit code.
@@ -19,7 +21,7 @@ enum class ErrorCode {
 };
 
 /// Wrong input, a missing device or an unwritable file. The message says what, where, the value
-/// and the remedy: `bunny.obj:812: face names vertex 4031 of 4030`.
+/// and the remedy: `bunny.obj:812: face names vertex 4031 of 4030`. formatted() writes such.
 class Error : public std::runtime_error {
  public:
   static constexpr std::int64_t kNoElement = -1;

@@ -11,8 +11,8 @@ std::size_t memory_size(std::uint64_t bytes, std::string_view where) {
   constexpr std::size_t kMore = std::size_t{1} << 20;  // what readers put around them
   if (bytes > std::vector<std::byte>().max_size() - kMore)
     throw Error(ErrorCode::OutOfMemory,
-                std::string(where) + ": " + std::to_string(bytes) +
-                    " bytes are more than this program can hold; a 64-bit one can");
+                formatted("{}: {} bytes are more than this program can hold; a 64-bit one can",
+                          where, bytes));
   return static_cast<std::size_t>(bytes);
 }
 

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "planish/core/formatted.h"
 #include "planish/core/nearest.h"
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
@@ -22,7 +23,7 @@ std::string joined(std::span<const std::string_view> words, std::string_view sep
 std::string wanted_of(const OptionInfo& option) {
   const OptionLimits& limits = option.limits;
   if (!limits.wanted.empty()) return std::string(limits.wanted);
-  return shortest(limits.least) + " to " + shortest(limits.most) + " is wanted";
+  return formatted("{} to {} is wanted", shortest(limits.least), shortest(limits.most));
 }
 
 // Whole numbers as such: no limit is beyond 2^53.
@@ -31,13 +32,13 @@ std::string plain_limit(double limit) { return std::to_string(static_cast<std::i
 std::string whole_wanted_of(const OptionInfo& option) {
   const OptionLimits& limits = option.limits;
   if (!limits.wanted.empty()) return std::string(limits.wanted);
-  return plain_limit(limits.least) + " to " + plain_limit(limits.most) + " is wanted";
+  return formatted("{} to {} is wanted", plain_limit(limits.least), plain_limit(limits.most));
 }
 
 void check_whole(const OptionInfo& option, std::int64_t value, std::string_view where) {
   const auto number = static_cast<double>(value);
   if (!(number >= option.limits.least && number <= option.limits.most))
-    refuse(where, std::to_string(value) + " is out of range; " + whole_wanted_of(option));
+    refuse(where, formatted("{} is out of range; {}", value, whole_wanted_of(option)));
 }
 
 void check_number(const OptionInfo& option, double value, std::string_view where) {
@@ -53,13 +54,13 @@ void check_list(const OptionInfo& option, std::span<const Value> values, std::st
   const std::string entry(option.entry);
   if (values.empty()) {
     const std::string_view good = option.initial.empty() ? option.example : option.initial;
-    refuse(where, "no " + entry + " is named; " + std::string(good.substr(good.rfind(',') + 1)) +
-                      " is a good one");
+    refuse(where,
+           formatted("no {} is named; {} is a good one", entry, good.substr(good.rfind(',') + 1)));
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     check(option, values[i], where);
     if (std::ranges::find(values.first(i), values[i]) != values.begin() + static_cast<long>(i))
-      refuse(where, entry + " " + shown(values[i]) + " is named twice");
+      refuse(where, formatted("{} {} is named twice", entry, shown(values[i])));
   }
 }
 
@@ -119,8 +120,8 @@ OptionValue parse_option(const OptionInfo& option, std::string_view text, std::s
   OptionValue value;
   value.text = text;
   const auto no_list = [&] {
-    refuse(where, in_double_quotes(text) + " is no list of " + std::string(option.entry) +
-                      "s such as " + std::string(option.example));
+    refuse(where, formatted("{} is no list of {}s such as {}", in_double_quotes(text), option.entry,
+                            option.example));
   };
   switch (option.kind) {
     case OptionKind::Word:

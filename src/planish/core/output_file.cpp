@@ -21,7 +21,7 @@ namespace {
 // A name beside `path` that fits wherever that of `path` does: a long one gives up its end.
 std::filesystem::path temporary_beside(const std::filesystem::path& path, unsigned number) {
   constexpr std::size_t kShortName = 100;
-  const std::string end = "." + std::to_string(number) + ".tmp";
+  const std::string end = formatted(".{}.tmp", number);
   std::string name = path.filename().string();
   if (name.size() > kShortName) {
     std::size_t kept = name.size() - end.size();
@@ -62,13 +62,13 @@ OutputFile::~OutputFile() {
 
 void OutputFile::fail(std::string_view action) {
   throw Error(ErrorCode::UnwritableOutput,
-              visible(path_) + ": cannot " + std::string(action) + ": " + std::strerror(errno));
+              formatted("{}: cannot {}: {}", visible(path_), action, std::strerror(errno)));
 }
 
 void OutputFile::reserve(std::uint64_t bytes) {
 #ifdef __linux__
   if (bytes <= reserved_) return;
-  const std::string action = "take room for " + std::to_string(bytes) + " bytes";
+  const std::string action = formatted("take room for {} bytes", bytes);
   struct statvfs disk {};
   if (::fstatvfs(file_, &disk) == 0 && disk.f_bavail * disk.f_frsize < bytes) {
     // Asked all the same, some systems would fill the disk first.

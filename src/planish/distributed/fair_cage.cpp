@@ -239,9 +239,9 @@ CornerStarts corner_starts_of(const Ranks& ranks, const MeshSlice& slice) {
   const std::int64_t holes = sum_over(ranks, std::ssize(slice.holes));
   if (holes > 0)
     throw AgreedError(ErrorCode::InvalidArgument,
-                      "--cage: ranks write no cage of a fair surface with holes, and " +
-                          std::to_string(holes) +
-                          " faces are tagged so; leave it out, or take planish on one machine");
+                      formatted("--cage: ranks write no cage of a fair surface with holes, and {} "
+                                "faces are tagged so; leave it out, or take planish on one machine",
+                                holes));
   CornerStarts corners;
   corners.faces = slice.faces;
   const auto own = static_cast<std::int64_t>(slice.face_vertices.size());

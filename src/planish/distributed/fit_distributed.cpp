@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/distributed/fair_cage.h"
@@ -287,18 +288,17 @@ class DistributedJob {
     if (fit_.solution.converged && rounded > options_.tolerance)
       fit_.warnings.push_back(
           {.code = "rounded-output",
-           .message = options_.tiles + ": rounding for the file leaves an error of " +
-                      shortest(rounded) + ", above the tolerance " + shortest(options_.tolerance) +
-                      "; --cage keeps every digit"});
+           .message = formatted("{}: rounding for the file leaves an error of {}, above the "
+                                "tolerance {}; --cage keeps every digit",
+                                options_.tiles, shortest(rounded), shortest(options_.tolerance))});
     constexpr double kFoldedAreaLimit = 1e-4;  // as planish fit
     const SurfaceQuality& quality = tiles.quality;
     if (quality.folded_area > kFoldedAreaLimit)
       fit_.warnings.push_back(
           {.code = "folded-area",
-           .message = shortest(quality.folded_area * 100) +
-                      " % of the surface is folded (turned by more than 90 degrees from its "
-                      "face), first at face " +
-                      std::to_string(tiles.folded_faces.front()),
+           .message = formatted("{} % of the surface is folded (turned by more than 90 degrees "
+                                "from its face), first at face {}",
+                                shortest(quality.folded_area * 100), tiles.folded_faces.front()),
            .count = 1,
            .first = tiles.folded_faces.front()});
   }
@@ -379,9 +379,9 @@ DistributedFit fit_distributed(const Ranks& ranks, const std::function<MeshSlice
                                const std::function<void(const DistributedFit&)>& before_commit) {
   agree(ranks, [&] {
     if (options.block_vertices < 1 || options.block_vertices > std::int64_t{1} << 24)
-      throw Error(ErrorCode::InvalidArgument, "blocks of " +
-                                                  std::to_string(options.block_vertices) +
-                                                  " vertices; 1 to 16777216 are wanted");
+      throw Error(
+          ErrorCode::InvalidArgument,
+          formatted("blocks of {} vertices; 1 to 16777216 are wanted", options.block_vertices));
     FairOptions fair;
     fair.polish_steps = options.polish_steps;
     require_valid(fair);

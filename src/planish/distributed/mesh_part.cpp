@@ -107,9 +107,9 @@ FaceStream fetch_second_ring(const Ranks& ranks, const FaceForm& form,
 
 void require_fits(std::size_t count, const char* what) {
   if (count <= kMostLocal) return;
-  throw Error(ErrorCode::OutOfMemory, "a rank's part has " + std::to_string(count) + " " + what +
-                                          ", at most " + std::to_string(kMostLocal) +
-                                          " are possible; take more ranks");
+  throw Error(ErrorCode::OutOfMemory,
+              formatted("a rank's part has {} {}, at most {} are possible; take more ranks", count,
+                        what, kMostLocal));
 }
 
 void take_faces(const RawVector<StreamFace>& faces, MeshPart& part) {

@@ -40,8 +40,8 @@ RawVector<std::byte> RangeFile::read(std::int64_t begin, std::int64_t end) const
     if (got < 0) throw Error(ErrorCode::UnreadableInput, path_ + ": " + std::strerror(errno));
     if (got == 0)
       throw Error(ErrorCode::UnreadableInput,
-                  path_ + ": became shorter while it was read, at byte " +
-                      std::to_string(begin + static_cast<std::int64_t>(done)));
+                  formatted("{}: became shorter while it was read, at byte {}", path_,
+                            begin + static_cast<std::int64_t>(done)));
     done += static_cast<std::size_t>(got);
   }
   return bytes;

@@ -31,10 +31,9 @@ void require_small(const std::string& path, FileFormat format) {
   const RangeFile file(path);
   if (file.size() <= kMostWholeBytes) return;
   throw Error(ErrorCode::InvalidArgument,
-              path + ": " + std::to_string(file.size()) + " bytes of " +
-                  std::string(name_of(format)) +
-                  " can only be read by one rank, at most 2 GiB; save it as binary little-endian "
-                  "PLY or as OBJ");
+              formatted("{}: {} bytes of {} can only be read by one rank, at most 2 GiB; save it "
+                        "as binary little-endian PLY or as OBJ",
+                        path, file.size(), name_of(format)));
 }
 
 MeshSlice read_by_first_rank(const Ranks& ranks, const std::string& path, FileFormat format) {

@@ -10,9 +10,9 @@ namespace {
 
 void require_vertex(std::int32_t vertex, const char* key, std::int64_t total) {
   if (vertex >= 0 && vertex < total) return;
-  throw Error(ErrorCode::UnusableMesh, std::string(key) + " names vertex " +
-                                           std::to_string(vertex) + " of " + std::to_string(total) +
-                                           "; vertices are counted from 0");
+  throw Error(
+      ErrorCode::UnusableMesh,
+      formatted("{} names vertex {} of {}; vertices are counted from 0", key, vertex, total));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 
 namespace planish {
 

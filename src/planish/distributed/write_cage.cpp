@@ -26,11 +26,11 @@ std::string head_of(std::int64_t vertices, std::int64_t face_total, const CageFa
                     const std::vector<std::string>& header) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   for (const std::string& line : header) text += "comment " + line + "\n";
-  text += "element vertex " + std::to_string(vertices) +
-          "\nproperty double x\nproperty double y\nproperty double z\n";
+  text += formatted("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
+                    vertices);
   if (faces.has_colors)
     text += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
-  text += "element face " + std::to_string(face_total);
+  text += formatted("element face {}", face_total);
   text += faces.has_short_counts ? "\nproperty list uchar" : "\nproperty list int";
   return text + " int vertex_indices\nend_header\n";
 }

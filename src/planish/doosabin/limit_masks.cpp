@@ -13,7 +13,6 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/stencil/stencil_builder.h"

@@ -33,9 +33,8 @@ EditChange Editor::transform(const Selection& selection, const glm::dmat4& map,
                              const Callbacks& callbacks) {
   if (selection.vertices.size() != selection.weights.size()) {
     throw Error(ErrorCode::InvalidArgument,
-                "transform: there are " + std::to_string(selection.vertices.size()) +
-                    " vertices and " + std::to_string(selection.weights.size()) +
-                    " weights; give one each");
+                formatted("transform: there are {} vertices and {} weights; give one each",
+                          selection.vertices.size(), selection.weights.size()));
   }
   std::vector<glm::dvec3> positions(selection.vertices.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {

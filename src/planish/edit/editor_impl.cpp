@@ -161,8 +161,8 @@ Selection Editor::Impl::select(std::span<const std::int32_t> vertices, double ra
   for (const std::int32_t vertex : vertices) {
     if (vertex >= 0 && vertex < mesh_.vertex_count()) continue;
     throw Error(ErrorCode::InvalidArgument,
-                "select: there is no vertex " + std::to_string(vertex) + "; the mesh has 0 to " +
-                    std::to_string(mesh_.vertex_count() - 1),
+                formatted("select: there is no vertex {}; the mesh has 0 to {}", vertex,
+                          mesh_.vertex_count() - 1),
                 vertex);
   }
   return select_around(*fit_.prepared, points_, vertices, radius);

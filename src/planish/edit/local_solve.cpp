@@ -286,9 +286,9 @@ void LocalSolve::settle(const Callbacks& callbacks) {
     }
     if (!(longest <= tolerance_)) {
       throw Error(ErrorCode::InvalidArgument,
-                  "the equations of this mesh are solved to " + shortest(longest) +
-                      " of the diagonal, the tolerance is " + shortest(tolerance_) +
-                      "; take a larger tolerance, or fair interpolation");
+                  formatted("the equations of this mesh are solved to {} of the diagonal, the "
+                            "tolerance is {}; take a larger tolerance, or fair interpolation",
+                            shortest(longest), shortest(tolerance_)));
     }
     // Where rounding ends above the tolerance's share, moves end there as well.
     bound_ = std::max(kLocalShare * tolerance_, 2 * longest);

@@ -23,8 +23,8 @@ std::int32_t used_vertex(const PreparedMesh& prepared, std::int32_t vertex) {
   const auto found = std::ranges::lower_bound(prepared.vertices, vertex);
   if (found != prepared.vertices.end() && *found == vertex)
     return static_cast<std::int32_t>(found - prepared.vertices.begin());
-  throw Error(ErrorCode::InvalidArgument,
-              "set_sharp: no face has a vertex " + std::to_string(vertex), vertex);
+  throw Error(ErrorCode::InvalidArgument, formatted("set_sharp: no face has a vertex {}", vertex),
+              vertex);
 }
 
 }  // namespace
@@ -37,9 +37,9 @@ void tag_sharp(const PreparedMesh& prepared, std::span<const CreaseEdge> edges,
     if (prepared.topology->find_edge(used_vertex(prepared, edge.v0),
                                      used_vertex(prepared, edge.v1)) < 0) {
       throw Error(ErrorCode::InvalidArgument,
-                  "set_sharp: vertices " + std::to_string(edge.v0) + " and " +
-                      std::to_string(edge.v1) +
-                      " have no edge; name two that follow one another in a face",
+                  formatted("set_sharp: vertices {} and {} have no edge; name two that follow one "
+                            "another in a face",
+                            edge.v0, edge.v1),
                   edge.v0);
     }
     of_edge[std::minmax(edge.v0, edge.v1)] = edge.sharpness;

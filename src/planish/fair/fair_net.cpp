@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "planish/core/assert.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/fair/corner_offsets.h"
@@ -209,9 +210,8 @@ void add_given_points(const FairTopology& topology, std::span<const dvec3> given
 
 void require_valid(const FairOptions& options) {
   if (options.polish_steps >= 0 && options.polish_steps <= kMostPolishSteps) return;
-  throw Error(ErrorCode::InvalidArgument, "polish steps " + std::to_string(options.polish_steps) +
-                                              " are outside 0 to " +
-                                              std::to_string(kMostPolishSteps));
+  throw Error(ErrorCode::InvalidArgument, formatted("polish steps {} are outside 0 to {}",
+                                                    options.polish_steps, kMostPolishSteps));
 }
 
 namespace {

@@ -12,12 +12,12 @@ MeshFile read_mesh(const FileBytes& file, FileFormat format, const Callbacks& ca
   const FormatInfo& info = info_of(format);
   if (!info.read_mesh && !info.read_points)
     throw Error(ErrorCode::InvalidArgument,
-                std::string(file.name) + ": ." + std::string(info.name) + " is written, not read");
+                formatted("{}: .{} is written, not read", file.name, info.name));
   if (!info.read_mesh) {
-    throw Error(ErrorCode::InvalidArgument, std::string(file.name) + ": ." +
-                                                std::string(info.name) +
-                                                " holds points, and a polygon mesh is wanted; "
-                                                "read_points() and reconstruct() make one of them");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: .{} holds points, and a polygon mesh is wanted; read_points() and "
+                          "reconstruct() make one of them",
+                          file.name, info.name));
   }
   return read_counted(file, format, callbacks, info.read_mesh);
 }
@@ -29,10 +29,9 @@ MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, File
 MeshFile read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) {
   const auto format = options.format ? options.format : format_of(path);
   if (!format) {
-    throw Error(ErrorCode::InvalidArgument, visible(path) + ": the extension \"" +
-                                                visible(path.extension()) +
-                                                "\" names no format of meshes that is read (" +
-                                                names_of(FormatUse::ReadMesh) + ")");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: the extension \"{}\" names no format of meshes that is read ({})",
+                          visible(path), visible(path.extension()), names_of(FormatUse::ReadMesh)));
   }
   const RawVector<std::byte> bytes = read_file(path, share_of(options.callbacks, 0, kFileLoaded));
   const std::string name = visible(path);

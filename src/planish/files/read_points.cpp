@@ -11,9 +11,8 @@ namespace planish {
 PointCloud read_points(const FileBytes& file, FileFormat format, const Callbacks& callbacks) {
   const FormatInfo& info = info_of(format);
   if (!info.read_points) {
-    throw Error(
-        ErrorCode::InvalidArgument,
-        std::string(file.name) + ": ." + std::string(info.name) + " holds no points by themselves");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: .{} holds no points by themselves", file.name, info.name));
   }
   PointCloud cloud = read_counted(file, format, callbacks, info.read_points);
   recentre(cloud);
@@ -36,9 +35,9 @@ PointCloud read_points(std::span<const std::byte> bytes, std::string_view name, 
 PointCloud read_points(const std::filesystem::path& path, const Callbacks& callbacks) {
   const auto format = format_of(path);
   if (!format || !serves(*format, FormatUse::ReadPoints)) {
-    throw Error(ErrorCode::InvalidArgument, visible(path) +
-                                                ": the extension names no format of points (" +
-                                                names_of(FormatUse::ReadPoints) + ")");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: the extension names no format of points ({})", visible(path),
+                          names_of(FormatUse::ReadPoints)));
   }
   const RawVector<std::byte> bytes = read_file(path, share_of(callbacks, 0, kFileLoaded));
   const std::string name = visible(path);

@@ -85,8 +85,8 @@ void require_floats(std::span<const Vector> values, std::int64_t first, const st
   if (wild == values.end()) return;
   const std::int64_t element = first + (wild - values.begin());
   throw Error(ErrorCode::InvalidArgument,
-              name + ": " + what + " " + std::to_string(element) +
-                  " has a coordinate that float32 cannot hold; " + remedy,
+              formatted("{}: {} {} has a coordinate that float32 cannot hold; {}", name, what,
+                        element, remedy),
               element);
 }
 
@@ -295,9 +295,9 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
   const FormatInfo& info = info_of(format);
   const std::string name = visible(path);
   if (!info.write_polygons)
-    throw Error(ErrorCode::InvalidArgument, name + ": polygons are written as " +
-                                                extensions_in_words(FormatUse::WriteCage) +
-                                                ", not as ." + std::string(info.name));
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: polygons are written as {}, not as .{}", name,
+                          extensions_in_words(FormatUse::WriteCage), info.name));
   require_lines(header, name);
   std::string companion;
   if (format == FileFormat::Obj && !source.totals().materials.empty()) {

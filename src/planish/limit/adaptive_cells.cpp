@@ -36,11 +36,11 @@ void require_count(double cells, const CellLimits& limits, std::uint64_t most) {
   if (!(cells > static_cast<double>(most))) return;
   char count[32];
   std::snprintf(count, sizeof count, "%.1e", 2 * cells);
-  throw Error(ErrorCode::OutOfMemory, "a chord error of " + shortest(limits.distance) +
-                                          " of the diagonal takes at least " + count +
-                                          " triangles, but memory and 32-bit indices take " +
-                                          std::to_string(2 * most) + "; allow an error of " +
-                                          larger_error(limits.distance, cells, most) + " or more");
+  throw Error(ErrorCode::OutOfMemory,
+              formatted("a chord error of {} of the diagonal takes at least {} triangles, but "
+                        "memory and 32-bit indices take {}; allow an error of {} or more",
+                        shortest(limits.distance), count, 2 * most,
+                        larger_error(limits.distance, cells, most)));
 }
 
 // The cells of faces, one block of them after the other.

@@ -75,9 +75,9 @@ struct Quarters {
 
 void refuse_count(std::uint64_t most) {
   throw Error(ErrorCode::OutOfMemory,
-              "the tessellation has more than " + std::to_string(most) +
-                  " cells, which is all that memory and 32-bit indices take; allow a larger chord "
-                  "error or angle");
+              formatted("the tessellation has more than {} cells, which is all that memory and "
+                        "32-bit indices take; allow a larger chord error or angle",
+                        most));
 }
 
 bool CellSplitter::is_on_border(const AdaptiveCell& cell) const {
@@ -90,9 +90,9 @@ double CellSplitter::limit_at(const AdaptiveCell& cell) const {
 
 void CellSplitter::refuse_depth() const {
   throw Error(ErrorCode::InvalidArgument,
-              "the surface at corner " + std::to_string(number_) + " keeps a chord error of " +
-                  shortest(limits_.distance) + " of the diagonal only in cells below 2^-" +
-                  std::to_string(kMaxHalvings) + " of half an edge; allow a larger one");
+              formatted("the surface at corner {} keeps a chord error of {} of the diagonal only "
+                        "in cells below 2^-{} of half an edge; allow a larger one",
+                        number_, shortest(limits_.distance), kMaxHalvings));
 }
 
 void CellSplitter::emit(const AdaptiveCell& cell) {

@@ -115,9 +115,9 @@ SurfacePoint LimitSurface::evaluate(const SurfaceParameter& at) const {
 void LimitSurface::evaluate(std::span<const SurfaceParameter> places,
                             std::span<SurfacePoint> points) const {
   if (places.size() != points.size()) {
-    throw Error(ErrorCode::InvalidArgument, "evaluate: there are " + std::to_string(places.size()) +
-                                                " places, and room for " +
-                                                std::to_string(points.size()) + " points");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("evaluate: there are {} places, and room for {} points", places.size(),
+                          points.size()));
   }
   parallel_for(places.size(), kPlaceGrain, [&](std::size_t begin, std::size_t end) {
     Corner corner(*this);

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/safe_length.h"
 #include "planish/limit/closest_point.h"

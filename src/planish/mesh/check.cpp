@@ -5,7 +5,6 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/group_by.h"
 #include "planish/core/number_text.h"
 #include "planish/mesh/disjoint_sets.h"

@@ -48,8 +48,8 @@ struct Edge {
 
 void require_angle(double degrees, const char* name) {
   if (degrees >= 0 && degrees <= 180) return;
-  throw Error(ErrorCode::InvalidArgument, std::string(name) + " angle " + std::to_string(degrees) +
-                                              " is outside 0 to 180 degrees");
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("{} angle {} is outside 0 to 180 degrees", name, std::to_string(degrees)));
 }
 
 // Whether the angle is less than the one of that slope without any doubt by rounding: most are, and
@@ -238,10 +238,10 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
   require_angle(options.corner_degrees, "corner");
   const std::size_t flags = options.smooth_vertices.size();
   if (flags != 0 && flags != mesh.positions.size())
-    throw Error(ErrorCode::InvalidArgument, "smooth_vertices has " + std::to_string(flags) +
-                                                " flags for " +
-                                                std::to_string(mesh.positions.size()) +
-                                                " vertices; give one a vertex, or none");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("smooth_vertices has {} flags for {} vertices; give one a vertex, or none", flags,
+                  mesh.positions.size()));
   std::vector<Edge> edges = sharp_edges(mesh, topology, options.dihedral_degrees * kRadians);
   drop_incoherent(mesh, edges);
   drop_fold_backs(mesh, edges);

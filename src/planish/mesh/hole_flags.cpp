@@ -3,7 +3,6 @@
 #include <string>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 
 namespace planish {
 

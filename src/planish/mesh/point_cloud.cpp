@@ -54,8 +54,8 @@ PointCloud cloud_of(std::vector<glm::dvec3> positions, std::string_view name) {
     for (int axis = 0; axis < 3; ++axis)
       if (!(std::abs(positions[i][axis]) <= kMaxCoordinate))
         throw Error(ErrorCode::UnreadableInput,
-                    std::string(name) + ": point " + std::to_string(i) + " of " +
-                        std::to_string(positions.size()) + ": a coordinate is beyond 1e150",
+                    formatted("{}: point {} of {}: a coordinate is beyond 1e150", name, i,
+                              positions.size()),
                     static_cast<std::int64_t>(i));
   PointCloud cloud{.points = std::move(positions)};
   recentre(cloud);

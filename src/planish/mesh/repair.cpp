@@ -55,7 +55,7 @@ class Repair {
   void changed(std::int32_t face) { result_.changed_faces.push_back(result_.source_faces[face]); }
   void report(const char* code, const std::string& what, std::int64_t count, std::int64_t first) {
     if (count > 0)
-      result_.changes.push_back({code, what + ": " + std::to_string(count), count, first});
+      result_.changes.push_back({code, formatted("{}: {}", what, count), count, first});
   }
   [[nodiscard]] bool runs_from(const FaceSide& side, std::int32_t vertex) const {
     return mesh_.face_vertices[side.corner] == vertex;

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 
 namespace planish {

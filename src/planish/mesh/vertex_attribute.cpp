@@ -14,7 +14,7 @@ namespace planish {
 namespace {
 
 [[noreturn]] void refuse(const std::string& name, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument, "attribute \"" + visible(name) + "\": " + what);
+  throw Error(ErrorCode::InvalidArgument, formatted("attribute \"{}\": {}", visible(name), what));
 }
 
 bool is_name(const std::string& name) {

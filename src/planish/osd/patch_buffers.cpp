@@ -25,11 +25,10 @@ vulkan::Buffer Upload(std::span<std::byte const> bytes, char const* name,
                       VkDeviceContext& deviceContext) {
   vulkan::Context& context = deviceContext.GetContext();
   if (bytes.size() > context.max_storage_range())
-    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": a patch table needs " +
-                                            std::to_string(bytes.size()) +
-                                            " bytes in one binding, but maxStorageBufferRange is " +
-                                            std::to_string(context.max_storage_range()) +
-                                            "; use a smaller mesh");
+    throw Error(ErrorCode::OutOfMemory,
+                formatted("{}: a patch table needs {} bytes in one binding, but "
+                          "maxStorageBufferRange is {}; use a smaller mesh",
+                          context.capabilities().name, bytes.size(), context.max_storage_range()));
   vulkan::Buffer buffer(context, bytes.size(), vulkan::MemoryUse::Device, name);
   deviceContext.Upload(buffer.handle(), 0, bytes);
   return buffer;

@@ -33,10 +33,9 @@ class Rows {
     for (std::size_t i = 0; i < _view.indices.size(); ++i)
       if (_view.indices[i] < 0 || _view.indices[i] >= _view.source_count)
         throw Error(ErrorCode::InvalidArgument,
-                    "stencil table: entry " + std::to_string(i) + " reads vertex " +
-                        std::to_string(_view.indices[i]) + " of " +
-                        std::to_string(_view.source_count) +
-                        " control vertices; set factorizeIntermediateLevels",
+                    formatted("stencil table: entry {} reads vertex {} of {} control vertices; set "
+                              "factorizeIntermediateLevels",
+                              i, _view.indices[i], _view.source_count),
                     static_cast<std::int64_t>(i));
   }
 

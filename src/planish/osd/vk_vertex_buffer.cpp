@@ -32,9 +32,8 @@ VkBuffer VkVertexBuffer::BindVBO(VkDeviceContext*) const { return _buffer->handl
 void VkVertexBuffer::CheckRange(int startVertex, int numVertices) const {
   if (startVertex < 0 || numVertices < 0 || startVertex > _numVertices - numVertices)
     throw Error(ErrorCode::InvalidArgument,
-                "VkVertexBuffer: vertices " + std::to_string(startVertex) + " to " +
-                    std::to_string(std::int64_t(startVertex) + numVertices) + " of " +
-                    std::to_string(_numVertices),
+                formatted("VkVertexBuffer: vertices {} to {} of {}", startVertex,
+                          std::int64_t(startVertex) + numVertices, _numVertices),
                 startVertex);
 }
 

@@ -33,11 +33,11 @@ RingColumns ring_columns(const MeshTopology& topology, Weights weights,
   if (weights == Weights::DooSabin) return RingColumns::Sums;
   const auto refuse = [](const std::string& what, std::int32_t number, std::int32_t size,
                          const char* parts) {
-    throw Error(ErrorCode::UnusableMesh,
-                what + " " + std::to_string(number) + " has " + std::to_string(size) + " " + parts +
-                    ", averaged weights take " + std::to_string(kLargestByPoints) +
-                    " at most; doo-sabin weights take more",
-                number);
+    throw Error(
+        ErrorCode::UnusableMesh,
+        formatted("{} {} has {} {}, averaged weights take {} at most; doo-sabin weights take more",
+                  what, number, size, parts, kLargestByPoints),
+        number);
   };
   for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
     const auto size = static_cast<std::int32_t>(topology.corners_at(v).size());

@@ -136,7 +136,7 @@ class AssetAttributes::Maker {
       std::vector<glm::dvec3> moves(fitted_.mesh.positions.size());
       for (std::size_t v = 0; v < moves.size(); ++v) moves[v] = given_.targets[k][source(v)];
       const LinearSurface::Rows moved = linear().moved(moves, next_solve());
-      const std::string target = "target/" + std::to_string(k) + "/";
+      const std::string target = formatted("target/{}/", k);
       std::vector<float>& positions = new_attribute(target + "POSITION", 3);
       std::vector<float>& normals = new_attribute(target + "NORMAL", 3);
       for_rows(surface_, [&](RowRange rows) {
@@ -212,8 +212,8 @@ void AssetAttributes::Maker::write_joints(const std::vector<std::int32_t>& joint
   const auto places = static_cast<std::size_t>(kJointsOfSet * given_.joint_sets);
   std::vector<std::vector<float>*> numbers, weights;
   for (int set = 0; set < given_.joint_sets; ++set) {
-    numbers.push_back(&new_attribute("JOINTS_" + std::to_string(set), kJointsOfSet, true));
-    weights.push_back(&new_attribute("WEIGHTS_" + std::to_string(set), kJointsOfSet));
+    numbers.push_back(&new_attribute(formatted("JOINTS_{}", set), kJointsOfSet, true));
+    weights.push_back(&new_attribute(formatted("WEIGHTS_{}", set), kJointsOfSet));
   }
   std::mutex mutex;
   for_rows(surface_, [&](RowRange rows) {
@@ -274,8 +274,8 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
   std::string names;
   for (const std::string& name : given.left_out) names += (names.empty() ? "" : ", ") + name;
   callbacks.warn({"left-out-attributes",
-                  mesh.name + ": " + names + (given.left_out.size() == 1 ? " is" : " are") +
-                      " left out: whole numbers have nothing between them",
+                  formatted("{}: {}{} left out: whole numbers have nothing between them", mesh.name,
+                            names, given.left_out.size() == 1 ? " is" : " are"),
                   std::ssize(given.left_out)});
 }
 

@@ -51,8 +51,8 @@ std::list<Part> fit_meshes(const GltfAsset& asset, const MeshSteps<Part>& steps)
     } catch (const Error& error) {
       if (numbers.size() == 1 || error.code() != ErrorCode::UnusableMesh) throw;
       steps.warn({"kept-mesh",
-                  file + ": meshes[" + std::to_string(numbers[place]) +
-                      "] stays as it is, no surface can be made of it: " + error.what(),
+                  formatted("{}: meshes[{}] stays as it is, no surface can be made of it: {}", file,
+                            numbers[place], error.what()),
                   1, numbers[place]});
       return false;
     }

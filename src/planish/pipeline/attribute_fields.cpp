@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/parallel.h"
 #include "planish/surface/memory_need.h"

@@ -28,8 +28,8 @@ FileFormat output_format(const std::filesystem::path& path, FormatUse use) {
   const auto format = format_of(path);
   if (format && serves(*format, use)) return *format;
   throw Error(ErrorCode::InvalidArgument,
-              visible(path) + ": the extension \"" + visible(path.extension()) +
-                  "\" names no format that is written; take " + extensions_in_words(use));
+              formatted("{}: the extension \"{}\" names no format that is written; take {}",
+                        visible(path), visible(path.extension()), extensions_in_words(use)));
 }
 
 // Where a path leads, by whatever links.

@@ -24,9 +24,9 @@ void require_solver_fits(const FitOptions& options, bool self_adjoint, int sharp
                          int corners) {
   if (options.solver != Solver::ConjugateGradients || self_adjoint) return;
   throw Error(ErrorCode::InvalidArgument,
-              "the solver cg needs a closed mesh without creases and corners, and this one has " +
-                  std::to_string(sharp_edges) + " boundary or crease edges and " +
-                  std::to_string(corners) + " corners; take chebyshev");
+              formatted("the solver cg needs a closed mesh without creases and corners, and this "
+                        "one has {} boundary or crease edges and {} corners; take chebyshev",
+                        sharp_edges, corners));
 }
 
 }  // namespace

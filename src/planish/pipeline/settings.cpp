@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planish/core/formatted.h"
 #include "planish/core/refuse.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/pipeline/option_words.h"
@@ -64,9 +65,9 @@ Precision solve_precision(const FitSettings& settings) {
 
 void check_consistent(const FitSettings& settings, SpellOption spell) {
   if (settings.device == "vulkan" && settings.precision != PrecisionChoice::Auto) {
-    refuse(spell("precision"), option_text(settings, "precision") +
-                                   " is for the CPU backend; leave it out with " + spell("device") +
-                                   " vulkan, or take " + spell("device") + " cpu");
+    refuse(spell("precision"),
+           formatted("{} is for the CPU backend; leave it out with {} vulkan, or take {} cpu",
+                     option_text(settings, "precision"), spell("device"), spell("device")));
   }
   if (settings.within.of_diagonal.value_or(0) > 0 &&
       *settings.within.of_diagonal <= settings.tolerance) {
@@ -75,9 +76,8 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
                                 ", within which the surface passes the vertices anyway");
   }
   if (settings.adaptive.any() && settings.attributes.any()) {
-    refuse(spell("attributes"), "fields are made on levels; take " + spell("levels") +
-                                    " instead of " + spell("chord_errors") + " and " +
-                                    spell("angle"));
+    refuse(spell("attributes"), formatted("fields are made on levels; take {} instead of {} and {}",
+                                          spell("levels"), spell("chord_errors"), spell("angle")));
   }
   if (settings.scheme == Scheme::DooSabin) return;
   const std::string scheme = option_text(settings, "scheme");
@@ -90,14 +90,14 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
            scheme + " surfaces come in levels; take " + spell("levels") + ", or " + doo_sabin);
   }
   if (settings.weights != Weights::DooSabin) {
-    refuse(spell("weights"), option_text(settings, "weights") + " belongs to " + doo_sabin +
-                                 "; leave it and " + spell("preset") + " paper out with " +
-                                 spell("scheme") + " " + scheme);
+    refuse(spell("weights"), formatted("{} belongs to {}; leave it and {} paper out with {} {}",
+                                       option_text(settings, "weights"), doo_sabin, spell("preset"),
+                                       spell("scheme"), scheme));
   }
   if (settings.interpolation == InterpolationChoice::Fair) {
-    refuse(spell("interpolation"), "fair builds control points of Doo-Sabin's level 1, which " +
-                                       scheme + " does not have; take progressive, or " +
-                                       doo_sabin);
+    refuse(spell("interpolation"), formatted("fair builds control points of Doo-Sabin's level 1, "
+                                             "which {} does not have; take progressive, or {}",
+                                             scheme, doo_sabin));
   }
 }
 

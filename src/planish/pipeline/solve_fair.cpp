@@ -9,7 +9,6 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/fair/cured_nets.h"
 #include "planish/fair/fair_builder.h"

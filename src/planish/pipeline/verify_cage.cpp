@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/safe_length.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/mesh_arrays.h"

@@ -5,6 +5,7 @@
 #include "planish/brep/catmull_clark_splines.h"
 #include "planish/brep/doo_sabin_splines.h"
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
@@ -23,12 +24,12 @@ namespace {
 std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
   std::string text;
   if (brep.max_angle > wanted.angle)
-    text = "normals jump by up to " + short_number(brep.max_angle) +
-           " degrees at edges, above the " + short_number(wanted.angle) + " asked for";
+    text = formatted("normals jump by up to {} degrees at edges, above the {} asked for",
+                     short_number(brep.max_angle), short_number(wanted.angle));
   if (brep.max_deviation > wanted.deviation)
-    text += (text.empty() ? "" : "; ") + std::string("faces leave the surface by up to ") +
-            short_number(brep.max_deviation) + " of the diagonal, above the " +
-            short_number(wanted.deviation) + " asked for";
+    text += formatted(
+        "{}faces leave the surface by up to {} of the diagonal, above the {} asked for",
+        text.empty() ? "" : "; ", short_number(brep.max_deviation), short_number(wanted.deviation));
   return text;
 }
 
@@ -36,8 +37,8 @@ std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
 std::string description_of(const Interpolation& fit, const std::string& limits) {
   std::string text = limits;
   if (!fit.converged)
-    text = "not converged: vertices are off by up to " + short_number(fit.error.max) +
-           " of the diagonal" + (limits.empty() ? "" : "; ") + limits;
+    text = formatted("not converged: vertices are off by up to {} of the diagonal{}{}",
+                     short_number(fit.error.max), limits.empty() ? "" : "; ", limits);
   return text;
 }
 
@@ -126,10 +127,10 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, d
         faces);
   const double span = shortest_span(brep) * millimetres_of(options.settings.unit);
   if (span < kShortStepSpan)
-    say("step-spans", "the shortest spans of edges are " + short_number(span) +
-                          " mm, where CAD programs may take " + short_number(kShortStepSpan) +
-                          " mm for nothing; allow a larger angle, or say in which larger unit the "
-                          "coordinates are");
+    say("step-spans",
+        formatted("the shortest spans of edges are {} mm, where CAD programs may take {} mm for "
+                  "nothing; allow a larger angle, or say in which larger unit the coordinates are",
+                  short_number(span), short_number(kShortStepSpan)));
   if (const std::string limits = limits_text(brep, options.settings.faces); !limits.empty())
     say("step-limits", limits + "; the file says so; allow more, or take a more even mesh");
   const PolygonMesh& mesh = fitted.mesh;

@@ -16,9 +16,9 @@ void require_triangles(const PolygonMesh& mesh) {
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if (mesh.face_size(f) == 3) continue;
     throw Error(ErrorCode::UnusableMesh,
-                "face " + std::to_string(f) + " has " + std::to_string(mesh.face_size(f)) +
-                    " corners, and Loop subdivision knows triangles only; split the faces into "
-                    "triangles, or take catmull-clark or doo-sabin",
+                formatted("face {} has {} corners, and Loop subdivision knows triangles only; "
+                          "split the faces into triangles, or take catmull-clark or doo-sabin",
+                          f, mesh.face_size(f)),
                 f);
   }
 }

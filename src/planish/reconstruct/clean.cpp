@@ -147,9 +147,9 @@ void drop_strays(std::vector<glm::dvec3> points, const Callbacks& callbacks, Cle
 
 void check_clean_options(const CleanOptions& options) {
   if (options.neighbour_count < 1 || options.neighbour_count > kMaxNeighbours)
-    throw Error(ErrorCode::InvalidArgument, "outliers: " + std::to_string(options.neighbour_count) +
-                                                " neighbours are asked for; 1 to " +
-                                                std::to_string(kMaxNeighbours) + " work");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("outliers: {} neighbours are asked for; 1 to {} work",
+                          options.neighbour_count, kMaxNeighbours));
   if (!(options.factor > 0) || !std::isfinite(options.factor))
     throw Error(ErrorCode::InvalidArgument, "outliers: the factor must be a positive number");
 }

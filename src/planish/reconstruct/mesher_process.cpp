@@ -148,7 +148,7 @@ class Conversation {
       const auto count = value_at<std::int64_t>(1);
       // A front names no triangle twice and closes a surface at most: far below this.
       if (count < 0 || static_cast<std::uint64_t>(count) > 16 * point_count_ + 16)
-        fail("promises " + std::to_string(count) + " triangles");
+        fail(formatted("promises {} triangles", count));
       size += static_cast<std::size_t>(count) * sizeof(Triangle);
       if (received_.size() < size) return false;
       take_triangles(static_cast<std::size_t>(count));
@@ -176,7 +176,7 @@ class Conversation {
     for (const Triangle& t : triangles_) {
       for (const std::int32_t corner : t)
         if (corner < 0 || static_cast<std::size_t>(corner) >= point_count_)
-          fail("names point " + std::to_string(corner) + " of " + std::to_string(point_count_));
+          fail(formatted("names point {} of {}", corner, point_count_));
       if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) fail("sends a triangle of two corners");
     }
   }
@@ -189,8 +189,8 @@ class Conversation {
                                               std::to_string(point_count_) +
                                               " points; it takes about 2 kB of memory a point");
     fail(WIFSIGNALED(status)
-             ? "was ended by signal " + std::to_string(WTERMSIG(status))
-             : "ended with code " + std::to_string(WEXITSTATUS(status)) + " without an answer");
+             ? formatted("was ended by signal {}", WTERMSIG(status))
+             : formatted("ended with code {} without an answer", WEXITSTATUS(status)));
   }
 
   [[noreturn]] void fail(const std::string& what) const {

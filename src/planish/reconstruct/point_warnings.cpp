@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 
 namespace planish {
@@ -32,14 +33,13 @@ void tell_outliers(const Callbacks& callbacks, std::int64_t outliers, std::int64
 void warn_of_scale(const Reconstruction& result, const Callbacks& callbacks) {
   const double spacing = result.spacing / result.diagonal;
   if (!(result.tolerance > kMostSpacings * spacing)) return;
-  callbacks.warn({.code = "coarse-tolerance",
-                  .message = "points lie " + short_number(spacing) +
-                             " of the diagonal apart, and the mesh may be off by " +
-                             short_number(result.tolerance) +
-                             " of it: smaller parts lose their shape, as those of a "
-                             "cloud do whose parts lie far from each other; --tolerance-mesh " +
-                             short_number(spacing / 2) +
-                             " keeps them, or each in a file of its own"});
+  callbacks.warn(
+      {.code = "coarse-tolerance",
+       .message = formatted(
+           "points lie {} of the diagonal apart, and the mesh may be off by {} of it: smaller "
+           "parts lose their shape, as those of a cloud do whose parts lie far from each other; "
+           "--tolerance-mesh {} keeps them, or each in a file of its own",
+           short_number(spacing), short_number(result.tolerance), short_number(spacing / 2))});
 }
 
 void warn_of_mesh(const Reconstruction& result, const ReconstructOptions& options) {
@@ -65,18 +65,18 @@ void warn_of_mesh(const Reconstruction& result, const ReconstructOptions& option
                     .count = result.dropped_component_count});
   if (result.strayed_count > 0)
     callbacks.warn({.code = "points-left-out",
-                    .message = std::to_string(result.strayed_count) + " of " +
-                               counted(std::ssize(result.used_points), "point") +
-                               (result.strayed_count == 1 ? " fits into no triangle and lies"
-                                                          : " fit into no triangle and lie") +
-                               " farther than the tolerance from the mesh",
+                    .message = formatted(
+                        "{} of {}{} farther than the tolerance from the mesh", result.strayed_count,
+                        counted(std::ssize(result.used_points), "point"),
+                        result.strayed_count == 1 ? " fits into no triangle and lies"
+                                                  : " fit into no triangle and lie"),
                     .count = result.strayed_count});
   if (options.target_vertices > 0 && facts.vertex_count > options.target_vertices)
-    callbacks.warn({.code = "target-not-reached",
-                    .message = counted(facts.vertex_count, "vertex") + " are left of " +
-                               std::to_string(options.target_vertices) +
-                               " aimed at; a larger --tolerance-mesh allows fewer",
-                    .count = facts.vertex_count});
+    callbacks.warn(
+        {.code = "target-not-reached",
+         .message = formatted("{} are left of {} aimed at; a larger --tolerance-mesh allows fewer",
+                              counted(facts.vertex_count, "vertex"), options.target_vertices),
+         .count = facts.vertex_count});
 }
 
 }  // namespace planish

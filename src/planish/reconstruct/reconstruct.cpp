@@ -71,9 +71,9 @@ void check_options(const ReconstructOptions& options) {
                 "tolerance-mesh: a fraction of the diagonal from 0 is needed");
   const std::int32_t rounds = options.smooth_rounds.value_or(0);
   if (rounds < 0 || rounds > kMostSmoothRounds)
-    throw Error(ErrorCode::InvalidArgument, "smooth: " + std::to_string(rounds) +
-                                                " rounds are asked for; 0 to " +
-                                                std::to_string(kMostSmoothRounds) + " work");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("smooth: {} rounds are asked for; 0 to {} work", rounds, kMostSmoothRounds));
 }
 
 // A mesh through points of the cloud, before its triangles are paired.
@@ -94,10 +94,10 @@ struct Work {
 
 void require_points(std::size_t count) {
   if (count < kFewestPoints)
-    throw Error(ErrorCode::UnusableMesh, counted(static_cast<std::int64_t>(count), "point") +
-                                             (count == 1 ? " is" : " are") +
-                                             " left after cleaning; a surface needs at least " +
-                                             std::to_string(kFewestPoints));
+    throw Error(ErrorCode::UnusableMesh,
+                formatted("{}{} left after cleaning; a surface needs at least {}",
+                          counted(static_cast<std::int64_t>(count), "point"),
+                          count == 1 ? " is" : " are", kFewestPoints));
 }
 
 // Of points along a line a Delaunay triangulation is as good as endless, and no surface is in them.
@@ -108,9 +108,9 @@ void require_width(const Points& points, const Reconstruction& result) {
   if (width > least) return;
   throw Error(
       ErrorCode::UnusableMesh,
-      counted(std::ssize(points), "point") + " lie on a line, but for " + short_number(least) +
-          " of its length, and span no surface" +
-          (least > kLeastWidth ? "; a smaller --tolerance-mesh keeps what is thinner" : ""));
+      formatted("{} lie on a line, but for {} of its length, and span no surface{}",
+                counted(std::ssize(points), "point"), short_number(least),
+                least > kLeastWidth ? "; a smaller --tolerance-mesh keeps what is thinner" : ""));
 }
 
 SimplifyOptions simplify_options(const Work& work) {

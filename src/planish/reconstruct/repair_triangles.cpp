@@ -249,8 +249,8 @@ RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
                                    const TriangleRepairOptions& options) {
   if (options.longest_filled_loop < 0 || options.longest_filled_loop > kLongestLoop)
     throw Error(ErrorCode::InvalidArgument,
-                "fill-holes: " + std::to_string(options.longest_filled_loop) +
-                    " edges are asked for; 0 to " + std::to_string(kLongestLoop) + " work");
+                formatted("fill-holes: {} edges are asked for; 0 to {} work",
+                          options.longest_filled_loop, kLongestLoop));
   const std::size_t given = triangles.size();
   RepairedTriangles result;
   const HostScope host(options.callbacks);

@@ -28,9 +28,10 @@ void check_simplify_options(const SimplifyOptions& options) {
   if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
     refuse("the tolerance of the mesh must be a positive length");
   if (options.least_angle > 45)
-    refuse("min-angle: " + std::to_string(options.least_angle) + " is not from 0 to 45 degrees");
+    refuse(formatted("min-angle: {} is not from 0 to 45 degrees",
+                     std::to_string(options.least_angle)));
   if (options.max_valence >= 0 && options.max_valence < 6)
-    refuse("max-valence: " + std::to_string(options.max_valence) + " is below 6");
+    refuse(formatted("max-valence: {} is below 6", options.max_valence));
   if (options.target_vertices < 0) refuse("target-vertices: a count from 0 is needed");
 }
 

@@ -12,7 +12,6 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "planish/mesh/hole_flags.h"
 #include "planish/surface/level_one_uvs.h"

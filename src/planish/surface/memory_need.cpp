@@ -67,8 +67,8 @@ std::string gibibytes(std::uint64_t bytes) {
 }
 
 std::string counts_text(std::span<const LevelCounts> levels) {
-  return "level " + std::to_string(levels.size() - 1) + " has " +
-         counted(levels.back().vertices, "vertex") + " and " + counted(levels.back().faces, "face");
+  return formatted("level {} has {} and {}", levels.size() - 1,
+                   counted(levels.back().vertices, "vertex"), counted(levels.back().faces, "face"));
 }
 
 std::uint64_t read_number(const char* path) {
@@ -182,9 +182,9 @@ void require_memory(std::span<const LevelCounts> levels, LastLevel last,
   const std::uint64_t need = tessellation_bytes(levels, last, attributes);
   const std::uint64_t limit = limit_bytes > 0 ? limit_bytes : available_memory_bytes();
   if (need > limit) {
-    throw Error(ErrorCode::OutOfMemory, counts_text(levels) + " and needs " + gibibytes(need) +
-                                            " of memory where " + gibibytes(limit) +
-                                            " are free; take fewer levels");
+    throw Error(ErrorCode::OutOfMemory,
+                formatted("{} and needs {} of memory where {} are free; take fewer levels",
+                          counts_text(levels), gibibytes(need), gibibytes(limit)));
   }
 }
 

@@ -1,5 +1,7 @@
 #include "help/completion.h"
 
+#include "planish/core/formatted.h"
+
 namespace planish::command {
 namespace {
 
@@ -70,20 +72,23 @@ std::string bash_command(const HelpPage& page) {
 }
 
 std::string bash_script(const HelpPage& help) {
-  std::string text =
-      "# bash completion of planish; made by: planish completion bash\n"
-      "_planish() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} head=\n"
-      "  COMPREPLY=()\n"
-      "  # --flag=VALUE is three words to bash, unless COMP_WORDBREAKS has no =.\n"
-      "  if [[ $word == = ]]; then word=\n"
-      "  elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD-2]}\n"
-      "  elif [[ $word == --*=* ]]; then before=${word%%=*} head=$before= word=${word#*=}\n"
-      "  fi\n"
-      "  if ((COMP_CWORD == 1)); then\n"
-      "    COMPREPLY=($(compgen -W '" +
-      word_list(command_names(help.commands), " ") + " " + word_list(all_flags(help), " ") +
-      "' -- \"$word\"))\n    return\n  fi\n  case ${COMP_WORDS[1]} in\n";
+  std::string text = formatted(
+      R"(# bash completion of planish; made by: planish completion bash
+_planish() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} head=
+  COMPREPLY=()
+  # --flag=VALUE is three words to bash, unless COMP_WORDBREAKS has no =.
+  if [[ $word == = ]]; then word=
+  elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD-2]}
+  elif [[ $word == --*=* ]]; then before=${word%%=*} head=$before= word=${word#*=}
+  fi
+  if ((COMP_CWORD == 1)); then
+    COMPREPLY=($(compgen -W '{} {}' -- "$word"))
+    return
+  fi
+  case ${COMP_WORDS[1]} in
+)",
+      word_list(command_names(help.commands), " "), word_list(all_flags(help), " "));
   for (const HelpPage& command : help.commands) text += bash_command(command);
   return text + "  esac\n}\ncomplete -o default -F _planish planish\n";
 }
@@ -102,7 +107,7 @@ std::string zsh_text(const std::string& text) {
 
 std::string zsh_action(const HelpOption& option) {
   const std::string words = word_list(option.choices, " ");
-  if (option.takes_several) return "_values -s , " + zsh_text(option.value) + " " + words;
+  if (option.takes_several) return formatted("_values -s , {} {}", zsh_text(option.value), words);
   if (!words.empty()) return "(" + words + ")";
   return option.takes_file ? "_files" : "";
 }
@@ -112,7 +117,7 @@ std::string zsh_option(const HelpOption& option) {
   for (const std::string& name : option.names) {
     // With = the value may stand behind it or be the next word.
     const bool is_long = !option.value.empty() && name.starts_with("--");
-    std::string spec = "*" + name + (is_long ? "=" : "") + "[" + zsh_text(option.text) + "]";
+    std::string spec = formatted("*{}{}[{}]", name, is_long ? "=" : "", zsh_text(option.text));
     if (!option.value.empty()) spec += ":" + zsh_text(option.value) + ":" + zsh_action(option);
     text += "        " + in_quotes(spec) + " \\\n";
   }
@@ -125,7 +130,7 @@ std::string zsh_command(const HelpPage& page) {
     for (const HelpOption& option : topic.options) text += zsh_option(option);
   const auto words = argument_words(page);
   const std::string action = words.empty() ? "_files" : "(" + word_list(words, " ") + ")";
-  return text + "        " + in_quotes("*:argument:" + action) + " ;;\n";
+  return formatted("{}        {} ;;\n", text, in_quotes("*:argument:" + action));
 }
 
 std::string zsh_script(const HelpPage& help) {
@@ -161,15 +166,15 @@ std::string fish_option(const std::string& condition, const HelpOption& option) 
       text += option.takes_file ? " -r -F" : " -x";
     }
   }
-  return text + " -d " + in_quotes(option.text) + "\n";
+  return formatted("{} -d {}\n", text, in_quotes(option.text));
 }
 
 std::string fish_script(const HelpPage& help) {
   std::string text = "# fish completion of planish; made by: planish completion fish\n";
   const std::string first = "__fish_use_subcommand";
   for (const HelpPage& command : help.commands)
-    text += "complete -c planish -f -n " + in_quotes(first) + " -a " + command.name + " -d " +
-            in_quotes(command.summary) + "\n";
+    text += formatted("complete -c planish -f -n {} -a {} -d {}\n", in_quotes(first), command.name,
+                      in_quotes(command.summary));
   for (const HelpTopic& topic : help.topics)
     for (const HelpOption& option : topic.options) text += fish_option(first, option);
   for (const HelpPage& command : help.commands) {
@@ -178,8 +183,8 @@ std::string fish_script(const HelpPage& help) {
       for (const HelpOption& option : topic.options) text += fish_option(condition, option);
     const auto words = argument_words(command);
     if (!words.empty())
-      text += "complete -c planish -f -n " + in_quotes(condition) + " -a " +
-              in_quotes(word_list(words, " ")) + "\n";
+      text += formatted("complete -c planish -f -n {} -a {}\n", in_quotes(condition),
+                        in_quotes(word_list(words, " ")));
   }
   return text;
 }

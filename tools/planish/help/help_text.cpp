@@ -1,4 +1,5 @@
 #include "help/help_text.h"
+#include "planish/core/formatted.h"
 
 #include <algorithm>
 #include <sstream>
@@ -52,7 +53,7 @@ std::string examples_text(const HelpPage& page, std::size_t most) {
 }
 
 std::string head_text(const HelpPage& page, int columns) {
-  return wrapped(page.summary, columns, 0) + "\n\nUsage: " + page.usage() + "\n";
+  return formatted("{}\n\nUsage: {}\n", wrapped(page.summary, columns, 0), page.usage());
 }
 
 std::string commands_text(const HelpPage& page, int columns) {
@@ -103,8 +104,7 @@ std::string short_help(const HelpPage& page, int columns) {
   if (!flags.empty()) text += "\n" + flags;
   text += examples_text(page, 3);
   if (left_out > 0)
-    text += "\n" + page.full_name() + " --help has " + std::to_string(left_out) +
-            " more flags, by topic.\n";
+    text += formatted("\n{} --help has {} more flags, by topic.\n", page.full_name(), left_out);
   if (!page.commands.empty()) text += "\nplanish COMMAND -h says more of each.\n";
   return text;
 }

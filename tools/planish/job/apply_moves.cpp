@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/refuse.h"
 #include "planish/edit/editor.h"
 

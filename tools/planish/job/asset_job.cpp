@@ -12,6 +12,7 @@
 #include "job/timed.h"
 #include "output/digest.h"
 #include "output/output_levels.h"
+#include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/pipeline/asset_attributes.h"
@@ -264,12 +265,10 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
   });
   if (reason && !reason->empty() && writes_gltf)
     add_warning(report, context.console,
-                {"merged-asset", file.name +
-                                     ": the scene becomes one mesh without nodes, skins and "
-                                     "animations, since " +
-                                     *reason +
-                                     "; write the glTF by itself to keep them, or say --asset "
-                                     "merge"});
+                {"merged-asset",
+                 formatted("{}: the scene becomes one mesh without nodes, skins and animations, "
+                           "since {}; write the glTF by itself to keep them, or say --asset merge",
+                           file.name, *reason)});
   auto asset = reason ? nullptr : asset_of(file.for_reader(), file.format);
   if (!asset) {
     require_asset_for_lods(outputs);

@@ -204,8 +204,8 @@ std::string batch_table(const std::vector<PlannedJob>& jobs,
 std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes) {
   const auto failed = std::ranges::count_if(
       outcomes, [](const JobOutcome& outcome) { return outcome.exit_code != ExitCode::Done; });
-  return std::to_string(failed) + " of " +
-         counted(static_cast<std::int64_t>(outcomes.size()), "job") + " failed";
+  return formatted("{} of {} failed", failed,
+                   counted(static_cast<std::int64_t>(outcomes.size()), "job"));
 }
 
 void write_batch_report(const std::string& path, const nlohmann::ordered_json& json,
@@ -226,8 +226,8 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
   StagedFiles staged(overwrites);
   staged.write(path, text);
   staged.commit();
-  console.info(visible(path) + ": " + byte_size(text.size()) + ", page of " +
-               counted(static_cast<std::int64_t>(page_jobs.size()), "job"));
+  console.info(formatted("{}: {}, page of {}", visible(path), byte_size(text.size()),
+                         counted(static_cast<std::int64_t>(page_jobs.size()), "job")));
 }
 
 nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,

@@ -21,7 +21,7 @@ std::string write_line(const std::filesystem::path& path, const std::string& wha
                        const PathClaims& claims) {
   const std::string refusal = claims.refusal(path);
   if (!refusal.empty()) return "  would refuse " + refusal + "\n";
-  return "  would write  " + output_name(path.native()) + what + "\n";
+  return formatted("  would write  {}{}\n", output_name(path.native()), what);
 }
 
 std::string file_text(const OutputForecast& file, std::string_view faces,
@@ -40,21 +40,21 @@ std::string_view faces_of(const PlannedOutput& output, Scheme scheme) {
 }
 
 std::string device_line(const DeviceDescription& device) {
-  return "  device       " + device.kind + ", " + device.name + "\n";
+  return formatted("  device       {}, {}\n", device.kind, device.name);
 }
 
 std::string memory_text(std::uint64_t need) {
   if (need == 0) return "known once there is a mesh";
   const auto budget = array_budget();
   if (!budget || need <= budget->bytes) return "at most about " + byte_size(need);
-  return byte_size(budget->bytes) + ", and at most about " + byte_size(need - budget->bytes) +
-         " in a temporary file in " + visible(budget->folder) + ", which has " +
-         byte_size(budget->free_bytes) + " free";
+  return formatted("{}, and at most about {} in a temporary file in {}, which has {} free",
+                   byte_size(budget->bytes), byte_size(need - budget->bytes),
+                   visible(budget->folder), byte_size(budget->free_bytes));
 }
 
 std::string needs_text(const Forecast& forecast) {
-  return "  memory       " + memory_text(forecast.peak_bytes) + "\n  time         " +
-         rough_duration(forecast.seconds) + "\n";
+  return formatted("  memory       {}\n  time         {}\n", memory_text(forecast.peak_bytes),
+                   rough_duration(forecast.seconds));
 }
 
 // How large the mesh of points will be is not known before it is made.
@@ -96,10 +96,9 @@ std::string outputs_text(const PlannedJob& planned, FileFormat input, const Poly
     const bool is_cage = output.kind == OutputKind::Cage;
     const std::string what =
         info_of(output.format).is_brep
-            ? "  (at least " + counted(file.faces, "B-spline face") + ", in " +
-                  std::string(word_of(kStepUnitWords, settled_unit(planned.job.settings.step.unit,
-                                                                   name_of(input)))) +
-                  ")"
+            ? formatted("  (at least {}, in {})", counted(file.faces, "B-spline face"),
+                        word_of(kStepUnitWords,
+                                settled_unit(planned.job.settings.step.unit, name_of(input))))
             : "  (" +
                   (is_cage ? "control cage" : finenesses_text(output.fineness, output.coarser)) +
                   file_text(file, faces_of(output, planned.job.settings.scheme), compression) + ")";
@@ -145,15 +144,13 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   const MeshNeed need{&ready, nullptr};
   const Forecast forecast = forecast_of({&need, 1}, settings, planned.outputs, page_bytes);
   require_memory_for({&need, 1}, settings, planned.outputs);
-  std::string text =
-      "would fit " + name + ": " +
-      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count) +
-      "\n" + device_line(device) + "  solve        " + solve_text(settings, planned.outputs) +
-      ", " +
-      (ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
-                                                : "") +
-      subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
-      short_number(settings.tolerance) + "\n";
+  std::string text = formatted(
+      "would fit {}: {}\n{}  solve        {}, {}{}, tolerance {}\n", name,
+      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count),
+      device_line(device), solve_text(settings, planned.outputs),
+      ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
+                                               : "",
+      subdivision_text(settings.scheme, settings.weights), short_number(settings.tolerance));
   text += outputs_text(planned, format, mesh, forecast, claims);
   return text + needs_text(forecast);
 }
@@ -183,13 +180,13 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
   };
   steps.fit = [](Part&, MeshShare) {};
   const auto kept = asset.surfaces().size() - fit_meshes(asset, steps).size();
-  std::string text =
-      "would fit " + file.name + ": " + counted(std::ssize(asset.surfaces()), "mesh") +
-      (kept > 0 ? " (" + with_separators(static_cast<std::int64_t>(kept)) + " would stay as it is)"
-                : "") +
-      ", " + counted(vertices, "vertex") + ", " + counted(faces, "face") + "\n" +
-      device_line(device) + "  solve        " + solve_text(planned.job.settings, planned.outputs) +
-      ", for each mesh\n";
+  std::string text = formatted(
+      "would fit {}: {}{}, {}, {}\n{}  solve        {}, for each mesh\n", file.name,
+      counted(std::ssize(asset.surfaces()), "mesh"),
+      kept > 0 ? " (" + with_separators(static_cast<std::int64_t>(kept)) + " would stay as it is)"
+               : "",
+      counted(vertices, "vertex"), counted(faces, "face"), device_line(device),
+      solve_text(planned.job.settings, planned.outputs));
   text += outputs_text(planned, file.format, {}, forecast, claims);
   return text + needs_text(forecast);
 }

@@ -295,11 +295,11 @@ void require_memory_for(std::span<const MeshNeed> meshes, const Settings& settin
   while (fitting >= 0 && need(fitting) > free) --fitting;
   const std::string of = meshes.size() == 1 ? "" : " of " + counted(std::ssize(meshes), "mesh");
   throw Error(ErrorCode::OutOfMemory,
-              "level " + std::to_string(wanted) + of + " needs about " + byte_size(needed) +
-                  " of memory where " + byte_size(free) + " are free; " +
-                  (fitting < 0 ? "no level fits"
-                               : "--levels " + std::to_string(fitting) + " fits (" +
-                                     byte_size(need(fitting)) + ")"));
+              formatted("level {}{} needs about {} of memory where {} are free; {}", wanted, of,
+                        byte_size(needed), byte_size(free),
+                        fitting < 0 ? "no level fits"
+                                    : formatted("--levels {} fits ({})", fitting,
+                                                byte_size(need(fitting)))));
 }
 
 }  // namespace planish::command

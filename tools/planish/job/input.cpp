@@ -102,9 +102,9 @@ FileFormat parse_input_format(std::string_view value, std::string_view where) {
     if (info.name == value) return info.format;
     names.push_back(info.name);
   }
-  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": \"" + visible(value) +
-                                              "\" is not one of " + names_of(FormatUse::Read) +
-                                              did_you_mean(value, names));
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("{}: \"{}\" is not one of {}{}", where, visible(value),
+                        names_of(FormatUse::Read), did_you_mean(value, names)));
 }
 
 }  // namespace planish::command

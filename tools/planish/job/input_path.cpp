@@ -63,8 +63,7 @@ std::string conversion(const ForeignFormat& format, const fs::path& from, const 
            " -C_EXPORT_FMT PLY -SAVE_CLOUDS\" converts it";
   if (format.converter != kAssimp && format.converter != kPdal)
     return std::string(format.converter) + " converts it";
-  return "\"" + std::string(format.converter) + " " + visible(from) + " " + visible(to) +
-         "\" converts it";
+  return formatted("\"{} {} {}\" converts it", format.converter, visible(from), visible(to));
 }
 
 // A readable file of nearly that name beside it.
@@ -134,8 +133,8 @@ void require_input(const std::string& path, std::optional<FileFormat> format) {
   const bool is_read = named && serves(*named, FormatUse::Read);
   if (!format && !is_read && !converter.empty())
     throw Error(ErrorCode::InvalidArgument,
-                shown + ": " + std::string(foreign_format(path)->title) + " is not read (" +
-                    names_of(FormatUse::Read) + " are); " + converter);
+                formatted("{}: {} is not read ({} are); {}", shown, foreign_format(path)->title,
+                          names_of(FormatUse::Read), converter));
 }
 
 }  // namespace planish::command

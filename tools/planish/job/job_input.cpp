@@ -6,7 +6,6 @@
 #include "job/point_input.h"
 #include "job/torn_vertices.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/files/formats.h"
 #include "planish/mesh/check.h"
 #include "planish/pipeline/option_table.h"

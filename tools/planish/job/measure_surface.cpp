@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "planish/core/formatted.h"
 #include "planish/limit/sheet_gap.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/triangle_edges.h"
@@ -109,9 +110,9 @@ std::string places_text(const std::vector<FoldedPlace>& places, const JobInput& 
   std::string text;
   for (const FoldedPlace& place : places) {
     const glm::dvec3& p = place.position;
-    text += (text.empty() ? "; first at face " : ", face ") +
-            std::to_string(file_face(place, made)) + " near (" + short_number(p.x) + ", " +
-            short_number(p.y) + ", " + short_number(p.z) + ")";
+    text +=
+        formatted("{}{} near ({}, {}, {})", text.empty() ? "; first at face " : ", face ",
+                  file_face(place, made), short_number(p.x), short_number(p.y), short_number(p.z));
   }
   return text;
 }
@@ -136,14 +137,13 @@ void warn_of_folds(const JobInput& made, JobReport& report, Console& console) {
   add_warning(
       report, console,
       {"folded-area",
-       short_number(quality.folded_area * 100) +
-           " % of the surface is folded (turned by more than 90 degrees from " +
-           (against_input ? "its face" : "the source") + ")" +
-           (some_is_the_inputs ? ", " + short_number(quality.folded_area_elsewhere * 100) +
-                                     " % where the input is not"
-                               : "") +
-           places_text(quality.folded_places, made) + "; " +
-           remedy_for_folds(report, quality.folded_area_elsewhere <= kFoldedAreaLimit),
+       formatted("{} % of the surface is folded (turned by more than 90 degrees from {}){}{}; {}",
+                 short_number(quality.folded_area * 100), against_input ? "its face" : "the source",
+                 some_is_the_inputs ? ", " + short_number(quality.folded_area_elsewhere * 100) +
+                                          " % where the input is not"
+                                    : "",
+                 places_text(quality.folded_places, made),
+                 remedy_for_folds(report, quality.folded_area_elsewhere <= kFoldedAreaLimit)),
        1, quality.folded_places.empty() ? -1 : file_face(quality.folded_places.front(), made)});
 }
 

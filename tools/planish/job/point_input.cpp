@@ -25,9 +25,9 @@ void require_readable(const std::string& path, std::optional<FileFormat> format)
 
 PointInput points_of(const InputFile& file, const Callbacks& callbacks) {
   if (!serves(file.format, FormatUse::ReadPoints))
-    throw Error(ErrorCode::InvalidArgument, file.name + ": ." + std::string(name_of(file.format)) +
-                                                " is no format of points (" +
-                                                names_of(FormatUse::ReadPoints) + " are)");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: .{} is no format of points ({} are)", file.name,
+                          name_of(file.format), names_of(FormatUse::ReadPoints)));
   return {.name = file.name,
           .cloud = read_points(FileBytes{.bytes = file.bytes,
                                          .name = file.name,
@@ -133,7 +133,7 @@ std::string noise_line(const Reconstruction& result) {
   if (result.noise >= 0)
     line += short_number(result.noise / result.diagonal) + " of the diagonal; ";
   return line + "points moved onto local fits " +
-         (result.smooth_rounds == 1 ? "once" : std::to_string(result.smooth_rounds) + " times") +
+         (result.smooth_rounds == 1 ? "once" : formatted("{} times", result.smooth_rounds)) +
          ", mesh within " + short_number(result.tolerance) + "; --smooth 0 leaves them\n";
 }
 

@@ -133,8 +133,8 @@ void hold_arrays_within(std::uint64_t bytes, const std::filesystem::path& folder
   all->budget = bytes;
   const int file = open_nameless(all->folder);
   if (file < 0)
-    throw Error(ErrorCode::UnwritableOutput, "--temporary: " + visible(folder) +
-                                                 ": cannot create a file: " + std::strerror(errno));
+    throw Error(ErrorCode::UnwritableOutput, formatted("--temporary: {}: cannot create a file: {}",
+                                                       visible(folder), std::strerror(errno)));
   ::close(file);
   current = all;
   set_memory_elsewhere(array_budget()->free_bytes);

@@ -28,10 +28,9 @@ std::vector<std::string> files_in(const std::string& folder) {
   if (error)
     throw Error(ErrorCode::UnreadableInput, visible(folder) + ": cannot read: " + error.message());
   if (paths.empty())
-    throw Error(ErrorCode::UnreadableInput, visible(folder) +
-                                                ": this folder holds no file that is "
-                                                "read (" +
-                                                extensions_of(FormatUse::Read) + ")");
+    throw Error(ErrorCode::UnreadableInput,
+                formatted("{}: this folder holds no file that is read ({})", visible(folder),
+                          extensions_of(FormatUse::Read)));
   std::ranges::sort(paths);
   return paths;
 }
@@ -58,10 +57,10 @@ void require_distinct_stems(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     const auto [known, is_new] = by_stem.emplace(stem_of(path), path);
     if (is_new) continue;
-    throw Error(ErrorCode::InvalidArgument, visible(known->second) + " and " + visible(path) +
-                                                " would be written under one name, " +
-                                                visible(known->first) +
-                                                "; fit one of them by itself");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("{} and {} would be written under one name, {}; fit one of them by itself",
+                  visible(known->second), visible(path), visible(known->first)));
   }
 }
 

@@ -34,9 +34,9 @@ auto value_of(const Words& words, std::string_view name, std::string_view flag) 
     texts.push_back(known);
     allowed += (allowed.empty() ? "" : ", ") + std::string(known);
   }
-  throw Error(ErrorCode::InvalidArgument, std::string(flag) + ": \"" + visible(name) +
-                                              "\" is not one of " + allowed +
-                                              did_you_mean(name, texts));
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("{}: \"{}\" is not one of {}{}", flag, visible(name), allowed,
+                        did_you_mean(name, texts)));
 }
 
 // The value of the flag as it stands among arguments that nothing has parsed yet.

@@ -35,8 +35,8 @@ Sampling sampling_of(const Json& json, const std::string& where) {
     const std::string& pattern = text_of(json["pattern"], path("pattern"));
     sampling.poisson_disk = pattern == kPatterns[0];
     if (std::ranges::find(kPatterns, pattern) == kPatterns.end())
-      refuse(path("pattern"), "\"" + visible(pattern) + "\" is not one of poisson-disk, uniform" +
-                                  did_you_mean(pattern, kPatterns));
+      refuse(path("pattern"), formatted("\"{}\" is not one of poisson-disk, uniform{}",
+                                        visible(pattern), did_you_mean(pattern, kPatterns)));
   }
   if (json.contains("seed"))
     sampling.seed = static_cast<std::uint32_t>(count_of(json["seed"], path("seed"), 0, INT32_MAX));
@@ -129,8 +129,8 @@ class JobParser {
       constexpr std::array<std::string_view, 2> kKinds{"surface", "cage"};
       if (what == kKinds[1]) request.kind = OutputKind::Cage;
       if (std::ranges::find(kKinds, what) == kKinds.end()) {
-        refuse(path, "\"" + visible(what) + "\" is not one of surface, cage" +
-                         did_you_mean(what, kKinds));
+        refuse(path, formatted("\"{}\" is not one of surface, cage{}", visible(what),
+                               did_you_mean(what, kKinds)));
       }
     }
     const bool cage = request.kind == OutputKind::Cage;
@@ -160,8 +160,7 @@ std::string listed(const std::vector<std::string_view>& names) {
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
     text += (i == 0 ? "" : ", ") + std::string(names[i]);
-  return names.size() > kMost ? text + ", and " + std::to_string(names.size() - kMost) + " more"
-                              : text;
+  return names.size() > kMost ? formatted("{}, and {} more", text, names.size() - kMost) : text;
 }
 
 std::vector<Job> jobs_of(const Json& scene, const std::string& name,
@@ -204,7 +203,7 @@ std::string with_line(const std::string& message, const std::string& name,
   while (!path.empty()) {
     const auto found = lines.find(path);
     if (found != lines.end())
-      return name + ":" + std::to_string(found->second) + ": " + message.substr(head.size());
+      return formatted("{}:{}: {}", name, found->second, message.substr(head.size()));
     const std::size_t cut = path.find_last_of(".[");
     path.resize(cut == std::string::npos ? 0 : cut);
   }

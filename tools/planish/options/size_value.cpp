@@ -20,8 +20,8 @@ std::uint64_t parse_size(std::string_view value, std::string_view where, std::ui
   if (unit == "G" || unit == "g") shift = 30;
   if (error != std::errc() || shift < 0 || number > most >> shift) {
     throw Error(ErrorCode::InvalidArgument,
-                std::string(where) + ": \"" + plain_utf8(value) + "\" is no size of up to " +
-                    std::to_string(most >> 30) + "G, such as " + std::string(example));
+                formatted("{}: \"{}\" is no size of up to {}G, such as {}", where,
+                          plain_utf8(value), most >> 30, example));
   }
   return number << shift;
 }

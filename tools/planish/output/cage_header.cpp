@@ -63,7 +63,7 @@ std::vector<std::string> cage_header_lines(FitSettings settings, InterpolationMe
   settings.creases.chooses = false;  // what was found stands in the settings
   std::vector<std::string> lines;
   const auto add = [&](std::string_view key, std::string_view value) {
-    lines.push_back("planish " + std::string(key) + "=" + std::string(value));
+    lines.push_back(formatted("planish {}={}", key, value));
   };
   add("version", PLANISH_VERSION);
   // First what every cage says, then what was asked for besides.

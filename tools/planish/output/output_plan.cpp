@@ -73,11 +73,10 @@ bool is_finer(const Fineness& a, const Fineness& b) {
 void require_chord_error(const OutputRequest& request, FileFormat format, double chord_error) {
   constexpr double kLeastOfFloats = 1e-7;
   if (chord_error == 0 || chord_error >= kLeastOfFloats || info_of(format).keeps_doubles) return;
-  refuse(
-      request.where,
-      visible(request.path) + ": a chord error of " + short_number(chord_error) +
-          " of the diagonal is finer than the file's float32 numbers hold; take 1e-7 or more, or "
-          "write .ply, which keeps doubles");
+  refuse(request.where,
+         formatted("{}: a chord error of {} of the diagonal is finer than the file's float32 "
+                   "numbers hold; take 1e-7 or more, or write .ply, which keeps doubles",
+                   visible(request.path), short_number(chord_error)));
 }
 
 }  // namespace
@@ -90,7 +89,7 @@ std::string finenesses_text(const Fineness& finest, const std::vector<Fineness>&
 }
 
 std::string fineness_text(const Fineness& fineness) {
-  if (!fineness.is_adaptive()) return "level " + std::to_string(fineness.level);
+  if (!fineness.is_adaptive()) return formatted("level {}", fineness.level);
   std::string text;
   if (fineness.chord_error > 0) text = "chord error " + short_number(fineness.chord_error);
   if (fineness.angle > 0)
@@ -132,9 +131,9 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
     refuse(where, visible(path) + " lies in the folder of tiles; choose another");
   std::error_code error;
   if (path.filename().native().size() > NAME_MAX) {
-    refuse_place(path, where,
-                 ": no file name is longer than " + std::to_string(NAME_MAX) +
-                     " bytes; choose a shorter one");
+    refuse_place(
+        path, where,
+        formatted(": no file name is longer than {} bytes; choose a shorter one", NAME_MAX));
   } else if (fs::is_directory(path, error)) {
     refuse_place(path, where, " is a folder");
   } else if (fs::is_other(fs::status(path, error))) {
@@ -156,8 +155,8 @@ void PathClaims::add_tile_folder(const fs::path& folder, std::string_view where)
   for (const auto* others : {&inputs_, &outputs_}) {
     for (const fs::path& other : *others) {
       if (other.parent_path() == target)
-        refuse(where, visible(folder) + ", the folder of the tiles, has " + visible(other) +
-                          " in it; choose another name");
+        refuse(where, formatted("{}, the folder of the tiles, has {} in it; choose another name",
+                                visible(folder), visible(other)));
     }
   }
   std::error_code error;
@@ -203,9 +202,9 @@ void require_tileable(const std::vector<PlannedOutput>& outputs, const Settings&
   for (const PlannedOutput& output : outputs) {
     if (!info_of(output.format).is_tiles) continue;
     if (settings.scheme != Scheme::DooSabin) {
-      refuse("--scheme", visible(output.path) +
-                             ": 3D Tiles are made of Doo-Sabin surfaces, not of " +
-                             std::string(name_of(settings.scheme)) + "; write .glb");
+      refuse("--scheme",
+             formatted("{}: 3D Tiles are made of Doo-Sabin surfaces, not of {}; write .glb",
+                       visible(output.path), name_of(settings.scheme)));
     }
     if (output.fineness.level < 1)
       refuse("--levels", visible(output.path) + ": 3D Tiles have levels from 1 on, not 0");
@@ -270,8 +269,8 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
     for (std::size_t i = 0; i < finenesses.size(); ++i) {
       fs::path path = request.path;
       if (several) {
-        path.replace_filename(path.stem().string() + "_LOD" + std::to_string(i) +
-                              path.extension().string());
+        path.replace_filename(
+            formatted("{}_LOD{}{}", path.stem().string(), i, path.extension().string()));
       }
       planned.push_back({path, request.kind, format, finenesses[i], false, coarser});
     }

@@ -10,6 +10,7 @@
 #include "page/page_text.h"
 #include "page_files.h"
 #include "planish/core/assert.h"
+#include "planish/core/formatted.h"
 #include "planish/core/version.h"
 #include "terminal/text.h"
 
@@ -24,10 +25,10 @@ std::string csp_hash(std::string_view text) {
 }
 
 std::string content_security() {
-  return "default-src 'none'; script-src " + csp_hash(kPageScript) + "; style-src " +
-         csp_hash(kPageStyle) +
-         "; img-src data: blob:; base-uri 'none'; form-action 'none'; "
-         "require-trusted-types-for 'script'";
+  return formatted(
+      "default-src 'none'; script-src {}; style-src {}; img-src data: blob:; base-uri 'none'; "
+      "form-action 'none'; require-trusted-types-for 'script'",
+      csp_hash(kPageScript), csp_hash(kPageStyle));
 }
 
 void replace_all(std::string& text, const std::string& old, const std::string& fresh) {
@@ -99,7 +100,7 @@ std::string view_note(const PageJob& job, int level, const PageOptions& options)
   if (level < 0)
     return "The view leaves this job out: even level 0 is larger than the page may be (" +
            byte_size(options.limit_bytes) + "; --page-limit raises it).";
-  const std::string shown = "The view shows level " + std::to_string(job.payloads[level].level);
+  const std::string shown = formatted("The view shows level {}", job.payloads[level].level);
   const int larger = level + 1 < static_cast<int>(job.payloads.size()) ? deepest : deepest + 1;
   if (larger > kPageLevel) return shown + ".";
   return shown + ", because level " + std::to_string(larger) + " is larger than the page may be (" +
@@ -124,7 +125,7 @@ void number_names(std::vector<Json>& reports) {
     if (report.is_null()) continue;
     const std::string name = report["job"].get<std::string>();
     if (const int before = seen[name]++; before > 0)
-      report["job"] = name + " (" + std::to_string(before + 1) + ")";
+      report["job"] = formatted("{} ({})", name, before + 1);
   }
 }
 
@@ -133,8 +134,8 @@ std::string status_of(std::span<const PageJob> jobs) {
     return !job.failure.empty() || !job.report["solve"]["converged"].get<bool>();
   });
   if (bad > 0)
-    return std::to_string(bad) + " of " + counted(static_cast<std::int64_t>(jobs.size()), "job") +
-           (bad == 1 ? " has failed or not converged" : " have failed or not converged");
+    return formatted("{} of {}{}", bad, counted(static_cast<std::int64_t>(jobs.size()), "job"),
+                     bad == 1 ? " has failed or not converged" : " have failed or not converged");
   return jobs.size() > 1 ? "all converged" : "";
 }
 

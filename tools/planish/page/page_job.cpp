@@ -77,7 +77,7 @@ void require_page_path(const std::string& path, std::string_view where) {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".html" || extension == ".htm") return;
   throw Error(ErrorCode::InvalidArgument,
-              std::string(where) + ": " + plain_utf8(path) + ": a page is an .html file");
+              formatted("{}: {}: a page is an .html file", where, plain_utf8(path)));
 }
 
 }  // namespace planish::command

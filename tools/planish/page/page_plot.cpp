@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "page/page_text.h"
+#include "planish/core/formatted.h"
 #include "terminal/table.h"
 #include "terminal/text.h"
 
@@ -70,11 +71,11 @@ std::string grid(const Axes& axes) {
   }
   const int last = static_cast<int>(axes.last);
   for (int i = 0; i <= last; i += (last + 9) / 10) {
-    svg += "<text x=\"" + at(axes.x(i)) + "\" y=\"" + at(kHeight - kBottom + 16) +
-           "\" text-anchor=\"middle\">" + std::to_string(i) + "</text>";
+    svg += formatted("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>", at(axes.x(i)),
+                     at(kHeight - kBottom + 16), i);
   }
-  return svg + "<text x=\"" + at((kLeft + kWidth - kRight) / 2) + "\" y=\"" + at(kHeight - 4) +
-         "\" text-anchor=\"middle\">iteration</text>";
+  return formatted("{}<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">iteration</text>", svg,
+                   at((kLeft + kWidth - kRight) / 2), at(kHeight - 4));
 }
 
 std::string tolerance_line(const Axes& axes, double tolerance) {
@@ -88,9 +89,9 @@ std::string tolerance_line(const Axes& axes, double tolerance) {
 // Marks differ by shape as well as by colour: discs for the largest, squares for rms.
 std::string mark(const char* key, double x, double y) {
   if (std::string_view(key) == "max")
-    return "<circle class=\"max\" cx=\"" + at(x) + "\" cy=\"" + at(y) + "\" r=\"3.5\">";
-  return "<rect class=\"rms\" x=\"" + at(x - 3) + "\" y=\"" + at(y - 3) +
-         "\" width=\"6\" height=\"6\">";
+    return formatted("<circle class=\"max\" cx=\"{}\" cy=\"{}\" r=\"3.5\">", at(x), at(y));
+  return formatted("<rect class=\"rms\" x=\"{}\" y=\"{}\" width=\"6\" height=\"6\">", at(x - 3),
+                   at(y - 3));
 }
 
 std::string curve(const Json& history, const char* key, const Axes& axes) {
@@ -99,11 +100,11 @@ std::string curve(const Json& history, const char* key, const Axes& axes) {
     if (!history[i][key].is_number()) continue;
     const double x = axes.x(static_cast<double>(i)), y = axes.y(history[i][key].get<double>());
     line += (line.empty() ? "" : " ") + at(x) + "," + at(y);
-    marks += mark(key, x, y) + "<title>iteration " + std::to_string(i) + ": " + key + " " +
-             figure(history[i][key]) + "</title></" +
-             (std::string_view(key) == "max" ? "circle>" : "rect>");
+    marks +=
+        formatted("{}<title>iteration {}: {} {}</title></{}", mark(key, x, y), i, key,
+                  figure(history[i][key]), std::string_view(key) == "max" ? "circle>" : "rect>");
   }
-  return "<polyline class=\"" + std::string(key) + "\" points=\"" + line + "\"/>" + marks;
+  return formatted("<polyline class=\"{}\" points=\"{}\"/>{}", key, line, marks);
 }
 
 std::string table(const Json& history) {
@@ -111,8 +112,8 @@ std::string table(const Json& history) {
       "<details><summary>As a table</summary><table><thead><tr><th scope=\"col\">iteration"
       "<th scope=\"col\">max<th scope=\"col\">rms<tbody>";
   for (std::size_t i = 0; i < history.size(); ++i) {
-    html += "<tr><td>" + std::to_string(i) + "<td>" + figure(history[i]["max"]) + "<td>" +
-            figure(history[i]["rms"]);
+    html += formatted("<tr><td>{}<td>{}<td>{}", i, figure(history[i]["max"]),
+                      figure(history[i]["rms"]));
   }
   return html + "</table></details>";
 }
@@ -123,12 +124,12 @@ std::string convergence_plot(const Json& solve, const std::string& id) {
   const Json& history = solve["history"];
   const double tolerance = solve["tolerance"].get<double>();
   const Axes axes = axes_for(history, tolerance);
-  std::string svg = "<svg class=\"plot\" viewBox=\"0 0 460 230\" role=\"img\" aria-labelledby=\"" +
-                    id + "t " + id + "d\"><title id=\"" + id +
-                    "t\">Error by iteration</title><desc id=\"" + id + "d\">From " +
-                    figure(history.front()["max"]) + " to " + figure(history.back()["max"]) +
-                    " of the diagonal in " + counted(std::ssize(history) - 1, "iteration") +
-                    "; the tolerance is " + figure(tolerance) + ".</desc>";
+  std::string svg = formatted(
+      "<svg class=\"plot\" viewBox=\"0 0 460 230\" role=\"img\" aria-labelledby=\"{}t {}d\"><title "
+      "id=\"{}t\">Error by iteration</title><desc id=\"{}d\">From {} to {} of the diagonal in {}; "
+      "the tolerance is {}.</desc>",
+      id, id, id, id, figure(history.front()["max"]), figure(history.back()["max"]),
+      counted(std::ssize(history) - 1, "iteration"), figure(tolerance));
   svg += grid(axes) + tolerance_line(axes, tolerance) + curve(history, "max", axes) +
          curve(history, "rms", axes) + "</svg>";
   return svg +
@@ -152,17 +153,17 @@ std::string timing_bar(const Json& timing, const std::string& id) {
     const std::string text = step + " " + duration(milliseconds);
     const std::string rectangle = "<rect class=\"t-" + step + "\"";  // its colour is page.css's
     bar += rectangle;
-    bar += " x=\"" + fixed(x, 2) + "\" width=\"" + fixed(width, 2) + "\" height=\"22\"><title>";
+    bar += formatted(" x=\"{}\" width=\"{}\" height=\"22\"><title>", fixed(x, 2), fixed(width, 2));
     bar += text + "</title></rect>";
     list += "<li><svg class=\"swatch\" viewBox=\"0 0 9 9\" aria-hidden=\"true\">" + rectangle;
     list += " width=\"9\" height=\"9\"/></svg> " + text;
     words += (words.empty() ? "" : ", ") + text;
     x += width;
   }
-  return "<svg class=\"bar\" viewBox=\"0 0 460 " + at(kBarHeight) +
-         "\" role=\"img\" aria-labelledby=\"" + id + "b\"><title id=\"" + id +
-         "b\">Time: " + words + "</title>" + bar + "</svg><ul class=\"steps\">" + list +
-         "</ul><p>" + duration(timing["total"].get<double>()) + " all together.</p>";
+  return formatted(
+      "<svg class=\"bar\" viewBox=\"0 0 460 {}\" role=\"img\" aria-labelledby=\"{}b\"><title "
+      "id=\"{}b\">Time: {}</title>{}</svg><ul class=\"steps\">{}</ul><p>{} all together.</p>",
+      at(kBarHeight), id, id, words, bar, list, duration(timing["total"].get<double>()));
 }
 
 }  // namespace planish::command

@@ -3,6 +3,7 @@
 #include "page/page_plot.h"
 #include "page/page_still.h"
 #include "page/page_text.h"
+#include "planish/core/formatted.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -15,7 +16,7 @@ std::string count_of(const Json& number) { return with_separators(number.get<std
 std::string text_of(const Json& text) { return text.get<std::string>(); }
 
 std::string row(const std::string& label, const std::string& value) {
-  return "<tr><th scope=\"row\">" + html_text(label) + "<td>" + html_text(value);
+  return formatted("<tr><th scope=\"row\">{}<td>{}", html_text(label), html_text(value));
 }
 
 std::string percent(const Json& share) {
@@ -34,8 +35,8 @@ std::string method_text(const Json& solve) {
     return "fair, " + counted(solve["fair"]["polish"].get<std::int64_t>(), "polish step");
   std::string text = "progressive, " + text_of(solve["scheme"]);
   if (solve["weights"].is_string()) text += " (" + text_of(solve["weights"]) + " weights)";
-  return text + ", " + text_of(solve["solver"]) + ", " +
-         counted(solve["iterations"].get<std::int64_t>(), "iteration");
+  return formatted("{}, {}, {}", text, text_of(solve["solver"]),
+                   counted(solve["iterations"].get<std::int64_t>(), "iteration"));
 }
 
 std::string surface_rows(const Json& surface) {
@@ -44,8 +45,8 @@ std::string surface_rows(const Json& surface) {
       surface["reference"] == "input" ? "the input\u2019s faces" : text_of(surface["reference"]);
   std::string rows = row("folded area", percent(surface["folded_area"]));
   rows += row("normals off " + reference + ", rms and largest",
-              figure(surface["rms_normal_deviation"]) + ", " +
-                  figure(surface["max_normal_deviation"]) + " degrees");
+              formatted("{}, {} degrees", figure(surface["rms_normal_deviation"]),
+                        figure(surface["max_normal_deviation"])));
   rows += row("bending", figure(surface["bending"]));
   for (const auto& [key, label] : {std::pair{"source_distance", "off the source"},
                                    std::pair{"distance_from_source", "source off the surface"},
@@ -63,9 +64,9 @@ std::string reconstruction_rows(const Json& report) {
   const Json& made = report["reconstruction"];
   return row("points, used, outliers", count_of(made["points"]) + ", " + count_of(made["used"]) +
                                            ", " + count_of(made["outliers"])) +
-         row("points off the mesh, rms and largest", figure(made["rms_point_distance"]) + ", " +
-                                                         figure(made["max_point_distance"]) +
-                                                         " of the diagonal");
+         row("points off the mesh, rms and largest",
+             formatted("{}, {} of the diagonal", figure(made["rms_point_distance"]),
+                       figure(made["max_point_distance"])));
 }
 
 std::string figures(const Json& report) {
@@ -74,9 +75,9 @@ std::string figures(const Json& report) {
   rows += reconstruction_rows(report);
   rows += row("vertices, faces", count_of(input["vertices"]) + ", " + count_of(input["faces"]));
   rows += row("faces by corners", histogram(input["face_sizes"]));
-  rows += row("boundary loops, parts, genus", count_of(input["boundary_loops"]) + ", " +
-                                                  count_of(input["components"]) + ", " +
-                                                  count_of(input["genus"]));
+  rows += row("boundary loops, parts, genus",
+              formatted("{}, {}, {}", count_of(input["boundary_loops"]),
+                        count_of(input["components"]), count_of(input["genus"])));
   rows += row("sharp edges, corners",
               count_of(input["sharp_edges"]) + ", " + count_of(input["corners"]));
   rows += row("method", method_text(solve));
@@ -96,8 +97,8 @@ std::string figures(const Json& report) {
   rows += row("device", name);
   if (report.contains("memory"))
     rows += row("memory", byte_size(report["memory"]["host_peak_bytes"].get<std::uint64_t>()));
-  rows += row("planish",
-              text_of(report["tool"]["version"]) + " (" + text_of(report["tool"]["git"]) + ")");
+  rows += row("planish", formatted("{} ({})", text_of(report["tool"]["version"]),
+                                   text_of(report["tool"]["git"])));
   return "<h3>Figures</h3><table>" + rows + "</table>";
 }
 
@@ -114,8 +115,8 @@ std::string convergence(const Json& report, const std::string& id) {
 std::string warnings(const Json& report) {
   std::string items;
   for (const Json& warning : report["warnings"]) {
-    items += "<li><strong>" + html_text(text_of(warning["code"])) + "</strong> " +
-             html_text(text_of(warning["message"]));
+    items += formatted("<li><strong>{}</strong> {}", html_text(text_of(warning["code"])),
+                       html_text(text_of(warning["message"])));
   }
   return "<h3>Warnings</h3>" +
          (items.empty() ? "<p>None.</p>" : "<ul class=\"warnings\">" + items + "</ul>");
@@ -123,17 +124,16 @@ std::string warnings(const Json& report) {
 
 std::string files(const Json& report) {
   const Json& input = report["input"];
-  std::string rows = "<tr><td>" + html_text(text_of(input["path"])) + "<td>input<td class=\"n\">" +
-                     count_of(input["vertices"]) + "<td><td><code>" +
-                     html_text(text_of(input["sha256"])) + "</code>";
+  std::string rows = formatted("<tr><td>{}<td>input<td class=\"n\">{}<td><td><code>{}</code>",
+                               html_text(text_of(input["path"])), count_of(input["vertices"]),
+                               html_text(text_of(input["sha256"])));
   for (const Json& output : report["outputs"]) {
     std::string what = text_of(output["what"]);
-    if (output["level"].is_number())
-      what += ", level " + std::to_string(output["level"].get<int>());
-    rows += "<tr><td>" + html_text(text_of(output["path"])) + "<td>" + html_text(what) +
-            "<td class=\"n\">" + count_of(output["vertices"]) + "<td class=\"n\">" +
-            byte_size(output["bytes"].get<std::uint64_t>()) + "<td><code>" +
-            html_text(text_of(output["sha256"])) + "</code>";
+    if (output["level"].is_number()) what += formatted(", level {}", output["level"].get<int>());
+    rows += formatted("<tr><td>{}<td>{}<td class=\"n\">{}<td class=\"n\">{}<td><code>{}</code>",
+                      html_text(text_of(output["path"])), html_text(what),
+                      count_of(output["vertices"]), byte_size(output["bytes"].get<std::uint64_t>()),
+                      html_text(text_of(output["sha256"])));
   }
   return "<h3>Files</h3><div class=\"wide\"><table class=\"files\"><thead><tr><th "
          "scope=\"col\">file"
@@ -146,10 +146,10 @@ std::string command(const Json& report) {
   std::string line = "planish";
   for (std::size_t i = 1; i < report["argv"].size(); ++i)
     line += " " + shell_word(text_of(report["argv"][i]));
-  return "<h3>Once more</h3><pre tabindex=\"0\">" + html_text(line) +
-         "</pre><details><summary>The whole report</summary><pre class=\"raw\" tabindex=\"0\">" +
-         html_lines(report.dump(1, ' ', false, Json::error_handler_t::replace)) +
-         "</pre></details>";
+  return formatted(
+      "<h3>Once more</h3><pre tabindex=\"0\">{}</pre><details><summary>The whole "
+      "report</summary><pre class=\"raw\" tabindex=\"0\">{}</pre></details>",
+      html_text(line), html_lines(report.dump(1, ' ', false, Json::error_handler_t::replace)));
 }
 
 std::string status_pill(const Json& solve) {
@@ -174,16 +174,15 @@ std::string summary_sentence(const Json& report) {
       loops == 0 ? "A closed surface" : "An open surface with " + counted(loops, "boundary loop");
   text += " of genus " + count_of(input["genus"]);
   if (parts > 1) text += " in " + counted(parts, "part");
-  text += ", for " + counted(input["vertices"].get<std::int64_t>(), "vertex") + " of " +
-          counted(input["faces"].get<std::int64_t>(), "face") + ". ";
+  text += formatted(", for {} of {}. ", counted(input["vertices"].get<std::int64_t>(), "vertex"),
+                    counted(input["faces"].get<std::int64_t>(), "face"));
   const std::string error = figure(solve["error"]["max"]) + " of the diagonal";
   const std::string tolerance = figure(solve["tolerance"]);
   text += solve["converged"].get<bool>()
               ? "It passes through all of them within " + error + " (tolerance " + tolerance + ")"
               : "It misses them by up to " + error + ", more than the tolerance of " + tolerance;
   const auto worst = solve["error"]["worst_vertex"].get<std::int64_t>();
-  text += worst >= 0 ? "; the farthest is vertex " + std::to_string(worst) + ", counted from 0. "
-                     : ". ";
+  text += worst >= 0 ? formatted("; the farthest is vertex {}, counted from 0. ", worst) : ". ";
   if (surface.is_null()) return text;
   text += surface["folded_area"] == 0.0
               ? "Nothing is folded. "
@@ -200,10 +199,10 @@ std::string job_section(const Json& report, std::size_t number, const std::strin
       opened(number, html_text(text_of(report["job"])) + " " + status_pill(report["solve"]));
   html += "<p class=\"summary\">" + html_text(summary_sentence(report)) + "</p>";
   if (!still.empty())
-    html += "<noscript><img class=\"still\" width=\"" + std::to_string(kStillWidth) +
-            "\" height=\"" + std::to_string(kStillHeight) + "\" alt=\"The surface of " +
-            html_text(text_of(report["job"])) + "\" src=\"data:image/png;base64," + still +
-            "\"></noscript>";
+    html += formatted(
+        "<noscript><img class=\"still\" width=\"{}\" height=\"{}\" alt=\"The surface of {}\" "
+        "src=\"data:image/png;base64,{}\"></noscript>",
+        kStillWidth, kStillHeight, html_text(text_of(report["job"])), still);
   if (!view_note.empty()) html += "<p class=\"hint\">" + html_text(view_note) + "</p>";
   html += "<div class=\"cards\"><div>" + figures(report) + "</div><div>" + convergence(report, id) +
           "</div><div>" + warnings(report) + files(report) + command(report) + "</div></div>";

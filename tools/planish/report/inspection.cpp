@@ -63,11 +63,11 @@ std::string line_if_any(const std::string& label, std::int64_t count) {
 }
 
 std::string vector_text(const glm::dvec3& v) {
-  return "(" + short_number(v.x) + ", " + short_number(v.y) + ", " + short_number(v.z) + ")";
+  return formatted("({}, {}, {})", short_number(v.x), short_number(v.y), short_number(v.z));
 }
 
 std::string exact_text(const glm::dvec3& v) {
-  return "(" + shortest(v.x) + ", " + shortest(v.y) + ", " + shortest(v.z) + ")";
+  return formatted("({}, {}, {})", shortest(v.x), shortest(v.y), shortest(v.z));
 }
 
 // Of points far from 0 with all digits: three would say the same of both.
@@ -84,7 +84,7 @@ std::string histogram_text(const std::vector<std::int64_t>& counts) {
   std::string text;
   for (std::size_t n = 0; n < counts.size(); ++n) {
     if (counts[n] == 0) continue;
-    text += (text.empty() ? "" : ", ") + std::to_string(n) + ": " + with_separators(counts[n]);
+    text += formatted("{}{}: {}", text.empty() ? "" : ", ", n, with_separators(counts[n]));
   }
   return text.empty() ? "none" : text;
 }
@@ -104,8 +104,8 @@ std::string scan_text(const ScanContents& scan) {
   };
   return line("version", scan.version) + line("software", scan.software) +
          line("coordinates", scan.coordinate_system) +
-         inspection_line("scans", with_separators(std::ssize(scan.scans)) + " (" +
-                                      named_counts_text(scan.scans) + ")") +
+         inspection_line("scans", formatted("{} ({})", with_separators(std::ssize(scan.scans)),
+                                            named_counts_text(scan.scans))) +
          line("classes", named_counts_text(scan.classes));
 }
 
@@ -150,10 +150,10 @@ std::string statistics_text(const MeshStatistics& statistics) {
 }
 
 std::string folds_line(const FoldedEdges& folds) {
-  return inspection_line("folded edges",
-                         with_separators(folds.count) + " turn by more than 120 degrees, beside " +
-                             short_number(100 * folds.area) + " % of the area; first at face " +
-                             std::to_string(folds.first_face));
+  return inspection_line(
+      "folded edges",
+      formatted("{} turn by more than 120 degrees, beside {} % of the area; first at face {}",
+                with_separators(folds.count), short_number(100 * folds.area), folds.first_face));
 }
 
 std::string problems_text(const Inspection& inspection) {
@@ -163,7 +163,7 @@ std::string problems_text(const Inspection& inspection) {
   if (inspection.is_mended) count += ", which fit mends with a warning";
   std::string text = inspection_line("problems", count);
   for (std::size_t i = 0; i < std::min(kShown, problems.size()); ++i)
-    text += "    " + std::string(name_of(problems[i].kind)) + ": " + problems[i].message + "\n";
+    text += formatted("    {}: {}\n", name_of(problems[i].kind), problems[i].message);
   if (problems.size() > kShown) text += "    and more; --json lists all\n";
   return text;
 }
@@ -370,8 +370,8 @@ nlohmann::ordered_json inspection_json(const Inspection& inspection) {
 }
 
 std::string inspection_text(const Inspection& inspection) {
-  return inspection.input.name + " (" + std::string(name_of(inspection.format)) + ")\n" +
-         (inspection.points ? points_text(inspection) : mesh_text(inspection));
+  return formatted("{} ({})\n{}", inspection.input.name, name_of(inspection.format),
+                   inspection.points ? points_text(inspection) : mesh_text(inspection));
 }
 
 }  // namespace planish::command

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/pipeline/option_words.h"
@@ -16,7 +17,7 @@ std::string shape_of(const MeshStatistics& statistics) {
   if (statistics.component_count != 1) {
     shape += ", " + counted(statistics.component_count, "component");
   }
-  return shape + ", genus " + std::to_string(statistics.genus);
+  return formatted("{}, genus {}", shape, statistics.genus);
 }
 
 std::string timing_line(const JobTiming& timing) {
@@ -50,8 +51,8 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
     line += counted(step.faces, "B-spline face");
     if (step.solids > 0) line += ", " + counted(step.solids, "solid");
     if (step.open_shells > 0) line += ", " + counted(step.open_shells, "open shell");
-    return line + ", " + angle_text(step.max_angle) + " degrees at edges, in " +
-           std::string(word_of(kStepUnitWords, step.unit));
+    return formatted("{}, {} degrees at edges, in {}", line, angle_text(step.max_angle),
+                     word_of(kStepUnitWords, step.unit));
   }
   if (!output.tile_levels.empty()) {
     std::int64_t tiles = 0;
@@ -74,8 +75,8 @@ std::string method_line(const JobReport& report) {
     line = "  method      fair (" + counted(report.settings.polish_steps, "polish step") + ", " +
            weights + ", " + counted(report.fair->shrunk_vertices, "vertex") + " drawn in";
   } else {
-    line = "  iterations  " + std::to_string(result.iterations) + " (" +
-           std::string(name_of(report.settings.solver)) + ", " + weights;
+    line = formatted("  iterations  {} ({}, {}", result.iterations, name_of(report.settings.solver),
+                     weights);
   }
   if (!result.converged) {
     line += ", not converged: " + std::string(planish::name_of(result.stop_reason));
@@ -93,16 +94,16 @@ std::string chosen_lines(const JobReport& report) {
 
 std::string input_folds_line(const InputFacts& input) {
   if (input.folded_edges == 0) return "";
-  return "  folds       " + counted(input.folded_edges, "edge") +
-         " of the input turn by more than 120 degrees, beside " +
-         short_number(input.folded_edge_area * 100) + " % of its area\n";
+  return formatted(
+      "  folds       {} of the input turn by more than 120 degrees, beside {} % of its area\n",
+      counted(input.folded_edges, "edge"), short_number(input.folded_edge_area * 100));
 }
 
 std::string mending_lines(const JobReport& report) {
   std::string text;
   if (report.settings.weld)
-    text += "  welded      " + counted(report.input.welded, "vertex") + " to others within " +
-            short_number(*report.settings.weld) + " of the diagonal\n";
+    text += formatted("  welded      {} to others within {} of the diagonal\n",
+                      counted(report.input.welded, "vertex"), short_number(*report.settings.weld));
   if (report.input.separated_edges == 0) return text;
   text += "  sheets      separated along " + counted(report.input.separated_edges, "edge");
   if (report.surface && report.surface->sheet_gap)
@@ -126,10 +127,10 @@ std::string normals_text(const JobReport& report) {
     return output.kind == OutputKind::Surface && !output.step && !output.fineness.is_adaptive() &&
            output.fineness.level == surface.level;
   });
-  return "normals off by " + angle_text(surface.quality.rms_normal_deviation) +
-         " degrees rms from " +
-         (surface.reference.empty() ? "the input's faces" : surface.reference) +
-         (is_written ? "" : " at level " + std::to_string(surface.level));
+  return formatted("normals off by {} degrees rms from {}{}",
+                   angle_text(surface.quality.rms_normal_deviation),
+                   surface.reference.empty() ? "the input's faces" : surface.reference,
+                   is_written ? "" : formatted(" at level {}", surface.level));
 }
 
 // What was taken and why, and how good it is.
@@ -148,14 +149,14 @@ std::string surface_line(const JobReport& report) {
   if (!report.surface) return text + "\n";
   if (report.surface->quality.folded_area >= kSoundFoldedArea)
     text += "; " + folds_text(report.surface->quality);
-  return text + "; " + normals_text(report) + "\n";
+  return formatted("{}; {}\n", text, normals_text(report));
 }
 
 std::string moved_line(const JobReport& report) {
   if (!report.moved) return "";
-  return "  moved       " + counted(report.moved->vertices, "vertex") + " in " +
-         counted(report.moved->moves, "move") + ", by up to " +
-         short_number(report.moved->farthest) + " of the diagonal\n";
+  return formatted("  moved       {} in {}, by up to {} of the diagonal\n",
+                   counted(report.moved->vertices, "vertex"), counted(report.moved->moves, "move"),
+                   short_number(report.moved->farthest));
 }
 
 std::string within_line(const JobReport& report) {
@@ -181,15 +182,15 @@ namespace {
 
 // How it was computed.
 std::string computing_lines(const JobReport& report) {
-  std::string text = "  device      " + report.device.kind + ", " + report.device.name + "\n" +
-                     method_line(report) + "\n";
+  std::string text = formatted("  device      {}, {}\n{}\n", report.device.kind, report.device.name,
+                               method_line(report));
   text += chosen_lines(report);
   text += within_line(report) + "  max error   " + short_number(report.interpolation.error.max) +
           " of the diagonal (tolerance " + short_number(report.settings.tolerance) + ")\n";
   if (report.surface)
-    text +=
-        "  surface     " + folds_text(report.surface->quality) + ", " + normals_text(report) + "\n";
-  return text + "  time        " + timing_line(report.timing) + "\n";
+    text += formatted("  surface     {}, {}\n", folds_text(report.surface->quality),
+                      normals_text(report));
+  return formatted("{}  time        {}\n", text, timing_line(report.timing));
 }
 
 std::string output_lines(const JobReport& report) {
@@ -203,8 +204,8 @@ std::string output_lines(const JobReport& report) {
     label = "              ";
   }
   if (!report.page.path.empty())
-    text +=
-        label + output_name(report.page.path) + "  " + byte_size(report.page.bytes) + ", page\n";
+    text += formatted("{}{}  {}, page\n", label, output_name(report.page.path),
+                      byte_size(report.page.bytes));
   return text;
 }
 
@@ -213,9 +214,9 @@ std::string output_lines(const JobReport& report) {
 std::string within_text(const WithinFit& within) {
   std::string text = short_number(within.within) + " of the diagonal";
   if (within.noise) text += " (the noise is " + short_number(*within.noise) + ")";
-  return text + ": vertices are left by " + short_number(within.distance.rms) + " rms, " +
-         with_separators(within.at_bound) + " by all of it; bending " +
-         short_number(within.bending_before) + " to " + short_number(within.bending_after);
+  return formatted("{}: vertices are left by {} rms, {} by all of it; bending {} to {}", text,
+                   short_number(within.distance.rms), with_separators(within.at_bound),
+                   short_number(within.bending_before), short_number(within.bending_after));
 }
 
 namespace {
@@ -235,26 +236,26 @@ std::string asset_summary(const JobReport& report, bool is_full) {
       off = &mesh;
   }
   const std::int64_t count = std::ssize(report.meshes);
-  std::string text = input_name(report.input.path) + ": " + counted(count, "mesh") + ", " +
-                     counted(report.input.file_vertices, "vertex") + ", " +
-                     counted(report.input.file_faces, "face") + ", " +
-                     duration(report.timing.total) + "\n  surfaces    ";
+  std::string text =
+      formatted("{}: {}, {}, {}, {}\n  surfaces    ", input_name(report.input.path),
+                counted(count, "mesh"), counted(report.input.file_vertices, "vertex"),
+                counted(report.input.file_faces, "face"), duration(report.timing.total));
   if (fair > 0) text += with_separators(fair) + " fair";
   if (fair > 0 && fair < count) text += ", ";
   if (fair < count) text += with_separators(count - fair) + " " + "progressive";
   if (folded != nullptr)
-    text += "; " + folds_text(folded->surface->quality) + " of " + folded->mesh_name;
+    text += formatted("; {} of {}", folds_text(folded->surface->quality), folded->mesh_name);
   if (off != nullptr)
-    text += "; normals off by up to " + angle_text(off->surface->quality.rms_normal_deviation) +
-            " degrees rms (" + off->mesh_name + ")";
+    text += formatted("; normals off by up to {} degrees rms ({})",
+                      angle_text(off->surface->quality.rms_normal_deviation), off->mesh_name);
   text += "\n";
   for (const JobReport& mesh : report.meshes)
     if (is_full)
-      text += "  " + mesh.mesh_name + ": " +
-              counts_text(mesh.input.file_vertices, mesh.input.file_faces,
-                          mesh.input.statistics.vertex_count, mesh.input.statistics.face_count,
-                          mesh.input.joined) +
-              "\n" + surface_line(mesh);
+      text += formatted("  {}: {}\n{}", mesh.mesh_name,
+                        counts_text(mesh.input.file_vertices, mesh.input.file_faces,
+                                    mesh.input.statistics.vertex_count,
+                                    mesh.input.statistics.face_count, mesh.input.joined),
+                        surface_line(mesh));
   return text + output_lines(report);
 }
 
@@ -268,11 +269,10 @@ std::string summary(const JobReport& report, bool is_full) {
   }
   const MeshStatistics& statistics = report.input.statistics;
   std::string text =
-      input_name(report.input.path) + ": " +
-      counts_text(report.input.file_vertices, report.input.file_faces, statistics.vertex_count,
-                  statistics.face_count, report.input.joined) +
-      " (" + shape_of(statistics) + ")" + (is_full ? "" : ", " + duration(report.timing.total)) +
-      "\n";
+      formatted("{}: {} ({}){}\n", input_name(report.input.path),
+                counts_text(report.input.file_vertices, report.input.file_faces,
+                            statistics.vertex_count, statistics.face_count, report.input.joined),
+                shape_of(statistics), is_full ? "" : ", " + duration(report.timing.total));
   text += mending_lines(report);
   text += input_folds_line(report.input);
   text += report.reconstruction_summary;

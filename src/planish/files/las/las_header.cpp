@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/mesh/check.h"

@@ -9,7 +9,6 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/stop.h"
 #include "planish/files/las/las_header.h"

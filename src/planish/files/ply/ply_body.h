@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"

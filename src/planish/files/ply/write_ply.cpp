@@ -32,10 +32,10 @@ class PlyUvs {
       return !std::isfinite(values_[i].x) || !std::isfinite(values_[i].y);
     });
     if (wild < values_.size())
-      throw Error(ErrorCode::InvalidArgument,
-                  stream.name() + ": texture coordinate " + std::to_string(wild) +
-                      " is not finite in float32",
-                  static_cast<std::int64_t>(wild));
+      throw Error(
+          ErrorCode::InvalidArgument,
+          formatted("{}: texture coordinate {} is not finite in float32", stream.name(), wild),
+          static_cast<std::int64_t>(wild));
     has_seams_ = !find_vertices(stream);
     if (has_seams_) of_vertices_ = {};
   }

@@ -132,7 +132,7 @@ TextFile text_file(const FileBytes& file, FileFormat format) {
     };
     if (file.is_strict) fail("");
     DecodedText text = decode_utf16(bytes);
-    if (text.damage) fail(", damaged at byte " + std::to_string(*text.damage));
+    if (text.damage) fail(formatted(", damaged at byte {}", *text.damage));
     result.decoded = std::move(text.bytes);
     bytes = result.decoded;
     result.warnings.push_back(

@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 
 namespace planish {

@@ -1,7 +1,6 @@
 #include "planish/files/shared/writable.h"
 
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/mesh/mesh_arrays.h"
 
 namespace planish {

@@ -12,7 +12,6 @@
 #include "planish/core/assert.h"
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"

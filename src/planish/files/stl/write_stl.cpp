@@ -30,9 +30,9 @@ void write_stl(const PolygonStream& stream) {
   header.resize(kHeaderBytes, ' ');
   const std::int64_t count = stream.totals().corner_count - 2 * stream.totals().face_count;
   if (count > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::InvalidArgument, stream.name() + ": " + std::to_string(count) +
-                                                " triangles are more than an STL file can hold; "
-                                                "use fewer levels");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: {} triangles are more than an STL file can hold; use fewer levels",
+                          stream.name(), count));
   stream.part(PolygonPart::Head, [&](FileBuffer& out, const PolygonPiece&, RowRange) {
     out.text(header).binary(static_cast<std::uint32_t>(count));
   });

@@ -160,8 +160,8 @@ void require_tiles_options(const TilesOptions& options) {
   };
   if (options.level < 1) refuse("3D Tiles have levels from 1 on");
   if (options.tile_vertices < kLeastTileVertices) {
-    refuse("tiles of " + std::to_string(options.tile_vertices) + " vertices; " +
-           std::to_string(kLeastTileVertices) + " are the least");
+    refuse(formatted("tiles of {} vertices; {} are the least", options.tile_vertices,
+                     kLeastTileVertices));
   }
 }
 

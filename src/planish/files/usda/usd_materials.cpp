@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/identifier.h"
 
@@ -105,17 +106,17 @@ class UsdConverter {
   }
   void end_shader() { made_.text += "        }\n"; }
   [[nodiscard]] std::string connected(const std::string& output) const {
-    return "<" + path_ + "/" + output + ">";
+    return formatted("<{}/{}>", path_, output);
   }
 
   void add(const std::string& name, const json& material) {
     std::string prim = identifier_of(name);
-    while (!prims_.insert(prim).second) prim += "_" + std::to_string(prims_.size());
+    while (!prims_.insert(prim).second) prim += formatted("_{}", prims_.size());
     path_ = std::string(kUsdMaterials) + "/" + prim;
     made_.paths.emplace(name, path_);
-    made_.text += "    def Material \"" + prim +
-                  "\"\n    {\n        token outputs:surface.connect = " +
-                  connected("surface.outputs:surface") + "\n";
+    made_.text +=
+        formatted("    def Material \"{}\"\n    {\n        token outputs:surface.connect = {}\n",
+                  prim, connected("surface.outputs:surface"));
     textures_.clear();
     begin_shader("surface", "UsdPreviewSurface");
     add_base(material);
@@ -150,7 +151,7 @@ class UsdConverter {
     const json& named = at(image, "name");
     left_out_.insert(named.is_string() ? named.get<std::string>()
                      : source.is_number_integer()
-                         ? "image " + std::to_string(source.get<std::int64_t>())
+                         ? formatted("image {}", source.get<std::int64_t>())
                          : "one without an image that USD knows");
     return false;
   }

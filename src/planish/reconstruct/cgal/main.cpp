@@ -61,7 +61,7 @@ std::vector<glm::dvec3> read_points() {
     points.resize(had + std::min(kSlice, static_cast<std::size_t>(count) - had));
     const std::size_t wanted = points.size() - had;
     if (std::fread(points.data() + had, sizeof(glm::dvec3), wanted, stdin) != wanted)
-      fail("ends before point " + std::to_string(count));
+      fail(formatted("ends before point {}", count));
   }
   for (const glm::dvec3& point : points)
     for (int axis = 0; axis < 3; ++axis)
