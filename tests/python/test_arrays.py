@@ -186,3 +186,19 @@ def test_readers_warn_of_what_they_pass_over(tmp_path):
     points.write_text(head + "end_header\n0 0 0\n1 0 0 7\n0 1 0\n")
     with pytest.warns(UserWarning, match="points.ply:9"):
         assert planish.read_points(points).shape == (3, 3)
+
+
+def test_memory_that_runs_out_is_an_error_of_the_family(grid):
+    resource = pytest.importorskip("resource")
+    points, faces = grid(100)
+    points = np.tile(points, (40, 1))
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    with open("/proc/self/statm") as file:
+        used = int(file.read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used, before[1]))
+    try:
+        with pytest.raises(planish.OutOfMemory, match="out of memory; take") as caught:
+            planish.fit(points, faces)
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+    assert isinstance(caught.value, MemoryError)

@@ -1,8 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <exception>
-#include <new>
-#include <stdexcept>
 
 #include "commands.h"
 #include "help/help_text.h"
@@ -118,22 +116,19 @@ ExitCode run_command_line(const std::vector<std::string>& arguments) {
   } catch (const FaultList& faults) {
     for (const std::string& message : faults.messages()) say_error(message);
     return exit_code_of(faults.code());
-  } catch (const Error& error) {
+  } catch (const std::exception&) {
+    const Failure failure = job_failure();
     // Who notices first, the library or the command, makes no difference to the reader.
-    const bool cancelled = error.code() == ErrorCode::Cancelled;
+    const bool cancelled = failure.code == ErrorCode::Cancelled;
     if (cancelled) claim_end();
-    say_error(cancelled ? "interrupted; no partial file is left" : error.what());
-    return exit_code_of(error.code());
-  } catch (const std::bad_alloc& error) {
-    say_error(out_of_memory_text(error));
-    return ExitCode::NoDevice;
-  } catch (const std::length_error& error) {
-    say_error(out_of_memory_text(error));
-    return ExitCode::NoDevice;
-  } catch (const std::exception& error) {
-    say_error(std::string("internal error: ") + error.what() +
-              "\n  This is a fault of planish. Please report it, with the command and the input.");
-    return ExitCode::InternalError;
+    if (failure.code)
+      say_error(cancelled ? "interrupted; no partial file is left" : failure.message);
+    else
+      say_error(
+          formatted("internal error: {}\n  This is a fault of planish. Please report it, with "
+                    "the command and the input.",
+                    failure.message));
+    return failure.code ? exit_code_of(*failure.code) : ExitCode::InternalError;
   }
 }
 

@@ -2,6 +2,9 @@
 
 #include <pybind11/pybind11.h>
 
+#include <exception>
+#include <string_view>
+
 #include "planish/core/error.h"
 
 namespace py = pybind11;
@@ -31,26 +34,29 @@ const char* class_name(ErrorCode code) {
   return "Error";
 }
 
-void raise(const Error& error, const char* name) {
+void raise(const Failure& failure, const char* name) {
   const py::object type = py::module_::import("planish._errors").attr(name);
-  const std::string text = error.what();
+  const std::string_view text = failure.message;
   // Messages are made visible, but a path may be any bytes.
   const py::object message = py::reinterpret_steal<py::object>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
-  PyErr_SetObject(type.ptr(), type(message, error.element()).ptr());
+  PyErr_SetObject(type.ptr(), type(message, failure.element).ptr());
 }
 
 }  // namespace
 
 void register_errors() {
   // As pybind11 calls it.  NOLINTNEXTLINE(performance-unnecessary-value-param)
-  py::register_exception_translator([](std::exception_ptr failure) {
+  py::register_local_exception_translator([](std::exception_ptr thrown) {
     try {
-      if (failure) std::rethrow_exception(failure);
-    } catch (const MissingProgram& error) {
-      raise(error, "MissingProgram");
-    } catch (const Error& error) {
-      raise(error, class_name(error.code()));
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const MissingProgram&) {
+      raise(current_failure(""), "MissingProgram");
+    } catch (const std::exception&) {
+      const Failure failure =
+          current_failure("out of memory; take a lower level or a smaller mesh");
+      if (!failure.code) throw;
+      raise(failure, class_name(*failure.code));
     }
   });
 }

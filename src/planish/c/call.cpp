@@ -1,9 +1,6 @@
 #include "planish/c/call.h"
 
 #include <oneapi/tbb/task_arena.h>
-#include <exception>
-#include <new>
-#include <stdexcept>
 
 #include "planish/core/version.h"
 
@@ -50,24 +47,9 @@ void note(const char* message, std::int64_t element) noexcept {
 }
 
 planish_status note_exception() noexcept {
-  constexpr const char* kNoMemory = "out of memory; take a lower level or a smaller mesh";
-  try {
-    throw;
-  } catch (const Error& error) {
-    note(error.what(), error.element());
-    return status_of(error.code());
-  } catch (const std::bad_alloc&) {
-    note(kNoMemory, -1);
-    return PLANISH_NO_MEMORY;
-  } catch (const std::length_error&) {  // what 32 bits cannot count
-    note(kNoMemory, -1);
-    return PLANISH_NO_MEMORY;
-  } catch (const std::exception& error) {
-    note(error.what(), -1);
-  } catch (...) {
-    note("an unknown exception", -1);
-  }
-  return PLANISH_INTERNAL_ERROR;
+  const Failure failure = current_failure("out of memory; take a lower level or a smaller mesh");
+  note(failure.message, failure.element);
+  return failure.code ? status_of(*failure.code) : PLANISH_INTERNAL_ERROR;
 }
 
 void run_on(int thread_count, const std::function<void()>& work) {

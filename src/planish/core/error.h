@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -36,5 +37,17 @@ class Error : public std::runtime_error {
   ErrorCode code_;
   std::int64_t element_;
 };
+
+/// What a caught exception says.
+struct Failure {
+  std::optional<ErrorCode> code;  ///< none: a fault of our own
+  const char* message = "";       ///< the exception's, or one that lives as long as the program
+  std::int64_t element = Error::kNoElement;
+};
+
+/// Of the exception that is being handled: an Error's own, OutOfMemory and `out_of_memory` where
+/// memory runs out (std::bad_alloc) or an array has more than can be counted (std::length_error).
+/// To be called in a catch block; the message lives as long as that is not left.
+[[nodiscard]] Failure current_failure(const char* out_of_memory) noexcept;
 
 }  // namespace planish

@@ -28,12 +28,10 @@ struct Fault {
 Fault fault_of(const std::function<void()>& work) {
   try {
     work();
-  } catch (const Error& error) {
-    return {static_cast<int>(error.code()), error.what(), error.element()};
-  } catch (const std::bad_alloc&) {
-    return {static_cast<int>(ErrorCode::OutOfMemory), "memory does not suffice; take more ranks"};
-  } catch (const std::exception& error) {
-    return {kInternal, error.what()};
+  } catch (const std::exception&) {
+    const Failure failure = current_failure("memory does not suffice; take more ranks");
+    return {failure.code ? static_cast<int>(*failure.code) : kInternal, failure.message,
+            failure.element};
   }
   return {};
 }

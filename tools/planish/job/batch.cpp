@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <thread>
 
 #include "build_info.h"
@@ -41,8 +40,8 @@ class OpenBackends {
   std::map<std::pair<std::size_t, Precision>, std::unique_ptr<Backend>> backends_;
 };
 
-JobOutcome failure(const PlannedJob& planned, Console& console, ExitCode exit_code,
-                   const std::string& message) {
+JobOutcome failed(const PlannedJob& planned, Console& console, ExitCode exit_code,
+                  const std::string& message) {
   console.error(named_message(planned.job.label, message));
   return {.report = {},
           .exit_code = exit_code,
@@ -56,13 +55,10 @@ JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, const JobC
     context.console.debug(summary(report, true));
     const ExitCode exit_code = report.exit_code;
     return {.report = std::move(report), .exit_code = exit_code, .message = {}, .page_jobs = {}};
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::Cancelled) throw;
-    return failure(planned, context.console, exit_code_of(error.code()), error.what());
-  } catch (const std::bad_alloc& error) {
-    return failure(planned, context.console, ExitCode::NoDevice, out_of_memory_text(error));
-  } catch (const std::length_error& error) {
-    return failure(planned, context.console, ExitCode::NoDevice, out_of_memory_text(error));
+  } catch (const std::exception&) {
+    const Failure failure = job_failure();
+    if (!failure.code || failure.code == ErrorCode::Cancelled) throw;
+    return failed(planned, context.console, exit_code_of(*failure.code), failure.message);
   }
 }
 

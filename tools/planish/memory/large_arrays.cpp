@@ -16,7 +16,6 @@
 #include <thread>
 #include <unordered_map>
 
-#include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/surface/memory_need.h"
 
@@ -112,10 +111,16 @@ NoRoomForArray::NoRoomForArray(const char* folder, std::size_t bytes, int reason
                 folder, bytes, std::strerror(reason));
 }
 
-std::string out_of_memory_text(const std::exception& error) {
-  if (const auto* const disk = dynamic_cast<const NoRoomForArray*>(&error)) return disk->what();
-  return "out of memory; a lower --levels or a smaller mesh needs less, --memory SIZE puts what is "
-         "beyond that into a temporary file";
+Failure job_failure() noexcept {
+  try {
+    throw;
+  } catch (const NoRoomForArray& disk) {
+    return {ErrorCode::OutOfMemory, disk.what()};
+  } catch (...) {
+    return current_failure(
+        "out of memory; a lower --levels or a smaller mesh needs less, --memory SIZE puts what is "
+        "beyond that into a temporary file");
+  }
 }
 
 std::optional<ArrayBudget> array_budget() {

@@ -2,11 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <new>
 #include <optional>
-#include <string>
+
+#include "planish/core/error.h"
 
 namespace planish::command {
 
@@ -21,9 +21,8 @@ class NoRoomForArray : public std::bad_alloc {
   char message_[512];
 };
 
-/// What to say of it; of the class above, its own words. An array that 32 bits cannot count is
-/// a std::length_error.
-[[nodiscard]] std::string out_of_memory_text(const std::exception& error);
+/// current_failure() in the words of the command; of the class above, its own.
+[[nodiscard]] Failure job_failure() noexcept;
 
 /// Arrays of so many bytes and more are counted.
 inline constexpr std::size_t kLargeArray = std::size_t{1} << 20;

@@ -94,12 +94,12 @@ int run() {
   try {
     mesh_points();
     return 0;
-  } catch (const Error& error) {
-    write_failure(error.code(), error.what());
-  } catch (const std::bad_alloc&) {
-    write_failure(ErrorCode::OutOfMemory, "planish-reconstruct: memory does not suffice");
-  } catch (const std::exception& error) {
-    write_failure(ErrorCode::UnusableMesh, std::string("planish-reconstruct: ") + error.what());
+  } catch (const std::exception&) {
+    const Failure failure = current_failure("planish-reconstruct: memory does not suffice");
+    if (failure.code)
+      write_failure(*failure.code, failure.message);
+    else
+      write_failure(ErrorCode::UnusableMesh, formatted("planish-reconstruct: {}", failure.message));
   }
   return 1;
 }
