@@ -15,9 +15,11 @@ from sources import files
 
 
 def folder_flags(build):
-    """The flags of sources, by the folder of the CMakeLists.txt that lists them."""
+    """The flags of C++ sources, by the folder of the CMakeLists.txt that lists them."""
     found = collections.defaultdict(list)
     for entry in compile_commands(build):
+        if entry["file"].endswith(".c"):
+            continue
         folder = os.path.relpath(entry["file"], build).split("/CMakeFiles/")[0]
         if folder.startswith(".."):
             folder = os.path.relpath(os.path.dirname(entry["file"]), ROOT)
