@@ -1,6 +1,7 @@
 /* The interface for C as a C program sees it: a mesh from arrays and from a file, fit, evaluation,
- * files, and everything that a caller can get wrong. Arguments: an OBJ file. */
-#define _POSIX_C_SOURCE 200809L /* threads and their clocks */
+ * files, and everything that a caller can get wrong. Arguments: an OBJ file by its whole path. */
+#define _POSIX_C_SOURCE 200809L /* threads and their clocks, folders */
+#include <dirent.h>
 #include <math.h>
 #include <planish/c/planish.h>
 #include <pthread.h>
@@ -8,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "cube.h"
 
@@ -360,7 +362,7 @@ static void test_weld(void) {
 static void test_reader_warnings(void) {
   const char *found = NULL, *message = NULL;
   planish_mesh* mesh = NULL;
-  FILE* file = fopen("c_test_odd.ply", "w");
+  FILE* file = fopen("odd.ply", "w");
   EXPECT(file != NULL);
   fputs(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -368,10 +370,10 @@ static void test_reader_warnings(void) {
       "0 0 0\n1 0 0 7\n0 1 0\n3 0 1 2\n",
       file);
   fclose(file);
-  EXPECT(planish_mesh_read("c_test_odd.ply", &mesh) == PLANISH_OK);
+  EXPECT(planish_mesh_read("odd.ply", &mesh) == PLANISH_OK);
   EXPECT(planish_mesh_warning_count(mesh) == 1);
   EXPECT(planish_mesh_warning(mesh, 0, &found, &message) == PLANISH_OK);
-  EXPECT(found != NULL && message != NULL && strstr(message, "c_test_odd.ply:11") != NULL);
+  EXPECT(found != NULL && message != NULL && strstr(message, "odd.ply:11") != NULL);
   EXPECT(planish_mesh_warning(mesh, 0, NULL, NULL) == PLANISH_OK);
   EXPECT_REFUSED(planish_mesh_warning(mesh, 1, &found, &message), PLANISH_INVALID_ARGUMENT,
                  "index is 1");
@@ -389,15 +391,15 @@ static void test_step(const char* input) {
   options.step_unit = PLANISH_STEP_INCH;
   EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
   EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
-  EXPECT(planish_fit_write(fit, 1, "c_test.step") == PLANISH_OK);
+  EXPECT(planish_fit_write(fit, 1, "a.step") == PLANISH_OK);
   planish_fit_free(fit);
   fit = NULL;
   /* A fit keeps what it was made with. */
   options.step_tolerance = 1e-30;
   EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
-  EXPECT_REFUSED(planish_fit_write(fit, 1, "c_test.step"), PLANISH_NOT_CONVERGED,
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "a.step"), PLANISH_NOT_CONVERGED,
                  "faces leave the surface by up to");
-  EXPECT_REFUSED(planish_fit_file(input, "c_test.step", 1, &options, NULL), PLANISH_NOT_CONVERGED,
+  EXPECT_REFUSED(planish_fit_file(input, "a.step", 1, &options, NULL), PLANISH_NOT_CONVERGED,
                  "options.step_tolerance");
   planish_fit_free(fit);
   fit = NULL;
@@ -419,9 +421,9 @@ static void test_files(const char* input) {
   planish_fit_info_init(&info, sizeof info);
   EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
   EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
-  EXPECT(planish_fit_write(fit, 1, "c_test.glb") == PLANISH_OK);
-  EXPECT(planish_mesh_write(mesh, "c_test_mesh.ply") == PLANISH_OK);
-  EXPECT(planish_fit_file(input, "c_test_file.glb", 1, NULL, &info) == PLANISH_OK);
+  EXPECT(planish_fit_write(fit, 1, "a.glb") == PLANISH_OK);
+  EXPECT(planish_mesh_write(mesh, "mesh.ply") == PLANISH_OK);
+  EXPECT(planish_fit_file(input, "file.glb", 1, NULL, &info) == PLANISH_OK);
   EXPECT(info.converged && info.vertex_count > 100);
   EXPECT(planish_mesh_warning_count(mesh) == 0);
   EXPECT_REFUSED(planish_mesh_read("none.obj", &mesh), PLANISH_UNREADABLE_INPUT, "none.obj");
@@ -450,16 +452,16 @@ static void test_levels_of_detail(const char* input) {
   static const int32_t coarser[] = {0};
   planish_fit_options options;
   planish_fit_options_init(&options, sizeof options);
-  EXPECT(planish_fit_file(input, "c_test_whole.glb", 0, NULL, NULL) == PLANISH_OK);
-  EXPECT(planish_fit_file("c_test_whole.glb", "c_test_one.glb", 1, &options, NULL) == PLANISH_OK);
-  EXPECT(!file_has("c_test_one.glb", "MSFT_lod"));
+  EXPECT(planish_fit_file(input, "whole.glb", 0, NULL, NULL) == PLANISH_OK);
+  EXPECT(planish_fit_file("whole.glb", "one.glb", 1, &options, NULL) == PLANISH_OK);
+  EXPECT(!file_has("one.glb", "MSFT_lod"));
   options.coarser_level_count = 1;
-  EXPECT_REFUSED(planish_fit_file("c_test_whole.glb", "c_test_lods.glb", 1, &options, NULL),
+  EXPECT_REFUSED(planish_fit_file("whole.glb", "lods.glb", 1, &options, NULL),
                  PLANISH_INVALID_ARGUMENT, "options.coarser_levels");
   options.coarser_levels = coarser;
-  EXPECT(planish_fit_file("c_test_whole.glb", "c_test_lods.glb", 1, &options, NULL) == PLANISH_OK);
-  EXPECT(file_has("c_test_lods.glb", "MSFT_lod"));
-  EXPECT_REFUSED(planish_fit_file(input, "c_test_no.glb", 1, &options, NULL),
+  EXPECT(planish_fit_file("whole.glb", "lods.glb", 1, &options, NULL) == PLANISH_OK);
+  EXPECT(file_has("lods.glb", "MSFT_lod"));
+  EXPECT_REFUSED(planish_fit_file(input, "no.glb", 1, &options, NULL),
                  PLANISH_INVALID_ARGUMENT, "take a file for each level");
 }
 
@@ -798,8 +800,20 @@ static planish_status print_surface(const char* path) {
 }
 // README ends
 
+/* The current one, where all files of the tests are. */
+static void remove_folder(const char* folder) {
+  DIR* entries = opendir(".");
+  const struct dirent* entry = NULL;
+  EXPECT(entries != NULL);
+  while (entries != NULL && (entry = readdir(entries)) != NULL)
+    if (entry->d_name[0] != '.') EXPECT(unlink(entry->d_name) == 0);
+  if (entries != NULL) closedir(entries);
+  EXPECT(chdir("/") == 0 && rmdir(folder) == 0);
+}
+
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  char folder[] = "/tmp/planish-c-XXXXXX";
+  if (argc != 2 || argv[1][0] != '/' || mkdtemp(folder) == NULL || chdir(folder) != 0) return 2;
   EXPECT(strcmp(planish_last_error(), "") == 0 && planish_last_error_element() == -1);
   EXPECT(strchr(planish_version(), '.') != NULL);
   EXPECT(print_surface(argv[1]) == PLANISH_OK);
@@ -818,6 +832,7 @@ int main(int argc, char** argv) {
   test_older_structs();
   test_queries();
   test_wrong_queries();
+  remove_folder(folder);
   printf("planish %s: %d failures\n", planish_version(), failures);
   return failures == 0 ? 0 : 1;
 }
