@@ -14,17 +14,23 @@ namespace {
 // Rows that a thread takes at least.
 constexpr std::size_t kRowGrain = 1 << 13;
 
+// `surface`, of which no row is numbered before it is known that there is such a level, and room.
+const DooSabinSurface& required(const DooSabinSurface& surface, const EvaluateOptions& options) {
+  surface.require_whole(options.level, options.memory_limit_bytes, nullptr);
+  return surface;
+}
+
 }  // namespace
 
 EditedSurface::EditedSurface(const PolygonMesh& mesh, const Placement& placement,
                              std::span<const glm::dvec3> cage, std::span<const glm::dvec3> state,
                              const EvaluateOptions& options)
     : surface_(std::make_shared<DooSabinSurface>(mesh, placement, cage, state, options)),
-      patches_(surface_->patches(), {options.level, options.weights, surface_->hidden()}),
+      patches_(required(*surface_, options).patches(),
+               {options.level, options.weights, surface_->hidden()}),
       weights_(options.weights),
       touched_(surface_->topology().face_count()),
       around_(surface_->topology().face_count()) {
-  surface_->require_whole(options.level, options.memory_limit_bytes, nullptr);
   const auto count = static_cast<std::size_t>(patches_.numbering().row_count());
   positions_.resize(count);
   normals_.resize(count);
