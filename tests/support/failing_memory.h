@@ -110,6 +110,16 @@ bool with_failing_request(std::int64_t n, const std::function<void()>& work) {
   return has_failed;
 }
 
+// Of the calling thread.
+[[maybe_unused]] std::int64_t count_requests(const std::function<void()>& work) {
+  constexpr std::int64_t kMany = std::int64_t{1} << 62;
+  requests_left = kMany;
+  work();
+  const std::int64_t count = kMany - requests_left;
+  requests_left = -1;
+  return count;
+}
+
 // Runs `job` again and again, its n-th request for memory failing, until it makes no more of them.
 // Returns how many it makes. What can do without (the buffer of a stable sort) may come to its end.
 [[maybe_unused]] std::int64_t fail_at_every_request(

@@ -98,11 +98,14 @@ planish_fit_info info_of(const FittedMesh& fitted) {
 planish_status convergence_status(const FittedMesh& fitted) {
   const Interpolation& found = fitted.fit.interpolation;
   if (found.converged) return PLANISH_OK;
-  const std::string message = formatted(
-      "not converged: the largest error is {} of the diagonal after iteration {}, and "
-      "options.tolerance {}; allow more of either, or take PLANISH_METHOD_FAIR",
-      shortest(found.error.max), found.iterations, shortest(fitted.options.tolerance));
-  note(message.c_str(), -1);
+  note_of_results(
+      [&] {
+        return formatted(
+            "not converged: the largest error is {} of the diagonal after iteration {}, and "
+            "options.tolerance {}; allow more of either, or take PLANISH_METHOD_FAIR",
+            shortest(found.error.max), found.iterations, shortest(fitted.options.tolerance));
+      },
+      "not converged");
   return PLANISH_NOT_CONVERGED;
 }
 
@@ -110,12 +113,15 @@ planish_status convergence_status(const FittedMesh& fitted) {
 planish_status written_status(const FittedMesh& fitted, const StepFigures* step) {
   const planish_status status = convergence_status(fitted);
   if (status != PLANISH_OK || step == nullptr || step->keeps_limits) return status;
-  const std::string message = formatted(
-      "normals jump by up to {} degrees where faces meet, and faces leave the surface by up to {} "
-      "of the diagonal; allow more by options.step_angle and options.step_tolerance, or take a "
-      "more even mesh",
-      shortest(step->max_angle), shortest(step->max_deviation));
-  note(message.c_str(), -1);
+  note_of_results(
+      [&] {
+        return formatted(
+            "normals jump by up to {} degrees where faces meet, and faces leave the surface by up "
+            "to {} of the diagonal; allow more by options.step_angle and options.step_tolerance, "
+            "or take a more even mesh",
+            shortest(step->max_angle), shortest(step->max_deviation));
+      },
+      "the file does not keep options.step_angle and options.step_tolerance");
   return PLANISH_NOT_CONVERGED;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <new>
 #include <string>
 
 #include "planish/c/planish.h"
@@ -27,6 +28,17 @@ template <class Work>
 
 /// Sets this thread's last error, for a status that comes with results.
 void note(const char* message, std::int64_t element) noexcept;
+
+/// The same of what `make_message` returns; where there is no memory for that, of `short_message`:
+/// results that are there are not an error of memory.
+template <class MakeMessage>
+void note_of_results(const MakeMessage& make_message, const char* short_message) noexcept {
+  try {
+    note(make_message().c_str(), -1);
+  } catch (const std::bad_alloc&) {
+    note(short_message, -1);
+  }
+}
 
 /// Runs `work` on so many threads; 0: all.
 void run_on(int thread_count, const std::function<void()>& work);

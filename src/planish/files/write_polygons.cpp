@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -299,16 +300,19 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
                 formatted("{}: polygons are written as {}, not as .{}", name,
                           extensions_in_words(FormatUse::WriteCage), info.name));
   require_lines(header, name);
+  std::optional<OutputFile> library;
   std::string companion;
   if (format == FileFormat::Obj && !source.totals().materials.empty()) {
     const std::filesystem::path beside = companion_of(path, format);
     if (beside != path) {
-      write_mtl(beside, source.totals().materials, materials);
+      write_mtl(library.emplace(beside), source.totals().materials, materials);
       companion = beside.filename().string();
     }
   }
   CountedFile file(path, observe);
   info.write_polygons(PolygonStream(source, file.sinks(), info, name, companion, materials.usd));
+  source.finish();
+  if (library) library->commit();
   return file.commit();
 }
 

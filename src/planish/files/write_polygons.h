@@ -103,6 +103,8 @@ class PolygonSource {
   /// Calls use(piece) with a range of a part.
   virtual void visit(PolygonPart part, RowRange range,
                      const std::function<void(const PolygonPiece&)>& use) const = 0;
+  /// Called when all is written and nothing is in place yet: where it throws, there is no file.
+  virtual void finish() const {}
 };
 
 class MaterialLibrary;
@@ -120,7 +122,7 @@ struct GivenMaterials {
 /// Writes the polygons through OutputFile as the format's own writer does (obj/write_obj.h,
 /// ply/write_ply.h, off/write_off.h), formatted on all threads; the same bytes whatever their
 /// number. `observe`, if any, gets all bytes in order. Returns their number. OBJ with materials
-/// gets an .mtl beside it (obj/write_mtl.h), put in place before it.
+/// gets an .mtl beside it (obj/write_mtl.h), put in place before it when both are written.
 /// Throws Error{UnwritableOutput}; Error{InvalidArgument} for formats that are not written, for
 /// indices and counts that do not fit each other, faces of fewer than 3 corners, numbers that are
 /// not finite and header lines that hold a line break.

@@ -23,6 +23,8 @@ class BlockSource final : public PolygonSource {
   BlockSource(const SurfaceBlocks& surface, FileFormat format, const SurfaceWriteOptions& options)
       : surface_(surface),
         info_(surface.info()),
+        format_(format),
+        callbacks_(options.callbacks),
         progress_(options.callbacks, "write", 0, 1, expected_pieces(surface, format, options)),
         header_(options.header),
         fields_(options.fields),
@@ -53,12 +55,18 @@ class BlockSource final : public PolygonSource {
     return sorted(surface_.row_blocks(kTextRows));
   }
   void prepare(PolygonPart part) const override;
-  /// Of the rows that were visited.
-  [[nodiscard]] const DegenerateRows& degenerate() const { return degenerate_; }
   void visit(PolygonPart part, RowRange range,
              const std::function<void(const PolygonPiece&)>& use) const override {
     make(part, range, use);
     progress_.add();
+  }
+  // Warnings: a host's function may throw, and messages take memory.
+  void finish() const override {
+    warn_of(degenerate_, callbacks_);
+    const std::string lost = lost_attributes(
+        format_,
+        {totals_.has_uvs, totals_.has_colors, info_.groups.size() > 1, !info_.attributes.empty()});
+    if (!lost.empty()) callbacks_.warn({"lost-attributes", lost});
   }
 
  private:
@@ -93,6 +101,8 @@ class BlockSource final : public PolygonSource {
 
   const SurfaceBlocks& surface_;
   const SurfaceInfo& info_;
+  FileFormat format_;
+  const Callbacks& callbacks_;
   mutable LoopProgress progress_;
   std::span<const std::string> header_;
   std::span<const NamedField> fields_;
@@ -257,12 +267,6 @@ std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format
   }
   const std::uint64_t byte_count =
       write_polygons(path, format, source, options.header, options.observe, materials);
-  warn_of(source.degenerate(), options.callbacks);
-  const PolygonTotals& totals = source.totals();
-  const std::string lost =
-      lost_attributes(format, {totals.has_uvs, totals.has_colors, surface.info().groups.size() > 1,
-                               !surface.info().attributes.empty()});
-  if (!lost.empty()) options.callbacks.warn({"lost-attributes", lost});
   options.callbacks.report("write", 1);
   return byte_count;
 }

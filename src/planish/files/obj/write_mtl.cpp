@@ -40,9 +40,8 @@ std::string obj_line_name(const std::string& name) {
   return line;
 }
 
-void write_mtl(const std::filesystem::path& path, std::span<const std::string> materials,
+void write_mtl(OutputFile& file, std::span<const std::string> materials,
                const GivenMaterials& given) {
-  OutputFile file(path);
   RawVector<std::byte> bytes;
   FileBuffer out(bytes, [&](std::span<const std::byte> some) { file.write(some); });
   std::set<std::string> written;
@@ -58,7 +57,6 @@ void write_mtl(const std::filesystem::path& path, std::span<const std::string> m
     out.text("\n");
   }
   out.finish();
-  file.commit();
 }
 
 void write_mtllib(FileBuffer& out, const std::string& file_name) {
