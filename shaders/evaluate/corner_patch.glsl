@@ -10,6 +10,8 @@ layout(constant_id = 4) const uint kSamples = 1u;
 layout(constant_id = 5) const uint kPositionFormat = kFormatFloat3;
 layout(constant_id = 6) const uint kNormalFormat = kFormatFloat3;
 layout(constant_id = 7) const uint kTangentFormat = kFormatNone;
+// What attributes would be written through is what positions are.
+layout(constant_id = 8) const bool kIsInterleaved = false;
 layout(push_constant) uniform Parameters { CornerPatchParameters parameters; };
 
 READ(0, uvec4, groups)
@@ -23,6 +25,25 @@ WRITE(6, uint, target);
 #define attributes target
 #else
 WRITE(7, uint, attributes);
+#endif
+
+// Software devices pay more for barriers than for stores apart.
+#if defined(PLANISH_STAGES) && !defined(PLANISH_TEXEL)
+#define PLANISH_STAGED
+// Rows go by way of the work group, whose lanes then write neighbouring words: from a lane each, words
+// are a row and more apart.
+const uint kPositionWords = kPositionFormat == kFormatFloat3 ? 3u : 2u;
+const uint kNormalWords = kNormalFormat == kFormatFloat3 ? 3u : 1u;
+const uint kTangentWords =
+    kTangentFormat == kFormatNone ? 0u : kTangentFormat == kFormatFloat4 ? 4u : 1u;
+const uint kRowWords = kPositionWords + kNormalWords + kTangentWords;
+shared uint staged[kPatchLanes * kSamples * kRowWords];
+shared uint staged_rows[kPatchLanes];
+#define POSITIONS staged
+#define ATTRIBUTES staged
+#else
+#define POSITIONS target
+#define ATTRIBUTES attributes
 #endif
 
 #include "surface/unit_normal.glsl"
@@ -138,18 +159,27 @@ void gather_list(uint word, uint columns) {
 
 // `frame`: the word where the lane's frames begin.
 void write_rows(uint row, uint flags, uint frame) {
+#ifdef PLANISH_STAGED
+  staged_rows[gl_LocalInvocationIndex] = row;
+#endif
   for (uint s = 0u; s < kSamples; ++s, frame += 2u * kPatchLanes) {
+#ifdef PLANISH_STAGED
+    uint position_at = (gl_LocalInvocationIndex * kSamples + s) * kRowWords;
+    uint normal_at = position_at + kPositionWords, tangent_at = normal_at + kNormalWords;
+#else
     uint place = row + s - parameters.first_row;
-    precise vec3 limit = own_vertex + (own.xyz + position[s]);
-    if ((flags & kHasPositions) != 0u)
-      write_position(first_position + place * parameters.position_stride, limit);
-    if ((flags & kHasNormals) == 0u) continue;
+    uint position_at = first_position + place * parameters.position_stride;
     uint normal_at = first_normal + place * parameters.normal_stride;
+    uint tangent_at = normal_at + parameters.tangent_shift;
+#endif
+    precise vec3 limit = own_vertex + (own.xyz + position[s]);
+    if ((flags & kHasPositions) != 0u) write_position(position_at, limit);
+    if ((flags & kHasNormals) == 0u) continue;
     vec3 normal = unit_normal(du[s], dv[s]);
     write_normal(normal_at, normal);
     if (kTangentFormat == kFormatNone) continue;
     uint along = words_at(frame + kPatchLanes);
-    write_tangent(normal_at + parameters.tangent_shift,
+    write_tangent(tangent_at,
                   unit_tangent(uintBitsToFloat(words_at(frame)) * du[s] +
                                uintBitsToFloat(along) * dv[s], normal),
                   (along & 1u) != 0u ? -1.0 : 1.0);
@@ -198,6 +228,32 @@ void evaluate_patch(PatchGroup group, uint lane, uint chunk) {
   write_rows(row + chunk * kSamples, group.flags, word + chunk * kSamples * 2u * kPatchLanes);
 }
 
+#ifdef PLANISH_STAGED
+// The rows of all lanes, word by word.
+void store_rows(PatchGroup group) {
+  barrier();
+  uint words = group.lane_count * kSamples * kRowWords;
+  for (uint i = gl_LocalInvocationIndex; i < words; i += kPatchLanes) {
+    uint row = i / kRowWords, word = i % kRowWords;
+    bool is_position = word < kPositionWords;
+    if ((group.flags & (is_position ? kHasPositions : kHasNormals)) == 0u) continue;
+    uint place = staged_rows[row / kSamples] + row % kSamples - parameters.first_row;
+    uint at = first_position + place * parameters.position_stride + word;
+    if (!is_position) {
+      word -= kPositionWords;
+      if (word >= kNormalWords) word += parameters.tangent_shift - kNormalWords;
+      at = first_normal + place * parameters.normal_stride + word;
+    }
+    if (kIsInterleaved || is_position)
+      target[at] = staged[i];
+    else
+      attributes[at] = staged[i];
+  }
+  // Before the next group's rows take their places.
+  barrier();
+}
+#endif
+
 // All patches of the dispatch, a lane each, a chunk of samples after the other.
 void evaluate_units() {
   uint lane = gl_LocalInvocationIndex;
@@ -205,7 +261,9 @@ void evaluate_units() {
     uint unit = gl_WorkGroupID.x * kUnitsPerGroup + i;
     if (unit >= parameters.unit_count) return;
     PatchGroup group = group_of(parameters.first_group + unit / parameters.chunk_count);
-    if (lane >= group.lane_count) continue;
-    evaluate_patch(group, lane, unit % parameters.chunk_count);
+    if (lane < group.lane_count) evaluate_patch(group, lane, unit % parameters.chunk_count);
+#ifdef PLANISH_STAGED
+    store_rows(group);
+#endif
   }
 }

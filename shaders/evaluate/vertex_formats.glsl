@@ -1,7 +1,7 @@
-// Positions, normals and tangents in the formats of a host's vertices; the including kernel declares
-// uint target[] of positions, uint attributes[] of the others, kPositionFormat, kNormalFormat and
-// kTangentFormat. Rounding is written out: what packHalf2x16 and its
-// like do with halves of a unit is the driver's.
+// Positions, normals and tangents in the formats of a host's vertices; the including kernel defines
+// POSITIONS and ATTRIBUTES, arrays of uint where they go, and declares kPositionFormat,
+// kNormalFormat and kTangentFormat. Rounding is written out: what packHalf2x16 and its like do with
+// halves of a unit is the driver's.
 
 #define WRITE_FLOATS(to, place, v)        \
   to[place] = floatBitsToUint((v).x);      \
@@ -25,17 +25,17 @@ float half_digits(float x) {
 
 void write_position(uint place, vec3 position) {
   if (kPositionFormat == kFormatFloat3) {
-    WRITE_FLOATS(target, place, position)
+    WRITE_FLOATS(POSITIONS, place, position)
     return;
   }
   precise vec3 own = position - vec3(parameters.center_x, parameters.center_y, parameters.center_z);
   own *= vec3(parameters.scale_x, parameters.scale_y, parameters.scale_z);
   if (kPositionFormat == kFormatHalf4) {
-    target[place] = packHalf2x16(vec2(half_digits(own.x), half_digits(own.y)));
-    target[place + 1u] = packHalf2x16(vec2(half_digits(own.z), 1.0));
+    POSITIONS[place] = packHalf2x16(vec2(half_digits(own.x), half_digits(own.y)));
+    POSITIONS[place + 1u] = packHalf2x16(vec2(half_digits(own.z), 1.0));
   } else {
-    target[place] = snorm_pair(own.x, own.y);
-    target[place + 1u] = snorm_pair(own.z, 1.0);
+    POSITIONS[place] = snorm_pair(own.x, own.y);
+    POSITIONS[place + 1u] = snorm_pair(own.z, 1.0);
   }
 }
 
@@ -57,21 +57,21 @@ uint ten_bits(vec3 n) {
 
 void write_normal(uint place, vec3 n) {
   if (kNormalFormat == kFormatFloat3) {
-    WRITE_FLOATS(attributes, place, n)
+    WRITE_FLOATS(ATTRIBUTES, place, n)
   } else if (kNormalFormat == kFormatOctahedral16) {
     vec2 p = octahedral(n);
-    attributes[place] = snorm_pair(p.x, p.y);
+    ATTRIBUTES[place] = snorm_pair(p.x, p.y);
   } else {
-    attributes[place] = ten_bits(n);
+    ATTRIBUTES[place] = ten_bits(n);
   }
 }
 
 // Two bits with a sign say on which side of it v grows.
 void write_tangent(uint place, vec3 tangent, float side) {
   if (kTangentFormat == kFormatFloat4) {
-    WRITE_FLOATS(attributes, place, tangent)
-    attributes[place + 3u] = floatBitsToUint(side);
+    WRITE_FLOATS(ATTRIBUTES, place, tangent)
+    ATTRIBUTES[place + 3u] = floatBitsToUint(side);
   } else {
-    attributes[place] = ten_bits(tangent) | (side < 0.0 ? 3u : 1u) << 30u;
+    ATTRIBUTES[place] = ten_bits(tangent) | (side < 0.0 ? 3u : 1u) << 30u;
   }
 }

@@ -1,6 +1,7 @@
 // Limit points and unit normals of the instances that a level's list names, one after another.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#define PLANISH_STAGES
 #define PLANISH_ATTRIBUTES_IN_TARGET
 #include "evaluate/corner_patch.glsl"
 

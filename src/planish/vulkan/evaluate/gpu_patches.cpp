@@ -79,14 +79,20 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
   const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::uint32_t units_per_group = context.variant().chunks_per_group;
   const VertexStream attributes = attributes_of(layout);
+  // Kernels that write rows by way of their work group then write whole ones.
+  const bool in_one = work_ || (context.variant().read_path == ReadPath::Storage &&
+                                layout.attributes.buffer == VK_NULL_HANDLE);
   std::vector<BoundKernel> bound;
   for (const PatchSlice& slice : tables.slices) {
-    const Target target = target_of(context, layout, slice.rows, places, work_ != VK_NULL_HANDLE);
-    const std::uint32_t constants[] = {
-        slice.gather, slice.samples, static_cast<std::uint32_t>(layout.position_format),
-        static_cast<std::uint32_t>(layout.normal_format),
-        has_tangents(layout) ? static_cast<std::uint32_t>(layout.tangent_format)
-                             : shared::kFormatNone};
+    const Target target = target_of(context, layout, slice.rows, places, in_one);
+    const std::uint32_t constants[] = {slice.gather,
+                                       slice.samples,
+                                       static_cast<std::uint32_t>(layout.position_format),
+                                       static_cast<std::uint32_t>(layout.normal_format),
+                                       has_tangents(layout)
+                                           ? static_cast<std::uint32_t>(layout.tangent_format)
+                                           : shared::kFormatNone,
+                                       in_one};
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.pipeline = context.pipelines().specialised(kernel, constants);
     shared::CornerPatchParameters& parameters = dispatch.parameters;
