@@ -103,6 +103,9 @@ PLANISH_SHARED_CONSTANT kGatherVertex = 1u;
 PLANISH_SHARED_CONSTANT kGatherFace = 2u;
 PLANISH_SHARED_CONSTANT kGatherEdge = 3u;
 PLANISH_SHARED_CONSTANT kGatherList = 4u;
+// As each group says, and samples at once, too: all patches of a level in one dispatch, for devices
+// that take all lanes of a group one way.
+PLANISH_SHARED_CONSTANT kGatherAny = 5u;
 // Patches of one class, one to a lane.
 PLANISH_SHARED_CONSTANT kPatchLanes = 64u;
 // What a group of patches is known by, in this order. Its words are kPatchLanes corners if flagged,
@@ -121,8 +124,12 @@ struct PatchGroup {
   uint ring;         // faces around the vertex
   uint face;         // corners of the face
   uint flags;
-  uint unused;
+  uint form;  // where ways are joined: kGatherCorner..., and from the bits below on
 };
+PLANISH_SHARED_CONSTANT kFormSamples = 4u;  // samples at once
+PLANISH_SHARED_CONSTANT kFormChunks = 8u;   // chunks of the group, at most kBlockChunks
+PLANISH_SHARED_CONSTANT kFormBlock = 16u;   // which kBlockChunks of the patches' chunks they are
+PLANISH_SHARED_CONSTANT kBlockChunks = 8u;
 PLANISH_SHARED_CONSTANT kGroupVectors = 3u;  // of four words
 PLANISH_SHARED_CONSTANT kCornersAreWords = 1u;
 PLANISH_SHARED_CONSTANT kRowsAreWords = 2u;

@@ -16,6 +16,8 @@ void main() {
     uint instance = job / parameters.job_count;
     job -= instance * parameters.job_count;
     begin_instance(instance, instance);
-    evaluate_patch(group_of(job / kPatchLanes), job % kPatchLanes, i % chunk_count);
+    PatchGroup group = group_of(job / kPatchLanes);
+    FOR_CHUNKS(group, i % chunk_count)
+      evaluate_patch(group, job % kPatchLanes, chunk);
   }
 }

@@ -68,6 +68,22 @@ vec3 vertex_of(vec4 point) {
 
 vec4 own;
 vec3 own_vertex;
+
+// Software devices take one way at a time, and pay for each branch that is not taken; for others ways
+// are joined, see PatchGroup.
+#ifdef PLANISH_TEXEL
+const uint sample_count = kSamples;
+#define GATHER_OF(group) kGather
+#define FOR_CHUNKS(group, number) uint chunk = number;
+#else
+uint sample_count;  // of the group, at most kSamples
+#define GATHER_OF(group) ((group).form & 15u)
+#define FOR_CHUNKS(group, number)                                      \
+  sample_count = ((group).form >> kFormSamples) & 15u;                 \
+  uint chunk = ((group).form >> kFormBlock) * kBlockChunks;            \
+  uint end_chunk = chunk + (((group).form >> kFormChunks) & 255u);     \
+  for (; chunk < end_chunk; ++chunk)
+#endif
 uint next_weight;
 vec3 position[kSamples], du[kSamples], dv[kSamples];
 
@@ -81,6 +97,7 @@ void begin(uint i) {
 void add(vec3 vertex, vec4 point) {
   precise vec3 x = vertex + (point.xyz - own.xyz);
   for (uint s = 0u; s < kSamples; ++s) {
+    if (s >= sample_count) break;
     vec3 weight = weights_at(next_weight + s).xyz;
     // Both sides of a cut get the same bits, whatever kernel makes them.
     precise vec3 sum = position[s] + weight.x * x;
@@ -88,7 +105,7 @@ void add(vec3 vertex, vec4 point) {
     du[s] += weight.y * x;
     dv[s] += weight.z * x;
   }
-  next_weight += kSamples;
+  next_weight += sample_count;
 }
 
 vec3 away(vec4 point) {
@@ -163,8 +180,9 @@ void write_rows(uint row, uint flags, uint frame) {
   staged_rows[gl_LocalInvocationIndex] = row;
 #endif
   for (uint s = 0u; s < kSamples; ++s, frame += 2u * kPatchLanes) {
+    if (s >= sample_count) break;
 #ifdef PLANISH_STAGED
-    uint position_at = (gl_LocalInvocationIndex * kSamples + s) * kRowWords;
+    uint position_at = (gl_LocalInvocationIndex * sample_count + s) * kRowWords;
     uint normal_at = position_at + kPositionWords, tangent_at = normal_at + kNormalWords;
 #else
     uint place = row + s - parameters.first_row;
@@ -210,34 +228,37 @@ void evaluate_patch(PatchGroup group, uint lane, uint chunk) {
     word += kPatchLanes;
   }
   next_weight = group.first_weight - parameters.first_weight +
-                chunk * group.columns * kSamples;
-  if (kGather == kGatherCorner) {
+                chunk * group.columns * sample_count;
+  uint gather = GATHER_OF(group);
+  if (gather == kGatherCorner) {
     gather_corner(corner, group);
-  } else if (kGather == kGatherVertex) {
+  } else if (gather == kGatherVertex) {
     begin(corner);
     uint next = link_of(corner).x;
     gather_ring(next, link_of(next).x, group.ring);
-  } else if (kGather == kGatherFace) {
+  } else if (gather == kGatherFace) {
     gather_face(corner, group.face);
-  } else if (kGather == kGatherEdge) {
+  } else if (gather == kGatherEdge) {
     gather_edge(corner);
   } else {
     gather_list(word, group.columns);
     word += (group.columns + 1u) * kPatchLanes;
   }
-  write_rows(row + chunk * kSamples, group.flags, word + chunk * kSamples * 2u * kPatchLanes);
+  write_rows(row + chunk * sample_count, group.flags,
+             word + chunk * sample_count * 2u * kPatchLanes);
 }
 
 #ifdef PLANISH_STAGED
 // The rows of all lanes, word by word.
 void store_rows(PatchGroup group) {
   barrier();
-  uint words = group.lane_count * kSamples * kRowWords;
+  uint words = group.lane_count * sample_count * kRowWords;
   for (uint i = gl_LocalInvocationIndex; i < words; i += kPatchLanes) {
     uint row = i / kRowWords, word = i % kRowWords;
     bool is_position = word < kPositionWords;
     if ((group.flags & (is_position ? kHasPositions : kHasNormals)) == 0u) continue;
-    uint place = staged_rows[row / kSamples] + row % kSamples - parameters.first_row;
+    uint lane = sample_count == kSamples ? row / kSamples : row;
+    uint place = staged_rows[lane] + (row - lane * sample_count) - parameters.first_row;
     uint at = first_position + place * parameters.position_stride + word;
     if (!is_position) {
       word -= kPositionWords;
@@ -261,9 +282,11 @@ void evaluate_units() {
     uint unit = gl_WorkGroupID.x * kUnitsPerGroup + i;
     if (unit >= parameters.unit_count) return;
     PatchGroup group = group_of(parameters.first_group + unit / parameters.chunk_count);
-    if (lane < group.lane_count) evaluate_patch(group, lane, unit % parameters.chunk_count);
+    FOR_CHUNKS(group, unit % parameters.chunk_count) {
+      if (lane < group.lane_count) evaluate_patch(group, lane, chunk);
 #ifdef PLANISH_STAGED
-    store_rows(group);
+      store_rows(group);
 #endif
+    }
   }
 }

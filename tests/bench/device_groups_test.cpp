@@ -74,6 +74,7 @@ TEST_F(BenchDevice, KernelsBindTheBytesThatTheirLayoutsHold) {
   // points from them.
   EXPECT_NEAR(per_element("control_points"), 6 * 16 + 20 / 2500.0, 1e-9);
   EXPECT_EQ(row(bench, "interpolation_step")["figures"]["dispatches"], 5);
+  EXPECT_EQ(row(bench, "corner_patches")["figures"]["dispatches"], 1);
 }
 
 // By hand, for what each 32 lanes touch.
@@ -93,6 +94,8 @@ TEST_F(BenchDevice, KernelsTouchWhatTheirLanesReadAndWrite) {
   EXPECT_EQ(counted("take_up")["transactions_per_element"], 2 * 16 / 32.0);
   // What is kept are the vertices: positions and normals.
   EXPECT_EQ(counted("corner_patches")["written_per_element"], 24);
+  // With stores a row and more apart it would be 10.
+  EXPECT_LT(counted("corner_patches")["transactions_per_element"], 6);
 }
 
 // Numbers of the last column, commas left out, and names in backquotes.

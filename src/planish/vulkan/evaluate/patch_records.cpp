@@ -165,7 +165,9 @@ void Packer::add_bucket(const PatchTile& tile, const PatchBucket& bucket,
     while (end < items.size() && end - first < shared::kPatchLanes &&
            gather_of(items[end].place) == extent.gather)
       ++end;
-    Pass& pass = passes_[{extent.gather, extent.samples, extent.chunk_count}];
+    Pass& pass =
+        passes_[limits_.joins_ways ? PassKey{}
+                                   : PassKey{extent.gather, extent.samples, extent.chunk_count}];
     add_group(tile, bucket, items.subspan(first, end - first), pass, extent);
     first = end;
   }
@@ -195,6 +197,14 @@ void Packer::measure(const PatchTile& tile, const PatchBucket& bucket,
   extent.vertices = aligned_window(extent.vertices);
 }
 
+// A group for each block of chunks, of which each says what the dispatch would.
+void join_ways(PatchSlice& extent) {
+  extent.group_count = (extent.chunk_count + shared::kBlockChunks - 1) / shared::kBlockChunks;
+  extent.gather = shared::kGatherAny;
+  extent.samples = shared::kSampleChunk;
+  extent.chunk_count = 1;
+}
+
 void Packer::add_group(const PatchTile& tile, const PatchBucket& bucket,
                        std::span<const PatchItem> items, Pass& pass, PatchSlice extent) {
   measure(tile, bucket, items, extent);
@@ -205,22 +215,29 @@ void Packer::add_group(const PatchTile& tile, const PatchBucket& bucket,
     add_group(tile, bucket, items.subspan(half), pass, extent);
     return;
   }
-  const shared::PatchGroup group = group_of(tile, bucket, extent, items);
+  shared::PatchGroup group = group_of(tile, bucket, extent, items);
   extent.first_group = static_cast<std::uint32_t>(pass.groups.size());
   extent.words = aligned_window(
       {group.first_word, std::ssize(records_.words) - std::int64_t{group.first_word}});
   extent.weights = aligned_window(
       {group.first_weight, std::int64_t{group.columns} * extent.samples * extent.chunk_count});
+  const PatchSlice way = extent;
+  if (limits_.joins_ways) join_ways(extent);
   if (!fits(extent)) refuse(extent);
-  pass.groups.push_back(group);
-  if (with_owners_) {
+  for (std::uint32_t block = 0; block < extent.group_count; ++block) {
+    const std::uint32_t left = way.chunk_count - block * shared::kBlockChunks;
+    group.form = way.gather | way.samples << shared::kFormSamples |
+                 std::min(left, shared::kBlockChunks) << shared::kFormChunks |
+                 block << shared::kFormBlock;
+    pass.groups.push_back(group);
+    if (!with_owners_) continue;
     for (const PatchItem& item : items)
       pass.owners.push_back(mesh_.topology().vertex_of(item.place.corner));
     pass.owners.resize(pass.groups.size() * shared::kPatchLanes, -1);
   }
   if (!pass.slices.empty()) {
     PatchSlice longer = pass.slices.back();
-    ++longer.group_count;
+    longer.group_count += extent.group_count;
     longer.words = longer.words.joined(extent.words);
     longer.weights = longer.weights.joined(extent.weights);
     longer.points = longer.points.joined(extent.points);

@@ -39,6 +39,7 @@ struct PatchLimits {
   std::uint64_t max_groups = 0;    ///< work groups of one dispatch
   std::uint64_t max_units = 0;     ///< groups times chunks in one dispatch
   std::uint64_t row_stride = 24;   ///< bytes from one row of the output to the next, at most
+  bool joins_ways = false;         ///< one slice of shared::kGatherAny, where all of it fits
 
   /// Whether a binding may have so many points.
   [[nodiscard]] bool allow_points(std::int64_t count) const {

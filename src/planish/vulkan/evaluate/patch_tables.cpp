@@ -37,6 +37,7 @@ PatchLimits patch_limits(const Context& context, std::uint32_t row_stride) {
   limits.max_groups = context.max_group_count();
   limits.max_units = limits.max_groups * context.variant().chunks_per_group;
   limits.row_stride = row_stride;
+  limits.joins_ways = context.variant().read_path == ReadPath::Storage;
   return limits;
 }
 
