@@ -6,8 +6,11 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "planish/core/number_text.h"
 
 // An option stands in one row of a table; whoever takes options (flags, scene files, headers of
 // cages, C, Python, ranks) and whoever describes them (help, manuals, completions, the schema,
@@ -141,33 +144,56 @@ template <class Target>
   return found == options.end() ? nullptr : &*found;
 }
 
-// Rows of the usual kinds, of a member of the target.
+// Rows of the usual kinds, of a member of the target, or of a member of that, and so on.
+
+/// whole.*first.*second ...
+template <class Whole, class... Members>
+[[nodiscard]] auto& member_of(Whole& whole, Members... members) {
+  return (whole.*....*members);
+}
 
 /// `words` has entries with .text and .value, and lives as long as the program.
-template <class Words, class Target, class Value>
+template <class Words, class Target, class Member, class... Inner>
 [[nodiscard]] Option<Target> word_option(OptionInfo info, const Words& words,
-                                         Value Target::*member) {
+                                         Member Target::*member, Inner... inner) {
   info.kind = OptionKind::Word;
   for (const auto& word : words) info.words.push_back(word.text);
   return {std::move(info),
-          [&words, member](Target& target, const OptionValue& value, std::string_view) {
-            target.*member = words[static_cast<std::size_t>(value.whole)].value;
+          [&words, member, inner...](Target& target, const OptionValue& value, std::string_view) {
+            member_of(target, member, inner...) =
+                words[static_cast<std::size_t>(value.whole)].value;
           },
-          [&words, member](const Target& target) {
+          [&words, member, inner...](const Target& target) {
             for (const auto& word : words)
-              if (word.value == target.*member) return std::string(word.text);
+              if (word.value == member_of(target, member, inner...)) return std::string(word.text);
             return std::string();
           }};
 }
 
-template <class Target, class Integer>
-[[nodiscard]] Option<Target> whole_option(OptionInfo info, Integer Target::*member) {
+template <class Target, class Member, class... Inner>
+[[nodiscard]] Option<Target> whole_option(OptionInfo info, Member Target::*member, Inner... inner) {
   info.kind = OptionKind::Whole;
   return {std::move(info),
-          [member](Target& target, const OptionValue& value, std::string_view) {
-            target.*member = static_cast<Integer>(value.whole);
+          [member, inner...](Target& target, const OptionValue& value, std::string_view) {
+            auto& whole = member_of(target, member, inner...);
+            whole = static_cast<std::remove_reference_t<decltype(whole)>>(value.whole);
           },
-          [member](const Target& target) { return std::to_string(target.*member); }};
+          [member, inner...](const Target& target) {
+            return std::to_string(member_of(target, member, inner...));
+          }};
+}
+
+template <class Target, class Member, class... Inner>
+[[nodiscard]] Option<Target> number_option(OptionInfo info, Member Target::*member,
+                                           Inner... inner) {
+  info.kind = OptionKind::Number;
+  return {std::move(info),
+          [member, inner...](Target& target, const OptionValue& value, std::string_view) {
+            member_of(target, member, inner...) = value.number;
+          },
+          [member, inner...](const Target& target) {
+            return shortest(member_of(target, member, inner...));
+          }};
 }
 
 }  // namespace planish

@@ -71,23 +71,6 @@ FitOption creases_option() {
           }};
 }
 
-FitOption tolerance_option() {
-  return {{.name = "tolerance",
-           .kind = Kind::Number,
-           .limits = {.least = 0,
-                      .most = 1,
-                      .above_least = true,
-                      .wanted = "a fraction of the bounding-box diagonal above 0 and up to 1 is "
-                                "wanted, such as 1e-6"},
-           .choices = "T",
-           .initial = "1e-6",
-           .help = "largest vertex error, of the bounding box's diagonal"},
-          [](FitSettings& settings, const OptionValue& value, Where) {
-            settings.tolerance = value.number;
-          },
-          [](const FitSettings& settings) { return shortest(settings.tolerance); }};
-}
-
 FitOption within_option() {
   static constexpr std::string_view kWanted =
       "auto, 0, or a fraction of the bounding-box diagonal above the tolerance and less than 0.1 "
@@ -237,26 +220,36 @@ std::vector<FitOption> make_table() {
                   kQuadWords, &FitSettings::quads),
   };
   append(table, file_options());
-  append(table, {
-                    tolerance_option(),
-                    whole_option(
-                        {.name = "max_iterations",
-                         .needs = Needs::Progressive,
-                         .limits = {0, 1'000'000},  // no solve that converges at all needs as many
-                         .choices = "N",
-                         .initial = "200",
-                         .help = "give up after so many"},
-                        &FitSettings::max_iterations),
-                    whole_option({.name = "polish",
-                                  .needs = Needs::Fair,
-                                  .limits = {0, 1'000},  // quality is settled by ten
-                                  .choices = "N",
-                                  .initial = "8",
-                                  .help = "steps that even out the curvature of a fair surface"},
-                                 &FitSettings::polish_steps),
-                    within_option(),
-                    weld_option(),
-                });
+  append(
+      table,
+      {
+          number_option({.name = "tolerance",
+                         .limits = {.least = 0,
+                                    .most = 1,
+                                    .above_least = true,
+                                    .wanted = "a fraction of the bounding-box diagonal above 0 and "
+                                              "up to 1 is wanted, such as 1e-6"},
+                         .choices = "T",
+                         .initial = "1e-6",
+                         .help = "largest vertex error, of the bounding box's diagonal"},
+                        &FitSettings::tolerance),
+          whole_option({.name = "max_iterations",
+                        .needs = Needs::Progressive,
+                        .limits = {0, 1'000'000},  // no solve that converges at all needs as many
+                        .choices = "N",
+                        .initial = "200",
+                        .help = "give up after so many"},
+                       &FitSettings::max_iterations),
+          whole_option({.name = "polish",
+                        .needs = Needs::Fair,
+                        .limits = {0, 1'000},  // quality is settled by ten
+                        .choices = "N",
+                        .initial = "8",
+                        .help = "steps that even out the curvature of a fair surface"},
+                       &FitSettings::polish_steps),
+          within_option(),
+          weld_option(),
+      });
   append(table, tile_options());
   append(table, step_options());
   append(table, {crease_edges_option(), corner_vertices_option()});

@@ -34,7 +34,6 @@ constexpr std::array kFieldWords{
     OptionWord<bool FieldChoice::*>{"curvature", &FieldChoice::curvature}};
 
 constexpr std::string_view kTilesHaveLevels = "tiles have levels; take levels";
-constexpr RankRule kNoStepOfRanks{"", "ranks write 3D Tiles; planish fit writes STEP"};
 
 // A list of words, each switching one on.
 FitOption attributes_option() {
@@ -82,57 +81,6 @@ FitOption skirts_option() {
       {}};
 }
 
-// A number of StepSettings.
-FitOption step_number(OptionInfo info, double BrepOptions::*member) {
-  info.stage = Stage::Output;
-  info.kind = Kind::Number;
-  info.needs = Needs::Step;
-  info.limits.above_least = true;
-  info.ranks = kNoStepOfRanks;
-  return {std::move(info),
-          [member](FitSettings& settings, const OptionValue& value, Where) {
-            settings.step.faces.*member = value.number;
-          },
-          [member](const FitSettings& settings) { return shortest(settings.step.faces.*member); }};
-}
-
-FitOption step_unit_option() {
-  FitOption option{{.name = "step_unit",
-                    .stage = Stage::Output,
-                    .needs = Needs::Step,
-                    .initial = "auto",
-                    .help = "STEP: what the coordinates are in, which stay as they are; auto: "
-                            "metres of a glTF, else mm",
-                    .ranks = kNoStepOfRanks},
-                   [](FitSettings& settings, const OptionValue& value, Where) {
-                     settings.step.unit =
-                         kStepUnitWords[static_cast<std::size_t>(value.whole)].value;
-                   },
-                   [](const FitSettings& settings) {
-                     return std::string(word_of(kStepUnitWords, settings.step.unit));
-                   }};
-  for (const auto& word : kStepUnitWords) option.words.push_back(word.text);
-  return option;
-}
-
-FitOption step_face_size_option() {
-  return {
-      {.name = "step_face_size",
-       .stage = Stage::Output,
-       .kind = Kind::Whole,
-       .needs = Needs::Step,
-       .limits = {.least = 1, .most = kMostFaceSize},
-       .choices = "N",
-       .initial = "16",
-       .help = "STEP: most quads along a face, of which one of the mesh has two; programs "
-               "measure long faces badly",
-       .ranks = kNoStepOfRanks},
-      [](FitSettings& settings, const OptionValue& value, Where) {
-        settings.step.faces.face_size = static_cast<std::int32_t>(value.whole);
-      },
-      [](const FitSettings& settings) { return std::to_string(settings.step.faces.face_size); }};
-}
-
 FitOption levels_option() {
   return {{.name = "levels",
            .stage = Stage::Fineness,
@@ -169,26 +117,6 @@ FitOption chord_errors_option() {
            .ranks = {"", kTilesHaveLevels}},
           [](FitSettings& settings, const OptionValue& value, Where) {
             settings.adaptive.chord_errors = value.numbers;
-          },
-          {}};
-}
-
-FitOption angle_option() {
-  return {{.name = "angle",
-           .stage = Stage::Fineness,
-           .kind = Kind::Number,
-           .needs = Needs::Fineness,
-           .limits = {.least = 0,
-                      .most = 180,
-                      .above_least = true,
-                      .wanted = "above 0 to 180 degrees are wanted"},
-           .choices = "DEGREES",
-           .example = "10",
-           .help = "instead of levels, or besides --chord-error: most degrees that the surface "
-                   "turns beneath a triangle",
-           .ranks = {"", kTilesHaveLevels}},
-          [](FitSettings& settings, const OptionValue& value, Where) {
-            settings.adaptive.angle = value.number;
           },
           {}};
 }
@@ -242,31 +170,62 @@ std::vector<FitOption> tile_options() {
 }
 
 std::vector<FitOption> step_options() {
-  return {
-      step_unit_option(),
-      step_number({.name = "step_angle",
-                   .limits = {.least = 0,
-                              .most = kMostBrepAngle,
-                              .wanted = "above 0 to 90 degrees are wanted"},
-                   .choices = "DEGREES",
-                   .initial = "0.25",
-                   .help = "STEP: most degrees by which normals jump where faces meet"},
-                  &BrepOptions::angle),
-      step_number({.name = "step_tolerance",
-                   .limits = {.least = 0,
-                              .most = 1,
-                              .wanted = "a fraction of the bounding-box diagonal above 0 and up to "
-                                        "1 is wanted, such as 1e-6"},
-                   .choices = "T",
-                   .initial = "1e-6",
-                   .help = "STEP: most that faces leave the surface, of the diagonal"},
-                  &BrepOptions::deviation),
-      step_face_size_option(),
+  std::vector<FitOption> rows{
+      word_option({.name = "step_unit",
+                   .initial = "auto",
+                   .help = "STEP: what the coordinates are in, which stay as they are; auto: "
+                           "metres of a glTF, else mm"},
+                  kStepUnitWords, &FitSettings::step, &StepSettings::unit),
+      number_option({.name = "step_angle",
+                     .limits = {.least = 0,
+                                .most = kMostBrepAngle,
+                                .above_least = true,
+                                .wanted = "above 0 to 90 degrees are wanted"},
+                     .choices = "DEGREES",
+                     .initial = "0.25",
+                     .help = "STEP: most degrees by which normals jump where faces meet"},
+                    &FitSettings::step, &StepSettings::faces, &BrepOptions::angle),
+      number_option({.name = "step_tolerance",
+                     .limits = {.least = 0,
+                                .most = 1,
+                                .above_least = true,
+                                .wanted = "a fraction of the bounding-box diagonal above 0 and up "
+                                          "to 1 is wanted, such as 1e-6"},
+                     .choices = "T",
+                     .initial = "1e-6",
+                     .help = "STEP: most that faces leave the surface, of the diagonal"},
+                    &FitSettings::step, &StepSettings::faces, &BrepOptions::deviation),
+      whole_option({.name = "step_face_size",
+                    .limits = {.least = 1, .most = kMostFaceSize},
+                    .choices = "N",
+                    .initial = "16",
+                    .help = "STEP: most quads along a face, of which one of the mesh has two; "
+                            "programs measure long faces badly"},
+                   &FitSettings::step, &StepSettings::faces, &BrepOptions::face_size),
   };
+  for (FitOption& row : rows) {
+    row.stage = Stage::Output;
+    row.needs = Needs::Step;
+    row.ranks = {"", "ranks write 3D Tiles; planish fit writes STEP"};
+  }
+  return rows;
 }
 
 std::vector<FitOption> fineness_options() {
-  return {levels_option(), chord_errors_option(), angle_option()};
+  return {levels_option(), chord_errors_option(),
+          number_option({.name = "angle",
+                         .stage = Stage::Fineness,
+                         .needs = Needs::Fineness,
+                         .limits = {.least = 0,
+                                    .most = 180,
+                                    .above_least = true,
+                                    .wanted = "above 0 to 180 degrees are wanted"},
+                         .choices = "DEGREES",
+                         .example = "10",
+                         .help = "instead of levels, or besides --chord-error: most degrees that "
+                                 "the surface turns beneath a triangle",
+                         .ranks = {"", kTilesHaveLevels}},
+                        &FitSettings::adaptive, &AdaptiveChoice::angle)};
 }
 
 }  // namespace planish
