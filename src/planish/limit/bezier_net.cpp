@@ -3,19 +3,10 @@
 #include <cstddef>
 
 #include "planish/patches/patch_form.h"
+#include "planish/patches/quarter_turn.h"
 
 namespace planish {
 namespace {
-
-// A place of a 3 x 3 net as a piece sees it that is turned against its patch.
-std::size_t turned_place(std::size_t i, std::size_t j, int turns) {
-  for (int k = 0; k < turns; ++k) {
-    const std::size_t before = i;
-    i = j;
-    j = 2 - before;
-  }
-  return i + 3 * j;
-}
 
 // De Casteljau's halves of three points that are `step` apart.
 void halve(BezierNet& net, std::size_t first, std::size_t step, bool upper) {
@@ -51,7 +42,10 @@ BezierNet net_quarter(BezierNet net, bool upper_u, bool upper_v) {
 BezierNet turned_net(const BezierNet& net, int turns) {
   BezierNet result;
   for (std::size_t j = 0; j < 3; ++j) {
-    for (std::size_t i = 0; i < 3; ++i) result[i + 3 * j] = net[turned_place(i, j, turns)];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [u, v] = seen_from(turns, std::size_t{2}, i, j);
+      result[i + 3 * j] = net[u + 3 * v];
+    }
   }
   return result;
 }

@@ -10,6 +10,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/unit_vector.h"
+#include "planish/patches/quarter_turn.h"
 
 namespace planish {
 namespace {
@@ -39,12 +40,7 @@ AdaptiveCell part_of_cell(const AdaptiveCell& cell, int a, int parts_u, int b, i
 
 // Which quarter of a cell a piece's own quarter is.
 AdaptiveCell quarter_cell(const AdaptiveCell& cell, int quarter, int turns) {
-  int a = quarter == 1 || quarter == 2 ? 1 : 0, b = quarter >= 2 ? 1 : 0;
-  for (int k = 0; k < turns; ++k) {
-    const int before = a;
-    a = 1 - b;
-    b = before;
-  }
+  const auto [a, b] = seen_from((8 - quarter - turns) % 4, 1, 0, 0);
   return part_of_cell(cell, a, 2, b, 2);
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <glm/vec2.hpp>
 
+#include "planish/patches/quarter_turn.h"
+
 namespace planish {
 
 /// Where a square that quarters within quarters lead to lies in its patch: its own (u, v) are
@@ -16,14 +18,11 @@ struct PatchFrame {
   }
   /// Quarter 0 to 3 of the square, as PatchForm has them: seen from its own corner.
   [[nodiscard]] PatchFrame quarter(int index) const {
-    const glm::dvec2 corner = at(index == 1 || index == 2 ? 1 : 0, index >= 2 ? 1 : 0);
-    PatchFrame result{corner.x, corner.y, 0.5 * size, c, s};
-    for (int turn = 0; turn < index; ++turn) {
-      const int before = result.c;
-      result.c = -result.s;
-      result.s = before;
-    }
-    return result;
+    const int back = (4 - index) % 4;
+    const auto [a, b] = seen_from(back, 1, 0, 0);
+    const auto [turned_c, turned_s] = seen_from(back, 0, c, s);
+    const glm::dvec2 corner = at(a, b);
+    return {corner.x, corner.y, 0.5 * size, turned_c, turned_s};
   }
   /// A quarter, not turned.
   [[nodiscard]] PatchFrame half(bool upper_u, bool upper_v) const {

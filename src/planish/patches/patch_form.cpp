@@ -8,6 +8,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/patches/patch_rings.h"
+#include "planish/patches/quarter_turn.h"
 
 namespace planish {
 namespace {
@@ -21,19 +22,6 @@ constexpr int kHalvingsAveraged = 50;
 constexpr std::array<std::array<int, 2>, 4> kTurns{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
 int quarter_of(double u, double v) { return v < 0.5 ? (u < 0.5 ? 0 : 1) : (u < 0.5 ? 3 : 2); }
-
-std::pair<double, double> in_quarter(int quarter, double u, double v) {
-  switch (quarter) {
-    case 0:
-      return {2 * u, 2 * v};
-    case 1:
-      return {2 * v, 2 - 2 * u};
-    case 2:
-      return {2 - 2 * u, 2 - 2 * v};
-    default:
-      return {2 - 2 * v, 2 * u};
-  }
-}
 
 // The net of a patch that is one polynomial. Across a curve lie its points mirrored at the curve's
 // points, whose curve is then the B-spline's own border. Empty for other classes.
@@ -179,7 +167,7 @@ std::vector<double> weights_down(const PatchForm& form, double u, double v, int 
     return rows;
   }
   const int quarter = quarter_of(u, v);
-  const auto [qu, qv] = in_quarter(quarter, u, v);
+  const auto [qu, qv] = seen_from(quarter, 2.0, 2 * u, 2 * v);
   std::vector<double> rows = pulled_back(
       weights_down(*form.quarters[quarter], qu, qv, halvings - 1), form.steps[quarter], count);
   turn_rows(rows, count, kTurns[quarter][0], kTurns[quarter][1]);
@@ -276,8 +264,8 @@ PatchPoint patch_point(const PatchForm& form, std::span<const glm::dvec3> points
     const bool is_singular = at.u == 0 && at.v == 0 && inner->is_singular_at_vertex();
     if (is_singular || depth >= inner->halvings) break;
     const int quarter = quarter_of(at.towards_u, at.towards_v);
-    const auto [u, v] = in_quarter(quarter, at.u, at.v);
-    const auto [towards_u, towards_v] = in_quarter(quarter, at.towards_u, at.towards_v);
+    const auto [u, v] = seen_from(quarter, 2.0, 2 * at.u, 2 * at.v);
+    const auto [towards_u, towards_v] = seen_from(quarter, 2.0, 2 * at.towards_u, 2 * at.towards_v);
     at = {u, v, towards_u, towards_v};
     quarter_points(*inner, quarter, current, scratch.next);
     inner = inner->quarters[quarter];

@@ -4,31 +4,11 @@
 
 #include "planish/core/parallel.h"
 #include "planish/patches/patch_rings.h"
+#include "planish/patches/quarter_turn.h"
 
 namespace planish {
 
 namespace {
-
-struct Place {
-  std::int32_t a, b;
-};
-
-// The quarter that a sample lies in, and its place there seen from the quarter's own corner.
-struct QuarterPlace {
-  int quarter;
-  Place place;
-};
-
-QuarterPlace quarter_place(Place sample, std::int32_t n) {
-  const std::int32_t half = n / 2;
-  const auto [a, b] = sample;
-  if (b <= half) {
-    if (a <= half) return {0, {a, b}};
-    return {1, {b, n - a}};
-  }
-  if (a <= half) return {3, {n - b, a}};
-  return {2, {n - a, n - b}};
-}
 
 // A quarter's sample and its place in the whole patch.
 struct QuarterSample {
@@ -39,9 +19,10 @@ std::vector<QuarterSample> samples_of(int quarter, std::int32_t n) {
   std::vector<QuarterSample> samples;
   for (std::int32_t b = 0; b <= n; ++b) {
     for (std::int32_t a = 0; a <= n; ++a) {
-      const auto [q, place] = quarter_place({a, b}, n);
-      if (q != quarter) continue;
-      samples.push_back({static_cast<std::size_t>(place.b * (n / 2 + 1) + place.a),
+      const int lies_in = 2 * b <= n ? (2 * a <= n ? 0 : 1) : (2 * a <= n ? 3 : 2);
+      if (lies_in != quarter) continue;
+      const auto [u, v] = seen_from(quarter, n, a, b);
+      samples.push_back({static_cast<std::size_t>(v * (n / 2 + 1) + u),
                          static_cast<std::size_t>(b * (n + 1) + a)});
     }
   }
