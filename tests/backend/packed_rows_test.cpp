@@ -39,8 +39,7 @@ void expect_plain_sums(const StencilView<double>& table, const PackedRows& rows)
       Point expected{};
       for (std::int32_t k = 0; k < table.sizes[row]; ++k) {
         const std::int32_t at = table.offsets[row] + k;
-        const Point term = static_cast<float>(table.weights[at]) *
-                           source[static_cast<std::size_t>(table.indices[at])];
+        const Point term = static_cast<float>(table.weights[at]) * source[table.indices[at]];
         expected = expected + term;
       }
       for (int c = 0; c < 3; ++c)
@@ -142,14 +141,9 @@ TEST(PackedRows, RowsThatAreAlikeMakeRuns) {
   for (std::int32_t kind = 0; kinds.size() < 6000; ++kind)
     kinds.insert(kinds.end(), static_cast<std::size_t>(1 + kind % 40), kind);
   const StencilTable table = table_of(
-      static_cast<std::int32_t>(kinds.size()),
-      [&](std::int32_t i) { return kinds[static_cast<std::size_t>(i)] % 19; },
-      [&](std::int32_t i, std::int32_t k) {
-        return i + k * (1 + kinds[static_cast<std::size_t>(i)] % 3);
-      },
-      [&](std::int32_t i, std::int32_t k) {
-        return 0.1 * (1 + kinds[static_cast<std::size_t>(i)] % 2) - 0.01 * k;
-      });
+      static_cast<std::int32_t>(kinds.size()), [&](std::int32_t i) { return kinds[i] % 19; },
+      [&](std::int32_t i, std::int32_t k) { return i + k * (1 + kinds[i] % 3); },
+      [&](std::int32_t i, std::int32_t k) { return 0.1 * (1 + kinds[i] % 2) - 0.01 * k; });
   const PackedRows rows(table.view());
   expect_plain_sums(table.view(), rows);
   EXPECT_GT(rows.alike_row_count(), 3000u);

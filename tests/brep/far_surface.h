@@ -67,7 +67,7 @@ class FarSurface {
     const auto vertices = table_->GetPatchVertices(*patch);
     glm::dvec3 sum(0.0), ds(0.0), dt(0.0);
     for (std::size_t k = 0; k < 16; ++k) {
-      const glm::dvec3& p = points_[static_cast<std::size_t>(vertices[static_cast<int>(k)])].value;
+      const glm::dvec3& p = points_[vertices[static_cast<int>(k)]].value;
       sum += weights[k] * p;
       ds += by_s[k] * p;
       dt += by_t[k] * p;

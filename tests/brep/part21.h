@@ -54,7 +54,7 @@ class Part21File {
       // Numbers are dense.
       if (id > std::ssize(text_)) throw std::runtime_error("#" + std::to_string(id));
       if (id >= std::ssize(entities_)) entities_.resize(static_cast<std::size_t>(id) + 1);
-      Part21Entity& entity = entities_[static_cast<std::size_t>(id)];
+      Part21Entity& entity = entities_[id];
       if (entity.is_there) throw std::runtime_error("twice");
       entity.is_there = true;
       entity.keyword = word();
@@ -75,7 +75,7 @@ class Part21File {
 
   [[nodiscard]] const Part21Entity& at(std::int64_t id) const {
     if (!has(id)) throw std::runtime_error("no entity #" + std::to_string(id));
-    return entities_[static_cast<std::size_t>(id)];
+    return entities_[id];
   }
   [[nodiscard]] const Part21Entity& at(const Part21Value& value) const {
     return entities_.at(value.reference);
@@ -88,7 +88,7 @@ class Part21File {
 
  private:
   [[nodiscard]] bool has(std::int64_t id) const {
-    return id > 0 && id < std::ssize(entities_) && entities_[static_cast<std::size_t>(id)].is_there;
+    return id > 0 && id < std::ssize(entities_) && entities_[id].is_there;
   }
   void require(const Part21Value& value) const {
     if (value.reference != 0) (void)at(value.reference);

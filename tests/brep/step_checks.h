@@ -22,7 +22,7 @@ inline std::int64_t euler_number(const MeshTopology& topology,
   std::set<std::int32_t> vertices, edges;
   std::int64_t faces = 0;
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
-    if (!hidden.empty() && hidden[static_cast<std::size_t>(f)] != 0) continue;
+    if (!hidden.empty() && hidden[f] != 0) continue;
     ++faces;
     for (const std::int32_t v : topology.face(f)) vertices.insert(v);
     for (const std::int32_t e : topology.face_edges(f)) edges.insert(e);

@@ -113,8 +113,7 @@ TEST(Step, SurfacesWithinATolerancePassVerticesByNoMore) {
     double largest = 0;
     for (std::size_t v = 0; v < brep.places.size(); ++v) {
       const Brep::Place& place = brep.places[v];
-      const glm::dvec3 there =
-          point_of(brep, brep.faces[static_cast<std::size_t>(place.face)], place.at);
+      const glm::dvec3 there = point_of(brep, brep.faces[place.face], place.at);
       largest = std::max(largest, glm::length(there - mesh.positions[v]) / diagonal);
     }
     EXPECT_LE(largest, kWithin + 2e-6);

@@ -185,8 +185,7 @@ TEST(CMemory, EditorsGoOnWhereThereWasNone) {
       place += 0.001;
       const std::int32_t vertices[] = {600, 31, 777};
       double to[9];
-      for (int i = 0; i < 9; ++i)
-        to[i] = torus.positions[static_cast<std::size_t>(vertices[i / 3])][i % 3] + place;
+      for (int i = 0; i < 9; ++i) to[i] = torus.positions[vertices[i / 3]][i % 3] + place;
       planish_edit_change change;
       planish_edit_change_init(&change, sizeof change);
       return planish_editor_move(editor, vertices, to, 3, &change);

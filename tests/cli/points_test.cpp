@@ -126,8 +126,7 @@ TEST_F(Points, ColorsAndNumbersArriveAtTheSurface) {
     const auto i = static_cast<std::size_t>(nearest - given.points.begin());
     ASSERT_LT(glm::distance(surface.positions[v], *nearest + given.origin), 1e-6);
     EXPECT_LT(glm::distance(surface.colors[v], given.colors[i]), 0.01f) << i;
-    EXPECT_EQ(surface.attributes[0].values[static_cast<std::size_t>(v)],
-              0.5f * static_cast<float>(i));
+    EXPECT_EQ(surface.attributes[0].values[v], 0.5f * static_cast<float>(i));
     found.insert(i);
   }
   EXPECT_EQ(found.size(), kPoints);

@@ -63,7 +63,7 @@ void expect_state_of_one_machine(const FairCase& job, const OneFair& one, const 
                                  const PartFair& fair, const std::string& what) {
   std::int64_t differing = 0;
   for (std::int32_t f = 0; f < part.face_count(); ++f) {
-    const std::int32_t first = job.mesh.face_offsets[static_cast<std::size_t>(part.face_ids[f])];
+    const std::int32_t first = job.mesh.face_offsets[part.face_ids[f]];
     for (std::int32_t c = part.face_offsets[f]; c < part.face_offsets[f + 1]; ++c)
       differing += fair.state[c] == one.state[first + c - part.face_offsets[f]] ? 0 : 1;
   }

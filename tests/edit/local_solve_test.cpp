@@ -42,7 +42,7 @@ TEST(LocalSolve, DecidesBeforeItSolvesWhetherAllAreReached) {
       for (std::size_t k = 0; k < count; ++k) {
         // Scattered, none twice.
         vertices.push_back(static_cast<std::int32_t>(k * size / count));
-        points.push_back(solve.given()[static_cast<std::size_t>(vertices.back())] +
+        points.push_back(solve.given()[vertices.back()] +
                          glm::dvec3(random() % 2 == 0 ? 0.01 : -0.01, 0, 0));
       }
       solve.move(vertices, points);
@@ -71,7 +71,7 @@ TEST(LocalSolve, SmallMovesReachLess) {
   for (const double way : {1e-2, 1e-6}) {
     std::vector<glm::dvec3> points;
     for (const std::int32_t v : vertices)
-      points.push_back(solve.given()[static_cast<std::size_t>(v)] + glm::dvec3(0, 0, way));
+      points.push_back(solve.given()[v] + glm::dvec3(0, 0, way));
     solve.move(vertices, points);
     EXPECT_EQ(solve.changed_all(), way == 1e-2);
   }

@@ -64,9 +64,7 @@ inline PolygonMesh uneven_box() {
     int& known = index[36 * i + 6 * j + k];
     if (known < 0) {
       known = mesh.vertex_count();
-      mesh.positions.emplace_back(lines[static_cast<std::size_t>(i)],
-                                  3 - lines[static_cast<std::size_t>(5 - j)],
-                                  0.4 * lines[static_cast<std::size_t>(k)]);
+      mesh.positions.emplace_back(lines[i], 3 - lines[5 - j], 0.4 * lines[k]);
     }
     return known;
   };
@@ -105,7 +103,7 @@ inline PolygonMesh needle_tube(int sides, double length, double zigzag) {
   PolygonMesh mesh = needle_rod(sides, length);
   PolygonMesh tube;
   tube.positions = mesh.positions;
-  for (int i = 0; i < 2 * sides; i += 2) tube.positions[static_cast<std::size_t>(i)].z += zigzag;
+  for (int i = 0; i < 2 * sides; i += 2) tube.positions[i].z += zigzag;
   for (int i = 0; i < sides; ++i) {
     const int next = (i + 1) % sides;
     tube.add_face(std::array{i, next, next + sides});

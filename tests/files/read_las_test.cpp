@@ -155,11 +155,10 @@ TEST(ReadLas, FarPlacesKeepTheirMillimetres) {
     const glm::dvec3 place = cloud.origin + cloud.points[i];
     for (int axis = 0; axis < 3; ++axis) {
       // The nearest double of the decimal, up to the two roundings.
-      const double steps = file.points[i].steps[static_cast<std::size_t>(axis)];
-      const double exact = steps / 1000 + file.offset[static_cast<std::size_t>(axis)];
+      const double steps = file.points[i].steps[axis];
+      const double exact = steps / 1000 + file.offset[axis];
       EXPECT_NEAR(place[axis], exact, 1e-9);
-      EXPECT_EQ(std::round((place[axis] - file.offset[static_cast<std::size_t>(axis)]) * 1000),
-                steps);
+      EXPECT_EQ(std::round((place[axis] - file.offset[axis]) * 1000), steps);
     }
   }
 }

@@ -151,7 +151,7 @@ TEST(AdaptiveTessellation, FlatFacesAreTwoTriangles) {
   const LimitCase c(flat_grid(9, 8));
   for (const AdaptiveSurface& surface : {tessellated(c, 1e-6), tessellated(c, 0, 1)}) {
     std::vector<int> triangles(static_cast<std::size_t>(c.mesh.face_count()), 0);
-    for (const std::int32_t face : surface.ancestors) ++triangles[static_cast<std::size_t>(face)];
+    for (const std::int32_t face : surface.ancestors) ++triangles[face];
     EXPECT_EQ(std::ranges::count(triangles, 2), c.mesh.face_count() - 4 * 3);
     expect_watertight(c, surface.mesh);
   }
@@ -165,8 +165,8 @@ TEST(AdaptiveTessellation, TurnsLessThanTheAngle) {
       expect_watertight(c, surface.mesh);
       for (const Triangle& t : triangles_of_surface(surface.mesh)) {
         for (std::size_t k = 0; k < 3; ++k) {
-          const glm::dvec3 a(surface.mesh.normals[static_cast<std::size_t>(t[k])]);
-          const glm::dvec3 b(surface.mesh.normals[static_cast<std::size_t>(t[(k + 1) % 3])]);
+          const glm::dvec3 a(surface.mesh.normals[t[k]]);
+          const glm::dvec3 b(surface.mesh.normals[t[(k + 1) % 3]]);
           ASSERT_GE(glm::dot(a, b), std::cos(angle * 3.14159265358979 / 180) - 1e-6);
         }
       }
@@ -178,8 +178,8 @@ TEST(AdaptiveTessellation, TurnsLessThanTheAngle) {
 double turn_of(const SurfaceMesh& surface, const Triangle& t) {
   double turn = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const glm::dvec3 a(surface.normals[static_cast<std::size_t>(t[k])]);
-    const glm::dvec3 b(surface.normals[static_cast<std::size_t>(t[(k + 1) % 3])]);
+    const glm::dvec3 a(surface.normals[t[k]]);
+    const glm::dvec3 b(surface.normals[t[(k + 1) % 3]]);
     turn = std::max(turn, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
   }
   return turn * 180 / 3.14159265358979;
@@ -240,11 +240,9 @@ TEST(AdaptiveTessellation, AttributesAreThoseOfLevels) {
     std::size_t corner = 0;
     for (std::int64_t f = 0; f < of.face_count(); ++f) {
       const auto face = of.face(f);
-      ++groups[static_cast<std::size_t>(of.face_groups[static_cast<std::size_t>(f)])];
+      ++groups[of.face_groups[f]];
       for (std::size_t i = 1; i + 1 < face.size(); ++i) {
-        const auto uv = [&](std::size_t k) {
-          return of.uvs[static_cast<std::size_t>(of.face_uvs[corner + k])];
-        };
+        const auto uv = [&](std::size_t k) { return of.uvs[of.face_uvs[corner + k]]; };
         const glm::dvec2 a = uv(i) - uv(0), b = uv(i + 1) - uv(0);
         area += 0.5 * std::abs(a.x * b.y - a.y * b.x);
       }
@@ -261,8 +259,7 @@ TEST(AdaptiveTessellation, AttributesAreThoseOfLevels) {
   EXPECT_EQ(all, wanted_all);
   EXPECT_EQ(surface.mesh.colors.size(), surface.mesh.positions.size());
   for (std::size_t t = 0; t < surface.ancestors.size(); ++t)
-    ASSERT_EQ(surface.mesh.face_groups[t],
-              c.mesh.face_groups[static_cast<std::size_t>(surface.ancestors[t])]);
+    ASSERT_EQ(surface.mesh.face_groups[t], c.mesh.face_groups[surface.ancestors[t]]);
 }
 
 TEST(AdaptiveTessellation, IsTheSameForEveryThreadCount) {

@@ -20,7 +20,7 @@ struct MovedCase {
     std::vector<glm::dvec3> unit;
     const auto prepared = prepare_mesh(mesh, "mesh");
     for (const std::int32_t v : prepared->vertices)
-      unit.push_back(placement.to_unit(mesh.positions[static_cast<std::size_t>(v)]));
+      unit.push_back(placement.to_unit(mesh.positions[v]));
     surface = std::make_shared<DooSabinSurface>(mesh, placement, unit,
                                                 std::span<const glm::dvec3>{}, EvaluateOptions{});
     limit = std::make_unique<LimitSurface>(surface);
@@ -32,8 +32,7 @@ struct MovedCase {
     std::uniform_int_distribution<std::int32_t> any(0, patches.state_size() - 1);
     std::normal_distribution<double> way(0, 0.1);
     for (int i = 0; i < count; ++i)
-      surface->own_state()[static_cast<std::size_t>(any(random))] +=
-          glm::dvec3(way(random), way(random), way(random));
+      surface->own_state()[any(random)] += glm::dvec3(way(random), way(random), way(random));
     patches.update_sums(surface->own_state());
     return changed_corners();
   }
@@ -61,19 +60,18 @@ struct MovedCase {
 
 // Every node holds what is below it, no more.
 std::int64_t check_node(const CornerTree& tree, std::int32_t index) {
-  const CornerTree::Node& node = tree.nodes()[static_cast<std::size_t>(index)];
+  const CornerTree::Node& node = tree.nodes()[index];
   CornerBox box{glm::vec3(1e30f), glm::vec3(-1e30f)};
   const auto add = [&](const CornerBox& other) {
     box = {glm::min(box.low, other.low), glm::max(box.high, other.high)};
   };
   std::int64_t count = 1;
   if (node.count > 0) {
-    for (std::int32_t i = node.first; i < node.first + node.count; ++i)
-      add(tree.boxes()[static_cast<std::size_t>(i)]);
+    for (std::int32_t i = node.first; i < node.first + node.count; ++i) add(tree.boxes()[i]);
   } else {
     for (const std::int32_t child : {index + 1, node.right}) {
       count += check_node(tree, child);
-      add(tree.nodes()[static_cast<std::size_t>(child)].box);
+      add(tree.nodes()[child].box);
     }
   }
   EXPECT_TRUE(same(node.box, box)) << index;
@@ -97,9 +95,9 @@ TEST(CornerTree, RefitsWhatHasMoved) {
     ASSERT_EQ(fresh.corners().size(), tree.corners().size());
     std::vector<CornerBox> boxes(static_cast<std::size_t>(c.surface->topology().corner_count()));
     for (std::size_t i = 0; i < fresh.corners().size(); ++i)
-      boxes[static_cast<std::size_t>(fresh.corners()[i])] = fresh.boxes()[i];
+      boxes[fresh.corners()[i]] = fresh.boxes()[i];
     for (std::size_t i = 0; i < tree.corners().size(); ++i)
-      ASSERT_TRUE(same(tree.boxes()[i], boxes[static_cast<std::size_t>(tree.corners()[i])])) << i;
+      ASSERT_TRUE(same(tree.boxes()[i], boxes[tree.corners()[i]])) << i;
     tree.rebuild();
     EXPECT_EQ(tree.corners(), fresh.corners());
     for (std::size_t n = 0; n < fresh.nodes().size(); ++n)

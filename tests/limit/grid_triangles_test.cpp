@@ -53,8 +53,7 @@ TEST(GridTriangles, AreNoLargerThanPartsAndCoverTheFace) {
     const FaceGrid grid{static_cast<std::uint8_t>(1 + random() % 6),
                         static_cast<std::uint8_t>(1 + random() % 6)};
     std::array<std::vector<std::uint16_t>, 4> sides;
-    for (int s = 0; s < 4; ++s)
-      sides[static_cast<std::size_t>(s)] = any_side(random, grid.parts_of_side(s));
+    for (int s = 0; s < 4; ++s) sides[s] = any_side(random, grid.parts_of_side(s));
     const std::vector<glm::dvec3> places = places_of(grid, sides);
     const auto triangles = cutter.cut(grid, {sides[0], sides[1], sides[2], sides[3]}, places);
     const std::size_t around = places.size() - static_cast<std::size_t>(grid.inside());
@@ -62,7 +61,7 @@ TEST(GridTriangles, AreNoLargerThanPartsAndCoverTheFace) {
     double area = 0;
     std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
     for (const auto& t : triangles) {
-      const auto at = [&](std::size_t k) { return places[static_cast<std::size_t>(t[k % 3])]; };
+      const auto at = [&](std::size_t k) { return places[t[k % 3]]; };
       const glm::dvec3 ab = at(1) - at(0), ac = at(2) - at(0);
       const double twice = ab.x * ac.y - ab.y * ac.x;
       ASSERT_GT(twice, 0);
@@ -93,8 +92,7 @@ TEST(GridTriangles, AreTheSameHoweverPlacesAreRounded) {
     const FaceGrid grid{static_cast<std::uint8_t>(1 + random() % 4),
                         static_cast<std::uint8_t>(1 + random() % 4)};
     std::array<std::vector<std::uint16_t>, 4> sides;
-    for (int s = 0; s < 4; ++s)
-      sides[static_cast<std::size_t>(s)] = any_side(random, grid.parts_of_side(s));
+    for (int s = 0; s < 4; ++s) sides[s] = any_side(random, grid.parts_of_side(s));
     std::vector<glm::dvec3> places = places_of(grid, sides);
     const auto cut = [&] {
       const auto triangles = cutter.cut(grid, {sides[0], sides[1], sides[2], sides[3]}, places);

@@ -145,7 +145,7 @@ TEST(LimitSurface, StencilsGiveTheSamePoint) {
       const SurfacePoint point = c.limit.evaluate(at);
       glm::dvec3 position(0.0), du(0.0), dv(0.0);
       for (std::size_t k = 0; k < stencil.points.size(); ++k) {
-        const glm::dvec3 p = c.surface->state()[static_cast<std::size_t>(stencil.points[k])];
+        const glm::dvec3 p = c.surface->state()[stencil.points[k]];
         position += stencil.position[k] * p;
         du += stencil.du[k] * p;
         dv += stencil.dv[k] * p;

@@ -77,8 +77,7 @@ void expect_nearest(const PolygonMesh& mesh, int each, std::mt19937& random) {
   std::vector<std::vector<SurfaceParameter>> places;
   std::vector<std::vector<glm::dvec3>> samples;
   for (std::int32_t corner = 0; corner < topology.corner_count(); ++corner) {
-    if (!c.surface->hidden().empty() &&
-        c.surface->hidden()[static_cast<std::size_t>(topology.face_of(corner))] != 0)
+    if (!c.surface->hidden().empty() && c.surface->hidden()[topology.face_of(corner)] != 0)
       continue;
     places.emplace_back();
     samples.emplace_back();

@@ -15,9 +15,7 @@ namespace {
 double winding_number(const SurfaceMesh& surface, const glm::dvec3& point) {
   double sum = 0;
   for (const Triangle& t : triangles_of_surface(surface)) {
-    const auto at = [&](std::size_t k) {
-      return surface.positions[static_cast<std::size_t>(t[k])] - point;
-    };
+    const auto at = [&](std::size_t k) { return surface.positions[t[k]] - point; };
     const glm::dvec3 a = at(0), b = at(1), c = at(2);
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     sum += 2 * std::atan2(

@@ -39,9 +39,7 @@ inline TessellationError tessellation_error(const LimitCase& c, const SurfaceQue
   std::vector<glm::dvec3> points;
   for (std::size_t i = 0; i < 4 * triangles.size(); i += step) {
     const Triangle& t = triangles[i / 4];
-    const auto at = [&](std::size_t k) {
-      return surface.positions[static_cast<std::size_t>(t[k % 3])];
-    };
+    const auto at = [&](std::size_t k) { return surface.positions[t[k % 3]]; };
     points.push_back(i % 4 == 3 ? (at(0) + at(1) + at(2)) / 3.0
                                 : 0.5 * (at(i % 4) + at(i % 4 + 1)));
   }
@@ -54,7 +52,7 @@ inline TessellationError tessellation_error(const LimitCase& c, const SurfaceQue
   while (at.size() < 10 * places) {
     const SurfaceParameter place = c.any_place(random);
     const auto hidden = c.surface->hidden();
-    if (hidden.empty() || hidden[static_cast<std::size_t>(place.face)] == 0) at.push_back(place);
+    if (hidden.empty() || hidden[place.face] == 0) at.push_back(place);
   }
   std::vector<SurfacePoint> on(at.size());
   c.limit.evaluate(at, on);
@@ -87,8 +85,8 @@ inline Joints joints_of(const SurfaceMesh& surface, bool joined) {
   for (const Triangle& t : triangles_of_surface(surface)) {
     ++joints.triangles;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t a = welded[static_cast<std::size_t>(t[k])];
-      const std::int32_t b = welded[static_cast<std::size_t>(t[(k + 1) % 3])];
+      const std::int32_t a = welded[t[k]];
+      const std::int32_t b = welded[t[(k + 1) % 3]];
       used.insert(a);
       if (a == b) ++joints.bad_triangles;
       ++edges[std::minmax(a, b)][a < b ? 0 : 1];

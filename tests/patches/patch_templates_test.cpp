@@ -184,7 +184,7 @@ TEST(FaceKernel, LeavesOutJustTheColumnsWithoutWeight) {
     for (std::int32_t s = 0; s < kFaceSamples; ++s) {
       unsigned needed = 0;
       for (std::int32_t i = 0; i < 3 * 8; ++i) {
-        if (patch.rows(s)[static_cast<std::size_t>(i)] != 0) needed |= 1U << (i % 8);
+        if (patch.rows(s)[i] != 0) needed |= 1U << (i % 8);
       }
       EXPECT_EQ(needed, kFaceSampleColumns[s]) << "sample " << s;
     }

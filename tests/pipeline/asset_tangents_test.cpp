@@ -337,8 +337,8 @@ TEST(SurfaceTangents, ABlockHasItsOwnUnderItsNumbers) {
   const GltfAttribute& own = block.options().attributes.at(0);
   int found_further = 0;
   for (std::size_t c = 0; c < rows.size(); ++c) {
-    const auto uv = block.surface().surface_uvs()[static_cast<std::size_t>(uvs[c])];
-    const auto row = block.surface().surface_rows()[static_cast<std::size_t>(rows[c])];
+    const auto uv = block.surface().surface_uvs()[uvs[c]];
+    const auto row = block.surface().surface_rows()[rows[c]];
     const float wanted =
         uv % 6 == 0 && row == uv ? 1000.0F + static_cast<float>(uv) : static_cast<float>(uv);
     EXPECT_EQ(*own.numbers(uvs[c], rows[c]), wanted);

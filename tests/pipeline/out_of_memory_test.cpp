@@ -88,7 +88,7 @@ class Textured {
   static PolygonMesh with_uvs(PolygonMesh mesh) {
     for (const std::int32_t v : mesh.face_vertices) {
       mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
-      mesh.uvs.emplace_back(mesh.positions[static_cast<std::size_t>(v)]);
+      mesh.uvs.emplace_back(mesh.positions[v]);
     }
     return mesh;
   }

@@ -68,7 +68,7 @@ TEST(SmoothPoints, LeavesEdgesToWhoKnowsTheNoise) {
           -std::abs(j) + 0.05 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5));
   const auto ridge_height = [&](const std::vector<glm::dvec3>& points) {
     double sum = 0;
-    for (int i = 10; i < 50; ++i) sum += points[static_cast<std::size_t>(i * 61 + 30)].z;
+    for (int i = 10; i < 50; ++i) sum += points[i * 61 + 30].z;
     return sum / 40;
   };
   EXPECT_LT(ridge_height(smooth_points(roof, 2)), -0.2);

@@ -27,15 +27,13 @@ TEST(TriangleShape, ManyPointsAtOnceAreAsOneByOne) {
   std::vector<double> squared(kPointLanes, INFINITY);
   std::vector<std::int32_t> nearest(kPointLanes, -1);
   for (int i = 0; i < kPointLanes; ++i) {
-    const glm::dvec3& p = places[static_cast<std::size_t>(i)];
+    const glm::dvec3& p = places[i];
     batch.x[i] = p.x, batch.y[i] = p.y, batch.z[i] = p.z;
     batch.squared_distance[i] = INFINITY;
     batch.nearest[i] = -1;
   }
   for (std::int32_t s = 0; s < 50; ++s) {
-    const auto corner = [&](std::int32_t k) {
-      return places[static_cast<std::size_t>(200 + s + k)];
-    };
+    const auto corner = [&](std::int32_t k) { return places[200 + s + k]; };
     // Every fifth has no area.
     const TriangleShape shape(corner(0), corner(1), s % 5 == 0 ? corner(1) : corner(2));
     take_nearer(shape, s, kPointLanes, batch);

@@ -82,8 +82,7 @@ TEST(TurnByNormals, CloudsGiveTheirMeshNormalsAndColours) {
     const Reconstruction result = reconstruct(cloud, mesher, {.tolerance = 1e-3});
     ASSERT_EQ(result.mesh.colors.size(), result.mesh.positions.size());
     for (std::size_t v = 0; v < result.mesh.colors.size(); ++v)
-      EXPECT_EQ(result.mesh.colors[v],
-                cloud.colors[static_cast<std::size_t>(result.vertex_points[v])]);
+      EXPECT_EQ(result.mesh.colors[v], cloud.colors[result.vertex_points[v]]);
     ASSERT_EQ(result.mesh.attributes.size(), 1u);
     ASSERT_EQ(result.mesh.attributes[0].count(), result.mesh.positions.size());
     for (std::size_t v = 0; v < result.mesh.positions.size(); ++v)

@@ -54,11 +54,11 @@ class EditSoak {
       }
       default: {
         // Around where it was in the fit, so that the mesh stays what it is.
-        const glm::dvec3 to = mesh_.positions[static_cast<std::size_t>(vertex)] + way(random);
+        const glm::dvec3 to = mesh_.positions[vertex] + way(random);
         editor_->move(std::span(&vertex, 1), std::span(&to, 1));
       }
     }
-    const glm::dvec3 at = editor_->points()[static_cast<std::size_t>(vertex)];
+    const glm::dvec3 at = editor_->points()[vertex];
     const double off = editor_->queries().closest(at).distance / fit_.placement.diagonal;
     if (!(off <= editor_->error_bound() + kRounding))
       complain(std::string(name_) + ": a moved vertex is " + std::to_string(off) +

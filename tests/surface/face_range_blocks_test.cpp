@@ -37,7 +37,7 @@ void expect_part_of(const SurfaceMesh& whole, const SurfaceBlocks& blocks, RowRa
   for (std::size_t c = 0; c < made.face_vertices.size(); ++c) {
     const std::size_t there = static_cast<std::size_t>(first) + c;
     const std::int32_t row = made.face_vertices[c];
-    is_named[static_cast<std::size_t>(row)] = true;
+    is_named[row] = true;
     ASSERT_EQ(rows[row], whole.face_vertices[there]);
     ASSERT_EQ(made.uvs[made.face_uvs[c]], whole.uvs[whole.face_uvs[there]]);
   }

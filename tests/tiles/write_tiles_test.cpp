@@ -81,7 +81,7 @@ void expect_nested(const test::ReadTileset& set) {
   for (const test::ReadTile& tile : set.tiles) {
     if (tile.parent < 0) continue;
     const test::ReadTile& parent = set.tiles[tile.parent];
-    is_leaf[static_cast<std::size_t>(tile.parent)] = false;
+    is_leaf[tile.parent] = false;
     EXPECT_TRUE(parent.holds(tile)) << tile.content;
     EXPECT_GE(parent.error, tile.error) << tile.content;
     if (parent.level > 0) {

@@ -106,16 +106,15 @@ TEST_F(EditPictureTest, ADraggedPointStaysUnderThePixel) {
   const auto vertex = hand.vertex_at(options.camera, aspect, (from + 0.5f) / size);
   ASSERT_TRUE(vertex);
   const auto place = [&] {
-    return size *
-           *options.camera.place_of(session.points()[static_cast<std::size_t>(*vertex)], aspect);
+    return size * *options.camera.place_of(session.points()[*vertex], aspect);
   };
   const glm::vec2 before = place();
   run("drag 80 85 90 100 8\n", session, headless);
   EXPECT_LT(glm::distance(place(), before + to - from), 0.01f);
   EXPECT_EQ(session.selected().front(), *vertex);
   // The frame that was drawn last has the point where it is, within what warm iterations leave.
-  const glm::dvec3 drawn(headless.vertices()[static_cast<std::size_t>(*vertex)].position);
-  const glm::dvec3 at = session.points()[static_cast<std::size_t>(*vertex)];
+  const glm::dvec3 drawn(headless.vertices()[*vertex].position);
+  const glm::dvec3 at = session.points()[*vertex];
   EXPECT_LT(glm::distance(drawn, at), 1e-4 * session.diagonal());
   // Picked there again, though the mesh is another.
   EXPECT_EQ(hand.vertex_at(options.camera, aspect, place() / size), *vertex);

@@ -42,14 +42,14 @@ TEST(EditSession, PicksTheVertexThatIsSeenAndItsEdges) {
   const glm::dvec3 eye(camera.eye(kAspect));
   int seen = 0;
   for (std::int32_t v = 0; v < scene.mesh.vertex_count(); ++v) {
-    const glm::dvec3 at = scene.mesh.positions[static_cast<std::size_t>(v)];
+    const glm::dvec3 at = scene.mesh.positions[v];
     const auto place = camera.place_of(at, kAspect);
     ASSERT_TRUE(place);
     const PictureRay ray = camera.ray_through(*place, kAspect);
     // The ray of a point's place goes through the point, to single precision.
     ASSERT_LT(glm::length(glm::cross(ray.direction, at - ray.origin)), 1e-5);
     const auto picked = hand.vertex_at(camera, kAspect, *place);
-    const glm::dvec3 from = session.points()[static_cast<std::size_t>(picked.value_or(v))];
+    const glm::dvec3 from = session.points()[picked.value_or(v)];
     if (picked == v) {
       ++seen;
       continue;

@@ -59,8 +59,7 @@ class Borders {
 
   explicit Borders(const PolygonMesh& mesh) : mesh_(mesh), faces_(mesh.face_vertices.size()) {
     for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-      for (std::int32_t k = 0; k < mesh.face_size(f); ++k)
-        faces_[static_cast<std::size_t>(mesh.face_offsets[static_cast<std::size_t>(f)] + k)] = f;
+      for (std::int32_t k = 0; k < mesh.face_size(f); ++k) faces_[mesh.face_offsets[f] + k] = f;
   }
 
   // Where the vertex lies, and how far along; nothing inside a patch.
@@ -68,8 +67,7 @@ class Borders {
     const auto corner = static_cast<std::size_t>(made.corner);
     const std::int32_t face = faces_[corner];
     const auto ring = mesh_.face(face);
-    const std::size_t k =
-        corner - static_cast<std::size_t>(mesh_.face_offsets[static_cast<std::size_t>(face)]);
+    const std::size_t k = corner - static_cast<std::size_t>(mesh_.face_offsets[face]);
     const std::int32_t v = ring[k], next = ring[(k + 1) % ring.size()],
                        last = ring[(k + ring.size() - 1) % ring.size()];
     const bool low_u = made.u == 0, high_u = made.u == 1, low_v = made.v == 0, high_v = made.v == 1;

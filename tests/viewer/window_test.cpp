@@ -138,8 +138,7 @@ TEST_F(WindowTest, DragsAPointAndSavesIt) {
   EditSession session(scene);
   EditHand hand(session);
   for (std::int32_t v = 0; v < mesh.vertex_count() && x == 0; ++v) {
-    const glm::vec2 at =
-        *options.camera.place_of(mesh.positions[static_cast<std::size_t>(v)], aspect);
+    const glm::vec2 at = *options.camera.place_of(mesh.positions[v], aspect);
     if (at.x < 0.6f || hand.vertex_at(options.camera, aspect, at) != v) continue;
     x = static_cast<int>(std::lround(600 * at.x));
     y = static_cast<int>(std::lround(400 * at.y));

@@ -149,12 +149,11 @@ TEST_F(EmbedEditSlots, VerticesAreThoseOfOneSlot) {
           move(host, mesh, static_cast<std::uint32_t>(used[random() % used.size()]), 0, 0.05f);
           slots.edit(slot);
           host.edit();
-          expected[static_cast<std::size_t>(slot)] = host.vertices();
+          expected[slot] = host.vertices();
           // One that is older: as it was when its edit was done.
           const int other = (slot + 1) % count;
-          if (!expected[static_cast<std::size_t>(other)].empty() && i % 3 == 2) {
-            EXPECT_TRUE(same_bits(slots.vertices(other), expected[static_cast<std::size_t>(other)]))
-                << i;
+          if (!expected[other].empty() && i % 3 == 2) {
+            EXPECT_TRUE(same_bits(slots.vertices(other), expected[other])) << i;
           }
           if (i % 2 == 1) EXPECT_TRUE(same_bits(slots.vertices(slot), host.vertices())) << i;
         }

@@ -48,11 +48,11 @@ PolygonMesh with_charts(PolygonMesh mesh, std::int32_t charts, std::uint32_t see
   mesh.face_uvs.clear();
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     const std::int32_t chart = f * charts / mesh.face_count();
-    const auto& m = maps[static_cast<std::size_t>(chart)];
+    const auto& m = maps[chart];
     for (const std::int32_t v : mesh.face(f)) {
       const auto [entry, is_new] =
           known.try_emplace({chart, v}, static_cast<std::int32_t>(mesh.uvs.size()));
-      const glm::dvec3& p = mesh.positions[static_cast<std::size_t>(v)];
+      const glm::dvec3& p = mesh.positions[v];
       if (is_new)
         mesh.uvs.emplace_back(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3],
                               m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7]);
@@ -96,7 +96,7 @@ TEST(TexturedSystem, UvsAreThoseOfTheFile) {
              ++corner) {
           ours.insert(bits_of(uvs[system.triangles()[corner]]));
           // The reader turns v over again, which is exact.
-          const glm::dvec2 uv = file.uvs[static_cast<std::size_t>(file.face_uvs[corner])];
+          const glm::dvec2 uv = file.uvs[file.face_uvs[corner]];
           theirs.insert(bits_of({static_cast<float>(uv.x), static_cast<float>(1 - uv.y)}));
         }
         ASSERT_EQ(ours, theirs) << "face " << f << " at level " << level;
@@ -141,7 +141,7 @@ struct TextureOracle {
         n(side) {}
 
   [[nodiscard]] glm::dvec2 uv_of(std::int32_t corner) const {
-    return mesh.uvs[static_cast<std::size_t>(mesh.face_uvs[static_cast<std::size_t>(corner)])];
+    return mesh.uvs[mesh.face_uvs[corner]];
   }
   // Bilinear in the square of a corner.
   [[nodiscard]] glm::dvec2 uv_at(std::int32_t corner, double s, double t) const {
@@ -292,8 +292,7 @@ TEST_F(EmbedTexture, TangentsAreTheSurfacesDerivatives) {
           for (int b = 0; b <= n; ++b)
             for (int a = 0; a <= n; ++a) {
               if (level == 0 && (a > 0 || b > 0)) continue;
-              Said& row = said[static_cast<std::size_t>(level == 0 ? numbering.vertex_row(c)
-                                                                   : numbering.row(c, a, b))];
+              Said& row = said[level == 0 ? numbering.vertex_row(c) : numbering.row(c, a, b)];
               row.tangents.push_back(oracle.tangent(c, a, b));
               // Edges of a half plane leave in no plane that all poses share.
               if (a == 0 && b == 0 &&

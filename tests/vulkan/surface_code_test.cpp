@@ -154,9 +154,8 @@ TEST_F(SurfaceCode, CornersThatMeetHaveTheSameBits) {
     for (std::int32_t c = 0; c < oracle.limit.topology().corner_count(); ++c)
       for (std::uint32_t b = 0; b <= kSide; ++b)
         for (std::uint32_t a = 0; a <= kSide; ++a, ++sample) {
-          const auto row =
-              static_cast<std::size_t>(on.system.copied_vertices()[static_cast<std::size_t>(
-                  numbering.row(c, std::int32_t(a), std::int32_t(b)))]);
+          const auto row = static_cast<std::size_t>(
+              on.system.copied_vertices()[numbering.row(c, std::int32_t(a), std::int32_t(b))]);
           const SurfacePoint expected = oracle.limit.evaluate(
               surface_parameter(oracle.limit.topology(), c, double(a) / kSide, double(b) / kSide));
           ASSERT_LT(glm::distance(glm::dvec3(sample->shared), expected.position), 2e-6);

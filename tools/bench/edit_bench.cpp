@@ -81,8 +81,7 @@ class EditBench {
       for (const auto& chosen : vertices) {
         to.clear();
         const double way = r % 2 == 0 ? 0 : kWayOfEdit * fit_.placement.diagonal;
-        for (const std::int32_t v : chosen)
-          to.push_back(mesh_.positions[static_cast<std::size_t>(v)] + way_of(v, way));
+        for (const std::int32_t v : chosen) to.push_back(mesh_.positions[v] + way_of(v, way));
         const EditChange change = editor_->move(chosen, to);
         row_count += static_cast<double>(change.row_count);
         control_count += static_cast<double>(change.control_points.size());

@@ -15,8 +15,7 @@ std::vector<std::int32_t> near_vertices(const PolygonMesh& mesh, std::int32_t ve
   std::vector<std::int32_t> near(mesh.positions.size());
   std::iota(near.begin(), near.end(), 0);
   const auto distance = [&](std::int32_t v) {
-    return glm::distance(mesh.positions[static_cast<std::size_t>(v)],
-                         mesh.positions[static_cast<std::size_t>(vertex)]);
+    return glm::distance(mesh.positions[v], mesh.positions[vertex]);
   };
   const std::size_t many = std::min(kManyMoves, near.size());
   std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(many) - 1, near.end(),

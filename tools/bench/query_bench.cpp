@@ -43,27 +43,27 @@ class BfrSurface {
   // One place in each corner's quarter of each face, with second derivatives.
   void evaluate(std::vector<SurfacePoint>& points) const {
     const double* const positions = &mesh_.positions[0].x;
-    parallel_for(
-        static_cast<std::size_t>(mesh_.face_count()), 256, [&](std::size_t begin, std::size_t end) {
-          Surface surface;
-          std::vector<double> patch;
-          for (std::size_t f = begin; f < end; ++f) {
-            factory_->InitVertexSurface(static_cast<int>(f), &surface);
-            patch.resize(3 * static_cast<std::size_t>(surface.GetNumPatchPoints()));
-            surface.PreparePatchPoints(positions, 3, patch.data(), 3);
-            SurfacePoint* const corners = &points[static_cast<std::size_t>(mesh_.face_offsets[f])];
-            const auto size = static_cast<int>(mesh_.face(static_cast<int>(f)).size());
-            for (int i = 0; i < size; ++i) {
-              double uv[2];
-              surface.GetParameterization().GetVertexCoord(i, uv);
-              uv[0] += uv[0] > 0.5 && size == 4 ? -0.2 : 0.2;
-              uv[1] += uv[1] > 0.5 && size == 4 ? -0.2 : 0.2;
-              SurfacePoint& p = corners[i];
-              surface.Evaluate(uv, patch.data(), 3, &p.position.x, &p.du.x, &p.dv.x, &p.duu.x,
-                               &p.duv.x, &p.dvv.x);
-            }
-          }
-        });
+    parallel_for(static_cast<std::size_t>(mesh_.face_count()), 256,
+                 [&](std::size_t begin, std::size_t end) {
+                   Surface surface;
+                   std::vector<double> patch;
+                   for (std::size_t f = begin; f < end; ++f) {
+                     factory_->InitVertexSurface(static_cast<int>(f), &surface);
+                     patch.resize(3 * static_cast<std::size_t>(surface.GetNumPatchPoints()));
+                     surface.PreparePatchPoints(positions, 3, patch.data(), 3);
+                     SurfacePoint* const corners = &points[mesh_.face_offsets[f]];
+                     const auto size = static_cast<int>(mesh_.face(static_cast<int>(f)).size());
+                     for (int i = 0; i < size; ++i) {
+                       double uv[2];
+                       surface.GetParameterization().GetVertexCoord(i, uv);
+                       uv[0] += uv[0] > 0.5 && size == 4 ? -0.2 : 0.2;
+                       uv[1] += uv[1] > 0.5 && size == 4 ? -0.2 : 0.2;
+                       SurfacePoint& p = corners[i];
+                       surface.Evaluate(uv, patch.data(), 3, &p.position.x, &p.du.x, &p.dv.x,
+                                        &p.duu.x, &p.duv.x, &p.dvv.x);
+                     }
+                   }
+                 });
   }
 
  private:

@@ -60,7 +60,7 @@ void set_alike_faces(const Integers& faces, PolygonMesh& mesh) {
   mesh.face_vertices.assign(faces.data(), faces.data() + faces.size());
   mesh.face_offsets.resize(static_cast<std::size_t>(count) + 1);
   for (std::int64_t f = 0; f <= count; ++f)
-    mesh.face_offsets[static_cast<std::size_t>(f)] = static_cast<std::int32_t>(f * size);
+    mesh.face_offsets[f] = static_cast<std::int32_t>(f * size);
 }
 
 void set_sized_faces(const Integers& sizes, const Integers& indices, PolygonMesh& mesh) {
@@ -200,7 +200,7 @@ py::object faces_view(std::span<const std::int32_t> offsets, std::span<const std
   const std::int32_t size = count > 0 ? offsets[1] : 3;
   bool alike = true;
   for (py::ssize_t f = 0; f < count && alike; ++f)
-    alike = offsets[static_cast<std::size_t>(f) + 1] - offsets[static_cast<std::size_t>(f)] == size;
+    alike = offsets[static_cast<std::size_t>(f) + 1] - offsets[f] == size;
   if (alike) return view(vertices.data(), {count, size}, owner);
   std::vector<std::int32_t> sizes(static_cast<std::size_t>(count));
   for (std::size_t f = 0; f < sizes.size(); ++f) sizes[f] = offsets[f + 1] - offsets[f];

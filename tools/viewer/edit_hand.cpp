@@ -41,7 +41,7 @@ std::optional<std::int32_t> EditHand::press(const OrbitCamera& camera, float asp
     return vertex;
   }
   if (!session_.is_selected(*vertex)) session_.select({*vertex});
-  const glm::dvec3 start = session_.points()[static_cast<std::size_t>(*vertex)];
+  const glm::dvec3 start = session_.points()[*vertex];
   held_ = Held{start, place, camera.place_of(start, aspect).value_or(place)};
   return vertex;
 }

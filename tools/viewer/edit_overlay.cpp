@@ -19,7 +19,7 @@ void draw_selection(const EditSession& session, const OrbitCamera& camera, const
   const auto points = session.points();
   const Selection reached = session.reached();
   const auto draw = [&](std::int32_t vertex, float radius, ImU32 ink, bool has_rim) {
-    const auto place = camera.place_of(points[static_cast<std::size_t>(vertex)], aspect);
+    const auto place = camera.place_of(points[vertex], aspect);
     if (!place) return;
     const ImVec2 at{place->x * size.x, place->y * size.y};
     list.AddCircleFilled(at, radius * size.y, ink);

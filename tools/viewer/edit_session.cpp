@@ -61,7 +61,7 @@ std::optional<std::int32_t> EditSession::pick(const SurfaceRay& ray) {
   const auto found = hit(ray);
   if (!found) return std::nullopt;
   return *std::ranges::min_element(mesh_.face(found->at.face), {}, [&](std::int32_t v) {
-    return glm::distance(points()[static_cast<std::size_t>(v)], found->position);
+    return glm::distance(points()[v], found->position);
   });
 }
 
@@ -73,8 +73,7 @@ std::optional<std::pair<std::int32_t, std::int32_t>> EditSession::pick_edge(cons
   double least = std::numeric_limits<double>::max();
   for (std::size_t k = 0; k < face.size(); ++k) {
     const std::int32_t a = face[k], b = face[(k + 1) % face.size()];
-    const double distance = distance_to_edge(found->position, points()[static_cast<std::size_t>(a)],
-                                             points()[static_cast<std::size_t>(b)]);
+    const double distance = distance_to_edge(found->position, points()[a], points()[b]);
     if (distance >= least) continue;
     least = distance;
     nearest = std::minmax(a, b);
@@ -121,8 +120,7 @@ void EditSession::begin_drag() {
     throw Error(ErrorCode::InvalidArgument, "nothing is selected; pick a vertex first");
   Drag drag{reached(), {}};
   drag.before.vertices = drag.moved.vertices;
-  for (const std::int32_t v : drag.moved.vertices)
-    drag.before.positions.push_back(points()[static_cast<std::size_t>(v)]);
+  for (const std::int32_t v : drag.moved.vertices) drag.before.positions.push_back(points()[v]);
   drag_ = std::move(drag);
 }
 
@@ -139,7 +137,7 @@ void EditSession::end_drag() {
   drag_.reset();
   // A click that moves nothing is no step.
   for (std::size_t i = 0; i < before.vertices.size(); ++i) {
-    if (points()[static_cast<std::size_t>(before.vertices[i])] == before.positions[i]) continue;
+    if (points()[before.vertices[i]] == before.positions[i]) continue;
     add(std::move(before));
     return;
   }
@@ -170,8 +168,7 @@ EditSession::Step EditSession::apply(const Step& step) {
   Step before;
   if (!step.vertices.empty()) {
     before.vertices = step.vertices;
-    for (const std::int32_t v : step.vertices)
-      before.positions.push_back(points()[static_cast<std::size_t>(v)]);
+    for (const std::int32_t v : step.vertices) before.positions.push_back(points()[v]);
     editor_.move(step.vertices, step.positions);
     return before;
   }

@@ -47,8 +47,8 @@ std::vector<Model::Run> shown_patches(const PolygonMesh& mesh, bool is_software)
   std::int32_t face = 0;
   for (const std::int32_t hole : holes) {
     if (hole > face) {
-      std::int32_t first = mesh.face_offsets[static_cast<std::size_t>(face)];
-      const std::int32_t end = mesh.face_offsets[static_cast<std::size_t>(hole)];
+      std::int32_t first = mesh.face_offsets[face];
+      const std::int32_t end = mesh.face_offsets[hole];
       for (std::int32_t count = 0; first < end; first += count) {
         count = std::min(most, end - first);
         const auto start = static_cast<std::uint32_t>(first),

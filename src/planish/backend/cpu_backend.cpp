@@ -50,8 +50,7 @@ class PlainRows {
       const std::int32_t* index = table_.indices.data() + table_.offsets[row];
       const double* weight = table_.weights.data() + table_.offsets[row];
       const std::int32_t size = table_.sizes[row];
-      for (std::int32_t k = 0; k < size; ++k)
-        sum = sum + weight[k] * source[static_cast<std::size_t>(index[k])];
+      for (std::int32_t k = 0; k < size; ++k) sum = sum + weight[k] * source[index[k]];
       take(row, sum);
     }
   }
@@ -191,7 +190,7 @@ class CpuSolve final : public Solve {
       glm::dvec3 sum(0.0);
       const auto first = static_cast<std::size_t>(sums_.offsets[row]);
       for (std::size_t k = first; k < first + static_cast<std::size_t>(sums_.sizes[row]); ++k)
-        sum += sums_.weights[k] * points[static_cast<std::size_t>(sums_.indices[k])].point();
+        sum += sums_.weights[k] * points[sums_.indices[k]].point();
       points[row_count_ + row] = Point::of(sum);
     });
   }
@@ -277,7 +276,7 @@ glm::dvec3 apply_row(const StencilView<double>& table, std::size_t row,
   glm::dvec3 sum(0.0);
   const auto first = static_cast<std::size_t>(table.offsets[row]);
   for (std::size_t k = first; k < first + table.sizes[row]; ++k) {
-    sum += table.weights[k] * source[static_cast<std::size_t>(table.indices[k])];
+    sum += table.weights[k] * source[table.indices[k]];
   }
   return sum;
 }
@@ -291,7 +290,7 @@ LimitPoint apply_limit_row(const StencilView<double>& table, std::size_t row,
   LimitPoint limit;
   const auto first = static_cast<std::size_t>(table.offsets[row]);
   for (std::size_t k = first; k < first + table.sizes[row]; ++k) {
-    const glm::dvec3& point = source[static_cast<std::size_t>(table.indices[k])];
+    const glm::dvec3& point = source[table.indices[k]];
     limit.position += table.weights[k] * point;
     limit.du += table.du_weights[k] * point;
     limit.dv += table.dv_weights[k] * point;

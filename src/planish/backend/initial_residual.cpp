@@ -19,10 +19,9 @@ struct SumAbout {
 SumAbout sum_about(const StencilView<double>& sums, std::size_t row,
                    std::span<const glm::dvec3> points) {
   const auto first = static_cast<std::size_t>(sums.offsets[row]);
-  SumAbout result{points[static_cast<std::size_t>(sums.indices[first])]};
+  SumAbout result{points[sums.indices[first]]};
   for (std::size_t k = first; k < first + static_cast<std::size_t>(sums.sizes[row]); ++k) {
-    result.sum +=
-        sums.weights[k] * (points[static_cast<std::size_t>(sums.indices[k])] - result.origin);
+    result.sum += sums.weights[k] * (points[sums.indices[k]] - result.origin);
     result.weight += sums.weights[k];
   }
   return result;
@@ -54,7 +53,7 @@ RawVector<glm::dvec3> sums_of(const SummedView& table, std::span<const glm::dvec
   parallel_each(result.size(), 1, [&](std::size_t row) {
     glm::dvec3 sum(0.0);
     for (std::int32_t k = sums.offsets[row]; k < sums.offsets[row] + sums.sizes[row]; ++k)
-      sum += sums.weights[k] * points[static_cast<std::size_t>(sums.indices[k])];
+      sum += sums.weights[k] * points[sums.indices[k]];
     result[row] = sum;
   });
   return result;

@@ -90,8 +90,7 @@ class PackedRows {
     const auto first = static_cast<std::size_t>(table_.offsets[row]);
     const std::size_t end = first + static_cast<std::size_t>(table_.sizes[row]);
     for (std::size_t k = first; k < end; ++k)
-      sum = sum + static_cast<float>(table_.weights[k]) *
-                      source[static_cast<std::size_t>(table_.indices[k])];
+      sum = sum + static_cast<float>(table_.weights[k]) * source[table_.indices[k]];
     return sum;
   }
 

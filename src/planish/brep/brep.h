@@ -71,7 +71,7 @@ struct Brep {
 /// The end of a direction of Brep::Line.
 [[nodiscard]] inline glm::dvec2 unit_direction(int direction) {
   constexpr std::array<std::array<double, 2>, 4> kUnits{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
-  const auto& unit = kUnits[static_cast<std::size_t>(direction)];
+  const auto& unit = kUnits[direction];
   return {unit[0], unit[1]};
 }
 

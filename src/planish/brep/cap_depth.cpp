@@ -88,14 +88,13 @@ CapDepths cap_depths(const SplineSurface& surface, const QuadLayout& layout,
     for (std::size_t i = first; i < first + count; ++i) {
       const Choice& choice = choices[i];
       worst.add(choice.error);
-      depths.of_vertex[static_cast<std::size_t>(places[i])] =
-          static_cast<std::int8_t>(choice.depth);
+      depths.of_vertex[places[i]] = static_cast<std::int8_t>(choice.depth);
       depths.deepest = std::max(depths.deepest, choice.depth);
       if (choice.moves.empty()) continue;
       ++depths.moved;
       corners_of(places[i], around);
       for (std::size_t k = 0; k < around.size(); ++k) {
-        depths.of_corner[static_cast<std::size_t>(around[k])][places[i] >= first_face ? 1 : 0] =
+        depths.of_corner[around[k]][places[i] >= first_face ? 1 : 0] =
             static_cast<std::int32_t>(depths.moves.size());
         depths.moves.push_back(choice.moves[k]);
       }

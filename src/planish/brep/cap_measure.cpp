@@ -81,12 +81,11 @@ CornerPieces pieces_of(SplinePatch& patch, std::int32_t corner, const QuadLayout
   const std::array<std::int32_t, 2> vertices{layout.origin(4 * corner),
                                              layout.origin(4 * corner + 2)};
   std::array<int, 2> depth{};
-  for (const std::size_t end : {0u, 1u})
-    depth[end] = depths.of_vertex[static_cast<std::size_t>(vertices[end])];
+  for (const std::size_t end : {0u, 1u}) depth[end] = depths.of_vertex[vertices[end]];
   CornerPieces pieces(patch, layout.degree(), depth);
   for (const std::size_t end : {0u, 1u}) {
-    const std::int32_t move = depths.of_corner[static_cast<std::size_t>(corner)][end];
-    if (move >= 0) pieces.move(depths.moves[static_cast<std::size_t>(move)], end == 1, depth[end]);
+    const std::int32_t move = depths.of_corner[corner][end];
+    if (move >= 0) pieces.move(depths.moves[move], end == 1, depth[end]);
   }
   return pieces;
 }
@@ -103,13 +102,10 @@ CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int
     if (layout_.is_hidden(c)) continue;
     patch_->move_to(c);
     const std::int32_t face = layout_.origin(4 * c + 2);
-    CornerPieces pieces(
-        *patch_, surface_.degree(),
-        {depth, is_face ? depth : depths_.of_vertex[static_cast<std::size_t>(face)]});
-    const std::int32_t across = is_face ? -1 : depths_.of_corner[static_cast<std::size_t>(c)][1];
-    if (across >= 0)
-      pieces.move(depths_.moves[static_cast<std::size_t>(across)], true,
-                  depths_.of_vertex[static_cast<std::size_t>(face)]);
+    CornerPieces pieces(*patch_, surface_.degree(),
+                        {depth, is_face ? depth : depths_.of_vertex[face]});
+    const std::int32_t across = is_face ? -1 : depths_.of_corner[c][1];
+    if (across >= 0) pieces.move(depths_.moves[across], true, depths_.of_vertex[face]);
     const double size = std::ldexp(1.0, -depth);
     const auto net = [&](double x, double y) {
       const SquarePiece& piece =
@@ -141,16 +137,14 @@ void CapMeasure::add_places(std::int32_t corner, int depth, const CornerPieces& 
     const double middle = 1 - std::ldexp(0.5, -depth_at_face);
     add_square(pieces.at(middle, middle), true, depth, places);
   }
-  const std::int32_t across =
-      is_face_ ? -1 : depths_.of_corner[static_cast<std::size_t>(corner)][1];
+  const std::int32_t across = is_face_ ? -1 : depths_.of_corner[corner][1];
   const double scale = std::ldexp(1.0, depth_at_face);
   for (int j = 0; j < 8; ++j) {
     for (int k = 0; k < 8; ++k) {
       if (j < 4 && k < 4) continue;
       Place place{0.25 * k, 0.25 * j, {}, {}};
       const double x = scale * (1 - size * place.x), y = scale * (1 - size * place.y);
-      if (across >= 0 && x < 2 && y < 2)
-        place.apart = basis_.moved_by(depths_.moves[static_cast<std::size_t>(across)], x, y);
+      if (across >= 0 && x < 2 && y < 2) place.apart = basis_.moved_by(depths_.moves[across], x, y);
       places.push_back(place);
     }
   }

@@ -212,9 +212,7 @@ void CatmullClarkSplines::require_settled() const {
                           "up to 1, and 10, which stays sharp: tag it with one of these",
                           name(), text));
   };
-  const auto given = [&](int vertex) {
-    return std::to_string(used_.vertices[static_cast<std::size_t>(vertex)]);
-  };
+  const auto given = [&](int vertex) { return std::to_string(used_.vertices[vertex]); };
   for (int e = 0; e < mesh.GetNumEdges(); ++e) {
     require(mesh.GetEdgeSharpness(e), [&] {
       const auto [first, second] =
@@ -239,7 +237,7 @@ RawVector<glm::dvec3> CatmullClarkSplines::refined(int level,
       glm::dvec3 sum(0.0);
       const auto begin = static_cast<std::size_t>(table.offsets[row]);
       for (std::size_t k = begin; k < begin + static_cast<std::size_t>(table.sizes[row]); ++k)
-        sum += table.weights[k] * points[static_cast<std::size_t>(table.indices[k])];
+        sum += table.weights[k] * points[table.indices[k]];
       result[static_cast<std::size_t>(first) + row] = sum;
     });
   }
@@ -301,12 +299,11 @@ std::array<glm::dvec3, 9> CatmullClarkSplines::points_on(std::int32_t corner) co
   // Of vertex k and of the edge behind it, counter-clockwise from V.
   constexpr std::array<std::size_t, 4> kVertices{0, 2, 8, 6}, kEdges{1, 5, 7, 3};
   std::array<glm::dvec3, 9> points;
-  const auto point = [&](int vertex) { return points_[2][static_cast<std::size_t>(vertex)]; };
+  const auto point = [&](int vertex) { return points_[2][vertex]; };
   for (int k = 0; k < 4; ++k) {
     const int place = (first + k) % 4;
-    points[kVertices[static_cast<std::size_t>(k)]] =
-        point(level.GetVertexChildVertex(vertices[place]));
-    points[kEdges[static_cast<std::size_t>(k)]] = point(level.GetEdgeChildVertex(edges[place]));
+    points[kVertices[k]] = point(level.GetVertexChildVertex(vertices[place]));
+    points[kEdges[k]] = point(level.GetEdgeChildVertex(edges[place]));
   }
   points[4] = point(level.GetFaceChildVertex(corner));
   return points;
@@ -331,8 +328,8 @@ PointNet CatmullClarkSplines::net_of(int level, int face, int first) const {
 
 glm::dvec3 CatmullClarkSplines::inner_point(int level, int face, int place) const {
   const auto vertices = split_.level(level).GetFaceVertices(face);
-  const auto& points = points_[static_cast<std::size_t>(level)];
-  const auto point = [&](int k) { return points[static_cast<std::size_t>(vertices[k % 4])]; };
+  const auto& points = points_[level];
+  const auto point = [&](int k) { return points[vertices[k % 4]]; };
   return (4.0 * point(place) + 2.0 * (point(place + 1) + point(place + 3)) + point(place + 2)) /
          9.0;
 }
@@ -343,10 +340,8 @@ glm::dvec3 CatmullClarkSplines::edge_point(int level, int face, int place, int t
   const auto vertices = topology.GetFaceVertices(face);
   const int edge = topology.GetFaceEdges(face)[(place + 1) % 4 == towards ? place : towards];
   if (topology.GetEdgeSharpness(edge) > 0) {
-    const auto& points = points_[static_cast<std::size_t>(level)];
-    return (2.0 * points[static_cast<std::size_t>(vertices[place])] +
-            points[static_cast<std::size_t>(vertices[towards])]) /
-           3.0;
+    const auto& points = points_[level];
+    return (2.0 * points[vertices[place]] + points[vertices[towards]]) / 3.0;
   }
   const auto faces = topology.GetEdgeFaces(edge);
   const int other = faces[0] == face ? faces[1] : faces[0];
@@ -356,8 +351,8 @@ glm::dvec3 CatmullClarkSplines::edge_point(int level, int face, int place, int t
 
 glm::dvec3 CatmullClarkSplines::corner_point(int level, int vertex) const {
   const auto& topology = split_.level(level);
-  const auto& points = points_[static_cast<std::size_t>(level)];
-  const glm::dvec3 own = points[static_cast<std::size_t>(vertex)];
+  const auto& points = points_[level];
+  const glm::dvec3 own = points[vertex];
   const Crease::Rule rule = topology.GetVertexRule(vertex);
   if (rule == Crease::RULE_CORNER) return own;
   glm::dvec3 sum(0.0);
@@ -366,7 +361,7 @@ glm::dvec3 CatmullClarkSplines::corner_point(int level, int vertex) const {
     for (int i = 0; i < edges.size(); ++i) {
       if (!(topology.GetEdgeSharpness(edges[i]) > 0)) continue;
       const auto ends = topology.GetEdgeVertices(edges[i]);
-      sum += points[static_cast<std::size_t>(ends[0] == vertex ? ends[1] : ends[0])];
+      sum += points[ends[0] == vertex ? ends[1] : ends[0]];
     }
     return (4.0 * own + sum) / 6.0;
   }

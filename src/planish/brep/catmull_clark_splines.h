@@ -27,7 +27,7 @@ class CatmullClarkSplines : public SplineSurface {
   [[nodiscard]] std::span<const std::uint8_t> hidden() const override { return hidden_; }
   [[nodiscard]] bool is_sharp(std::int32_t corner) const override;
   [[nodiscard]] bool is_singular_at_vertex(std::int32_t corner) const override {
-    return singular_[static_cast<std::size_t>(corner)] != 0;
+    return singular_[corner] != 0;
   }
   [[nodiscard]] std::unique_ptr<SplinePatch> patch() const override;
 

@@ -24,7 +24,7 @@ SquarePiece in_patch(const PatchFrame& frame, const BezierNet& net, const glm::d
       const double dv = (piece.v - frame.v) / frame.size + 0.5 * j;
       const auto x = static_cast<std::size_t>(std::lround(2 * (frame.c * du + frame.s * dv)));
       const auto y = static_cast<std::size_t>(std::lround(2 * (frame.c * dv - frame.s * du)));
-      piece.net[static_cast<std::size_t>(i + 3 * j)] = own + net[x + 3 * y];
+      piece.net[i + 3 * j] = own + net[x + 3 * y];
     }
   }
   return piece;
@@ -49,7 +49,7 @@ class DooSabinPatch : public SplinePatch {
     std::vector<glm::dvec3> points;
     for (const int q : {1, 3, 0, 2}) {
       quarter_points(form, q, corner_.points(), points);
-      const PatchForm& inner = *form.quarters[static_cast<std::size_t>(q)];
+      const PatchForm& inner = *form.quarters[q];
       if (inner.is_polynomial()) {
         pieces.push_back(
             in_patch(PatchFrame().quarter(q), bezier_net(inner, points), corner_.own()));
@@ -71,7 +71,7 @@ class DooSabinPatch : public SplinePatch {
     for (int d = 1; d < depth; ++d) {
       for (int q = 1; q < 4; ++q) {
         quarter_points(*form, q, points, next);
-        const PatchForm& inner = *form->quarters[static_cast<std::size_t>(q)];
+        const PatchForm& inner = *form->quarters[q];
         pieces.push_back(in_patch(frame.quarter(q), bezier_net(inner, next), corner_.own()));
       }
       quarter_points(*form, 0, points, next);

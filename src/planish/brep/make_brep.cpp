@@ -50,7 +50,7 @@ std::vector<FaceEdges> make_topology(const QuadLayout& layout, std::size_t half_
   std::vector<std::int32_t> vertex_of(static_cast<std::size_t>(layout.vertex_count()), -1);
   std::int32_t vertex_count = 0;
   const auto vertex = [&](std::int32_t v) {
-    std::int32_t& number = vertex_of[static_cast<std::size_t>(v)];
+    std::int32_t& number = vertex_of[v];
     if (number < 0) number = vertex_count++;
     return number;
   };
@@ -65,13 +65,13 @@ std::vector<FaceEdges> make_topology(const QuadLayout& layout, std::size_t half_
         while (j < side.size() && !layout.is_end(layout.origin(side[j]))) ++j;
         const auto first = static_cast<std::int32_t>(i), count = static_cast<std::int32_t>(j - i);
         const std::int32_t back = layout.twin(side[j - 1]);
-        const std::int32_t known = back < 0 ? -1 : edge_at[static_cast<std::size_t>(back)];
+        const std::int32_t known = back < 0 ? -1 : edge_at[back];
         if (known >= 0) {
           edges[f].other.push_back({known, s, first, count});
           brep.faces[f].loop.push_back({known, true});
         } else {
           const auto edge = static_cast<std::int32_t>(brep.edges.size());
-          edge_at[static_cast<std::size_t>(side[i])] = edge;
+          edge_at[side[i]] = edge;
           edges[f].own.push_back({edge, s, first, count});
           brep.faces[f].loop.push_back({edge, false});
           Brep::Edge made;
@@ -94,8 +94,7 @@ void require_memory_for(const QuadLayout& layout, const CapDepths& depths) {
     double inside = static_cast<double>(layout.degree()) + 1;
     for (int s = 0; s < 4; ++s) {
       const std::int32_t vertex = layout.origin(rectangle.side(s).front());
-      if (layout.is_extraordinary(vertex))
-        inside += 0.5 * depths.of_vertex[static_cast<std::size_t>(vertex)];
+      if (layout.is_extraordinary(vertex)) inside += 0.5 * depths.of_vertex[vertex];
     }
     const double u = rectangle.width + inside, v = rectangle.height + inside;
     bytes += sizeof(glm::dvec3) * (u * v + u + v) + 1000;
@@ -130,12 +129,11 @@ bool is_flat(std::span<const glm::dvec3> points, double diagonal) {
 // Of a rectangle's cells whose quad's vertex is one of the mesh.
 void place_vertices(const QuadLayout& layout, std::int32_t face, Brep& brep) {
   constexpr std::array<glm::dvec2, 4> kOrigin{{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};
-  const QuadLayout::Rectangle& cells = layout.rectangles()[static_cast<std::size_t>(face)];
+  const QuadLayout::Rectangle& cells = layout.rectangles()[face];
   for (std::int32_t y = 0; y < cells.height; ++y) {
     for (std::int32_t x = 0; x < cells.width; ++x) {
       const QuadLayout::Cell& cell = cells.cell(x, y);
-      brep.places[static_cast<std::size_t>(layout.origin(4 * cell.corner))] = {
-          face, glm::dvec2(x, y) + kOrigin[static_cast<std::size_t>(cell.turn)]};
+      brep.places[layout.origin(4 * cell.corner)] = {face, glm::dvec2(x, y) + kOrigin[cell.turn]};
     }
   }
 }
@@ -173,22 +171,21 @@ Brep make_brep(const SplineSurface& surface, const BrepOptions& options, const C
     face.is_flat = is_flat(face.points, surface.placement().diagonal);
     if (!groups.empty()) {
       const std::int32_t corner = layout.rectangles()[f].cells.front().corner;
-      face.group = groups[static_cast<std::size_t>(surface.topology().face_of(corner))];
+      face.group = groups[surface.topology().face_of(corner)];
     }
     for (const EdgePlace& own : edges[f].own) {
-      Brep::Edge& edge = brep.edges[static_cast<std::size_t>(own.edge)];
+      Brep::Edge& edge = brep.edges[own.edge];
       spline.fill(edge, own.side, own.first, own.count);
       edge.lines[0] = spline.line(own.side, own.first, own.count, false);
     }
     for (const EdgePlace& other : edges[f].other) {
-      brep.edges[static_cast<std::size_t>(other.edge)].lines[1] =
-          spline.line(other.side, other.first, other.count, true);
+      brep.edges[other.edge].lines[1] = spline.line(other.side, other.first, other.count, true);
     }
     progress.add();
   });
   for (const Brep::Edge& edge : brep.edges) {
-    brep.vertices[static_cast<std::size_t>(edge.from)] = edge.points.front();
-    brep.vertices[static_cast<std::size_t>(edge.to)] = edge.points.back();
+    brep.vertices[edge.from] = edge.points.front();
+    brep.vertices[edge.to] = edge.points.back();
   }
   make_shells(surface.topology(), layout, brep);
   callbacks.report("faces", 1);

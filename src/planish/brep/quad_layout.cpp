@@ -208,7 +208,7 @@ std::vector<std::int32_t> QuadLayout::fill() {
         if (marked_[at(h)] != 0) continue;
         inside = h;
         const std::int32_t other = twin(h);
-        const auto& step = kSteps[static_cast<std::size_t>(k)];
+        const auto& step = kSteps[k];
         const Place there{number, ((other & 3) - (k + 2) + 8) % 4, here.x + step[0],
                           here.y + step[1]};
         Place& known = place_[at(other / 4)];

@@ -21,7 +21,7 @@ class QuadLayout {
     std::vector<Cell> cells;  ///< (x, y) at x + width y
 
     [[nodiscard]] const Cell& cell(std::int32_t x, std::int32_t y) const {
-      return cells[static_cast<std::size_t>(x + width * y)];
+      return cells[x + width * y];
     }
     /// The half edges of side 0 to 3 (below, right, above, left), counter-clockwise.
     [[nodiscard]] std::vector<std::int32_t> side(int index) const;
@@ -46,17 +46,15 @@ class QuadLayout {
   /// -1 at a boundary.
   [[nodiscard]] std::int32_t twin(std::int32_t half_edge) const;
   [[nodiscard]] std::int32_t rectangle_of(std::int32_t corner) const {
-    return place_[static_cast<std::size_t>(corner)].rectangle;
+    return place_[corner].rectangle;
   }
   [[nodiscard]] std::int32_t vertex_count() const;
   /// Whether tracks start at a vertex of Q_1.
   [[nodiscard]] bool is_extraordinary(std::int32_t vertex) const {
-    return extraordinary_[static_cast<std::size_t>(vertex)] != 0;
+    return extraordinary_[vertex] != 0;
   }
   /// Whether edges end at a vertex of Q_1.
-  [[nodiscard]] bool is_end(std::int32_t vertex) const {
-    return ends_[static_cast<std::size_t>(vertex)] != 0;
-  }
+  [[nodiscard]] bool is_end(std::int32_t vertex) const { return ends_[vertex] != 0; }
   [[nodiscard]] bool is_hidden(std::int32_t corner) const;
   [[nodiscard]] bool is_sharp(std::int32_t half_edge) const;
 

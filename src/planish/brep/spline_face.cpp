@@ -51,7 +51,7 @@ SplineFace::SplineFace(const SplineSurface& surface, const QuadLayout& layout,
     : surface_(surface),
       layout_(layout),
       depths_(depths),
-      cells_(layout.rectangles()[static_cast<std::size_t>(rectangle)]),
+      cells_(layout.rectangles()[rectangle]),
       rectangle_(rectangle) {
   const std::unique_ptr<SplinePatch> patch = surface.patch();
   pieces_.reserve(cells_.cells.size());
@@ -72,7 +72,7 @@ std::vector<double> SplineFace::all_knots(bool along_y) const {
     const std::int32_t vertex = layout_.origin(cells_.side(s).front());
     if (!layout_.is_extraordinary(vertex)) continue;
     const bool is_far = along_y ? s >= 2 : s == 1 || s == 2;
-    for (int d = 1; d <= depths_.of_vertex[static_cast<std::size_t>(vertex)]; ++d)
+    for (int d = 1; d <= depths_.of_vertex[vertex]; ++d)
       knots.push_back(is_far ? length - std::ldexp(1.0, -d) : std::ldexp(1.0, -d));
   }
   std::ranges::sort(knots);
@@ -88,9 +88,7 @@ glm::dvec3 SplineFace::blossom(glm::dvec2 inside, const BlossomArguments& x,
   const double px = inside.x - i, py = inside.y - j;
   const TurnedArguments place = turned(turn, same_arguments(px), same_arguments(py));
   const TurnedArguments at = turned(turn, less(x, i), less(y, j));
-  return pieces_[static_cast<std::size_t>(i + cells_.width * j)]
-      .at(place.u[0], place.v[0])
-      .blossom(at.u, at.v);
+  return pieces_[i + cells_.width * j].at(place.u[0], place.v[0]).blossom(at.u, at.v);
 }
 
 std::vector<double> SplineFace::needed(std::span<const double> knots,

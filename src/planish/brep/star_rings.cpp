@@ -103,7 +103,7 @@ void StarRings::halve() {
 
 PointNet StarRings::square(int halvings, std::int32_t face, int x, int y) {
   while (std::ssize(levels_) <= halvings) halve();
-  const std::vector<Grid>& grids = levels_[static_cast<std::size_t>(halvings)];
+  const std::vector<Grid>& grids = levels_[halvings];
   const auto f = static_cast<std::size_t>(face);
   // The points around, from one step before on; beyond a sharp edge such as make it a spline's end.
   const auto point = [&](int a, int b) {
@@ -118,7 +118,7 @@ PointNet StarRings::square(int halvings, std::int32_t face, int x, int y) {
   std::array<std::array<glm::dvec3, 4>, 4> rows;
   for (int b = 0; b < 4; ++b) {
     const auto in_row = [&](int a) { return point(x - 1 + a, y - 1 + b); };
-    rows[static_cast<std::size_t>(b)] = bezier_of(in_row(0), in_row(1), in_row(2), in_row(3));
+    rows[b] = bezier_of(in_row(0), in_row(1), in_row(2), in_row(3));
   }
   PointNet net{};
   for (std::size_t i = 0; i < 4; ++i) {

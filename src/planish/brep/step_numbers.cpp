@@ -58,7 +58,7 @@ StepNumbers::StepNumbers(const Brep& brep, std::int64_t first) : brep_(brep), fi
 }
 
 std::int64_t StepNumbers::surface(std::int64_t f) const {
-  return first_of_face(f + 1) - 4 - std::ssize(brep_.faces[static_cast<std::size_t>(f)].loop);
+  return first_of_face(f + 1) - 4 - std::ssize(brep_.faces[f].loop);
 }
 
 // Inner points, the curve, where it is on B-splines its curves in their parameters and what names
@@ -80,12 +80,12 @@ std::int64_t StepNumbers::line(const Brep::Line& line) const {
 }
 
 std::int64_t StepNumbers::points(std::int64_t f, std::vector<std::int64_t>& numbers) const {
-  const Brep::Face& face = brep_.faces[static_cast<std::size_t>(f)];
+  const Brep::Face& face = brep_.faces[f];
   const std::size_t rows = point_count(brep_.degree, face.knots_u),
                     columns = point_count(brep_.degree, face.knots_v);
   numbers.assign(face.points.size(), kUnknown);
   for (const Brep::Use& use : face.loop) {
-    const Brep::Edge& edge = brep_.edges[static_cast<std::size_t>(use.edge)];
+    const Brep::Edge& edge = brep_.edges[use.edge];
     const Brep::Line& line = edge.lines[use.is_reversed ? 1 : 0];
     const bool along_u = line.direction % 2 == 0;
     const double sign = line.direction < 2 ? 1 : -1;

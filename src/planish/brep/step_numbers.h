@@ -18,13 +18,9 @@ class StepNumbers {
   // First and last entity of each; those of an edge and a face are what others refer to.
   [[nodiscard]] std::int64_t first_of_vertex(std::int64_t v) const { return vertices_ + 2 * v; }
   [[nodiscard]] std::int64_t vertex(std::int64_t v) const { return first_of_vertex(v) + 1; }
-  [[nodiscard]] std::int64_t first_of_edge(std::int64_t e) const {
-    return edges_[static_cast<std::size_t>(e)];
-  }
+  [[nodiscard]] std::int64_t first_of_edge(std::int64_t e) const { return edges_[e]; }
   [[nodiscard]] std::int64_t edge(std::int64_t e) const { return first_of_edge(e + 1) - 1; }
-  [[nodiscard]] std::int64_t first_of_face(std::int64_t f) const {
-    return faces_[static_cast<std::size_t>(f)];
-  }
+  [[nodiscard]] std::int64_t first_of_face(std::int64_t f) const { return faces_[f]; }
   [[nodiscard]] std::int64_t face(std::int64_t f) const { return first_of_face(f + 1) - 1; }
   /// The surface of a face, which stands before its loop.
   [[nodiscard]] std::int64_t surface(std::int64_t f) const;
@@ -45,7 +41,7 @@ class StepNumbers {
   [[nodiscard]] static PlaneLine plane_line(const Brep::Line& line);
   /// Whether a side of an edge has a curve in parameters: those of planes need none.
   [[nodiscard]] bool has_curve(const Brep::Line& line) const {
-    return line.face >= 0 && !brep_.faces[static_cast<std::size_t>(line.face)].is_flat;
+    return line.face >= 0 && !brep_.faces[line.face].is_flat;
   }
 
  private:

@@ -58,7 +58,7 @@ void put_list(StepText& text, std::span<const std::int64_t> ids) {
 
 // The group of all faces of a shell; -1 where they differ.
 std::int32_t group_of(const Brep& brep, const Brep::Shell& shell) {
-  const auto group = [&](std::int32_t f) { return brep.faces[static_cast<std::size_t>(f)].group; };
+  const auto group = [&](std::int32_t f) { return brep.faces[f].group; };
   const std::int32_t first = group(shell.faces.front());
   return std::ranges::all_of(shell.faces, [&](std::int32_t f) { return group(f) == first; }) ? first
                                                                                              : -1;
@@ -89,7 +89,7 @@ ShapeItems put_shapes(StepText& text, const Brep& brep, const StepNumbers& numbe
   std::vector<std::vector<std::int64_t>> voids(brep.shells.size());
   for (std::size_t s = 0; s < brep.shells.size(); ++s) {
     if (brep.shells[s].outer < 0) continue;
-    voids[static_cast<std::size_t>(brep.shells[s].outer)].push_back(
+    voids[brep.shells[s].outer].push_back(
         text.entity("ORIENTED_CLOSED_SHELL('',*,", Ref{ids[s]}, ",.T.)"));
   }
   for (std::size_t s = 0; s < brep.shells.size(); ++s) {
@@ -123,12 +123,11 @@ void put_colors(StepText& text, const Brep& brep, const StepNumbers& numbers,
   for (const StepGroup& group : options.groups) styles.push_back(put_style(text, group));
   const auto style = [&](std::int32_t group, std::int64_t item) {
     if (group < 0 || static_cast<std::size_t>(group) >= styles.size()) return;
-    const std::int64_t id = styles[static_cast<std::size_t>(group)];
+    const std::int64_t id = styles[group];
     if (id != 0) styled.push_back(text.entity("STYLED_ITEM('',(", Ref{id}, "),", Ref{item}, ')'));
   };
   const auto style_faces = [&](const Brep::Shell& shell) {
-    for (const std::int32_t f : shell.faces)
-      style(brep.faces[static_cast<std::size_t>(f)].group, numbers.face(f));
+    for (const std::int32_t f : shell.faces) style(brep.faces[f].group, numbers.face(f));
   };
   for (const auto* of_kind : {&items.solids, &items.shells}) {
     for (const ShellItem& item : *of_kind) {
@@ -212,8 +211,7 @@ StepContext put_head(StepText& text, const StepOptions& options) {
   for (int d = 0; d < 4; ++d) {
     const glm::dvec2 unit = unit_direction(d);
     const std::int64_t direction = text.entity("DIRECTION('',(", unit.x, ',', unit.y, "))");
-    context.vectors[static_cast<std::size_t>(d)] =
-        text.entity("VECTOR('',", Ref{direction}, ",1.)");
+    context.vectors[d] = text.entity("VECTOR('',", Ref{direction}, ",1.)");
   }
   const std::int64_t origin = text.point(glm::dvec3(0.0));
   const std::int64_t z = text.entity("DIRECTION('',(0.,0.,1.))");

@@ -43,13 +43,13 @@ void put_knots(StepText& text, std::size_t degree,
 
 void put_line(StepText& text, const StepContext& context, const StepNumbers::PlaneLine& line) {
   const std::int64_t from = text.point(glm::dvec2(line.x, line.y));
-  const std::int64_t vector = context.vectors[static_cast<std::size_t>(line.direction)];
+  const std::int64_t vector = context.vectors[line.direction];
   const std::int64_t straight = text.entity("LINE('',", Ref{from}, ',', Ref{vector}, ')');
   text.entity("DEFINITIONAL_REPRESENTATION('',(", Ref{straight}, "),", Ref{context.plane}, ')');
 }
 
 void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers, std::int64_t e) {
-  const Brep::Edge& edge = brep.edges[static_cast<std::size_t>(e)];
+  const Brep::Edge& edge = brep.edges[e];
   const std::int64_t first = text.next_id();
   for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) text.point(edge.points[i]);
   std::int64_t curve = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
@@ -101,7 +101,7 @@ std::int64_t put_plane(StepText& text, const Brep& brep, const StepNumbers& numb
   const glm::dvec3 z =
       glm::normalize(glm::cross(x, face.points[face.points.size() - rows] - origin));
   const auto& first = face.loop.front();
-  const Brep::Edge& edge = brep.edges[static_cast<std::size_t>(first.edge)];
+  const Brep::Edge& edge = brep.edges[first.edge];
   const std::int64_t corner = first.is_reversed ? edge.to : edge.from;
   const auto put_direction = [&](const glm::dvec3& d) {
     return text.entity("DIRECTION('',(", d.x, ',', d.y, ',', d.z, "))");
@@ -115,7 +115,7 @@ std::int64_t put_plane(StepText& text, const Brep& brep, const StepNumbers& numb
 
 std::int64_t put_surface(StepText& text, const Brep& brep, const StepNumbers& numbers,
                          std::int64_t f) {
-  const Brep::Face& face = brep.faces[static_cast<std::size_t>(f)];
+  const Brep::Face& face = brep.faces[f];
   std::vector<std::int64_t> points;
   numbers.points(f, points);
   std::int64_t own = text.next_id();
@@ -141,7 +141,7 @@ std::int64_t put_surface(StepText& text, const Brep& brep, const StepNumbers& nu
 
 void put_face(StepText& text, const Brep& brep, const StepNumbers& numbers,
               const StepOptions& options, std::int64_t f) {
-  const Brep::Face& face = brep.faces[static_cast<std::size_t>(f)];
+  const Brep::Face& face = brep.faces[f];
   const std::int64_t surface =
       face.is_flat ? put_plane(text, brep, numbers, face) : put_surface(text, brep, numbers, f);
   const std::int64_t uses = text.next_id();
@@ -210,7 +210,7 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
                   decimals);
     for (std::int64_t i = first; i < first + range.count; ++i) {
       if (kind == 0) {
-        const std::int64_t p = text.point(brep.vertices[static_cast<std::size_t>(i)]);
+        const std::int64_t p = text.point(brep.vertices[i]);
         text.entity("VERTEX_POINT('',", Ref{p}, ')');
       } else if (kind == 1) {
         put_edge(text, brep, numbers, i);

@@ -41,7 +41,7 @@ struct StepOptions {
                                                     std::int32_t group) {
   return group < 0 || static_cast<std::size_t>(group) >= options.groups.size()
              ? std::string_view()
-             : options.groups[static_cast<std::size_t>(group)].name;
+             : options.groups[group].name;
 }
 
 /// Writes a STEP file (ISO 10303-21, AP214): a solid for each closed shell, with those in it that

@@ -31,7 +31,7 @@ template <class Value, class Visit>
   std::partial_sum(groups.offsets.begin(), groups.offsets.end(), groups.offsets.begin());
   groups.values.resize(static_cast<std::size_t>(groups.offsets.back()));
   visit([&](std::size_t group, const Value& value) {
-    groups.values[static_cast<std::size_t>(groups.offsets[group + 1]++)] = value;
+    groups.values[groups.offsets[group + 1]++] = value;
   });
   groups.offsets.pop_back();
   return groups;

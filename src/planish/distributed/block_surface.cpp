@@ -9,8 +9,7 @@ namespace planish {
 BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage,
                            const SubMesh& sub, const PartTilesOptions& options)
     : cage_(sub.mesh) {
-  for (std::size_t v = 0; v < sub.vertices.size(); ++v)
-    cage_.positions[v] = cage[static_cast<std::size_t>(sub.vertices[v])];
+  for (std::size_t v = 0; v < sub.vertices.size(); ++v) cage_.positions[v] = cage[sub.vertices[v]];
   EvaluateOptions evaluate;
   evaluate.weights = options.weights;
   evaluate.prepared = prepared_whole(cage_, topology_of_sound(cage_));

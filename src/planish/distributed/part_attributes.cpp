@@ -21,7 +21,7 @@ std::vector<glm::vec4> colors_along_curve(const Ranks& ranks, SliceAttributes& a
   });
   std::vector<glm::vec4> colors(received.size());
   for (const Colored& colored : received)
-    colors[static_cast<std::size_t>(colored.number - order.layout[ranks.rank])] = colored.color;
+    colors[colored.number - order.layout[ranks.rank]] = colored.color;
   return colors;
 }
 

@@ -320,7 +320,7 @@ class PartTilesWriter {
     for (const TileFact& fact : facts) {
       plan.tiles.push_back(fact.tile);
       written.push_back(fact.written);
-      origins[static_cast<std::size_t>(fact.tile.block)] = fact.origin;
+      origins[fact.tile.block] = fact.origin;
     }
     TilesFile file = sum_of_tiles(plan.tiles, written, options_.tiles.level);
     for (const TilesetText& document :

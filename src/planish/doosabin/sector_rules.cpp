@@ -177,7 +177,7 @@ void add_refined_curve_point(const FaceWeights& face_weights, const VertexRing& 
 
 void add_limit(const VertexRing& ring, std::int32_t sector, StencilRow& row) {
   if (!ring.sectors.empty()) {
-    add_sector_limit(ring, ring.sectors[static_cast<std::size_t>(sector)], row);
+    add_sector_limit(ring, ring.sectors[sector], row);
     return;
   }
   const auto n = static_cast<std::int32_t>(ring.faces.size());

@@ -126,8 +126,8 @@ void EditedSurface::make_rows() {
     target.normals = normals;
     (void)patches_.rows_at(surface_->state(), surface_->placement(), rows, target);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      positions_[static_cast<std::size_t>(rows[i])] = positions[i];
-      normals_[static_cast<std::size_t>(rows[i])] = normals[i];
+      positions_[rows[i]] = positions[i];
+      normals_[rows[i]] = normals[i];
     }
   });
 }
@@ -160,7 +160,7 @@ void EditedSurface::add_to_state(std::span<const std::int32_t> places,
   const std::int32_t corner_count = surface_->patches().first_sharp();
   touched_.clear();
   for (std::size_t i = 0; i < places.size(); ++i) {
-    surface_->own_state()[static_cast<std::size_t>(places[i])] += differences[i];
+    surface_->own_state()[places[i]] += differences[i];
     if (places[i] < corner_count) touched_.add(topology.face_of(places[i]));
   }
   follow_touched();

@@ -40,7 +40,7 @@ EditChange Editor::transform(const Selection& selection, const glm::dmat4& map,
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const std::int32_t vertex = selection.vertices[i];
     if (vertex < 0 || vertex >= std::ssize(points())) continue;  // refused by move()
-    const glm::dvec3& from = points()[static_cast<std::size_t>(vertex)];
+    const glm::dvec3& from = points()[vertex];
     const glm::dvec3 to(map * glm::dvec4(from, 1.0));
     positions[i] = from + selection.weights[i] * (to - from);
   }

@@ -45,7 +45,7 @@ Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions&
   const auto unit = [&](const std::vector<glm::dvec3>& positions) {
     std::vector<glm::dvec3> result(used_.vertices.size());
     parallel_each(result.size(), [&](std::size_t v) {
-      result[v] = fit_.placement.to_unit(positions[static_cast<std::size_t>(used_.vertices[v])]);
+      result[v] = fit_.placement.to_unit(positions[used_.vertices[v]]);
     });
     return result;
   };
@@ -182,8 +182,7 @@ Fit Editor::Impl::fit() const {
   Fit result = fit_;
   const MeasuredError error = measured_error();
   result.interpolation.error = error.norms;
-  if (error.worst >= 0)
-    result.interpolation.worst_vertex = used_.vertices[static_cast<std::size_t>(error.worst)];
+  if (error.worst >= 0) result.interpolation.worst_vertex = used_.vertices[error.worst];
   result.interpolation.converged = error.norms.max <= options_.fit.tolerance;
   if (!result.interpolation.converged) result.interpolation.stop_reason = StopReason::Stagnated;
   if (fair_) {
@@ -198,8 +197,7 @@ Fit Editor::Impl::fit() const {
   const auto control = solve_->control();
   result.interpolation.displacement.resize(control.size());
   for (std::size_t v = 0; v < control.size(); ++v) {
-    result.cage.positions[static_cast<std::size_t>(used_.vertices[v])] =
-        fit_.placement.to_model(control[v]);
+    result.cage.positions[used_.vertices[v]] = fit_.placement.to_model(control[v]);
     result.interpolation.displacement[v] = control[v] - solve_->given()[v];
   }
   return result;
@@ -255,8 +253,7 @@ EditChange Editor::Impl::apply(const Callbacks& callbacks) {
   // From here on what is solved becomes the surface, whoever asks to stop.
   const AdoptedStop unstoppable(nullptr);
   is_stale_ = true;
-  for (std::size_t i = 0; i < moved_.size(); ++i)
-    points_[static_cast<std::size_t>(moved_[i])] = targets_[i];
+  for (std::size_t i = 0; i < moved_.size(); ++i) points_[moved_[i]] = targets_[i];
   if (is_whole) return make_all(state, false);
   if (solve_) {
     surface_->update(solve_->changed(), solve_->control());
@@ -267,7 +264,7 @@ EditChange Editor::Impl::apply(const Callbacks& callbacks) {
   }
   control_points_.clear();
   for (const std::int32_t v : solve_ ? solve_->changed() : fair_->vertices())
-    control_points_.push_back(used_.vertices[static_cast<std::size_t>(v)]);
+    control_points_.push_back(used_.vertices[v]);
   return finish(false, true);
 }
 
@@ -280,8 +277,7 @@ void Editor::Impl::move_fair(const Callbacks& callbacks) {
     whole_ = fair_->whole_state(callbacks);
   } catch (...) {
     for (std::size_t i = 0; i < local_.size(); ++i)
-      unit_[i] = fit_.placement.to_unit(
-          points_[static_cast<std::size_t>(used_.vertices[static_cast<std::size_t>(local_[i])])]);
+      unit_[i] = fit_.placement.to_unit(points_[used_.vertices[local_[i]]]);
     fair_->put(local_, unit_);
     throw;
   }

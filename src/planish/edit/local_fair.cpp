@@ -25,7 +25,7 @@ std::vector<Value> picked(const std::vector<Value>& values, std::span<const std:
   std::vector<Value> result;
   if (values.empty()) return result;
   result.reserve(places.size());
-  for (const std::int32_t place : places) result.push_back(values[static_cast<std::size_t>(place)]);
+  for (const std::int32_t place : places) result.push_back(values[place]);
   return result;
 }
 
@@ -96,21 +96,19 @@ class LocalFair::Part {
       take(k, corners_[k], topology.vertex_of(corners_[k]));
     for (std::int32_t s = 0; s < features_.sharp_edge_count; ++s) {
       const std::int32_t edge = subdivision_->edge_of_sharp(s);
-      const std::int32_t other =
-          topology.edge_of(corners_[static_cast<std::size_t>(topology_->corner_of(edge))]);
+      const std::int32_t other = topology.edge_of(corners_[topology_->corner_of(edge)]);
       const std::int32_t sharp = whole.sharp_of_edge(other);
       if (sharp < 0) continue;  // the part's rim
       const auto [v0, v1] = topology_->edge_vertices(edge);
       const std::int32_t first = topology.edge_vertices(other).first;
       for (int end = 0; end < 2; ++end) {
-        const std::int32_t vertex = vertices_[static_cast<std::size_t>(end == 0 ? v0 : v1)];
+        const std::int32_t vertex = vertices_[end == 0 ? v0 : v1];
         take(static_cast<std::size_t>(subdivision_->first_sharp() + 2 * s + end),
              whole.first_sharp() + 2 * sharp + (vertex == first ? 0 : 1), vertex);
       }
     }
     for (std::int32_t i = 0; i < features_.corner_count; ++i) {
-      const std::int32_t vertex = vertices_[static_cast<std::size_t>(
-          features_.corner_vertices[static_cast<std::size_t>(i)])];
+      const std::int32_t vertex = vertices_[features_.corner_vertices[i]];
       if (whole.features().corner_count == 0) continue;
       const std::int32_t corner = whole.features().corner_of_vertex[vertex];
       if (corner < 0) continue;
@@ -127,18 +125,16 @@ class LocalFair::Part {
     for (std::size_t f = 0; f + 1 < mesh_.face_offsets.size(); ++f) {
       const std::int32_t first = mesh_.face_offsets[f], end = mesh_.face_offsets[f + 1];
       for (std::int32_t k = first; k < end; ++k) {
-        const std::int32_t corner = corners_[static_cast<std::size_t>(k)];
+        const std::int32_t corner = corners_[k];
         const std::int32_t edge = topology.edge_of(corner);
         if (whole.sharp_of_edge(edge) < 0 || topology.corner_of(edge) != corner) continue;
-        mesh_.creases.push_back(
-            {mesh_.face_vertices[static_cast<std::size_t>(k)],
-             mesh_.face_vertices[static_cast<std::size_t>(k + 1 == end ? first : k + 1)],
-             kInfiniteSharpness});
+        mesh_.creases.push_back({mesh_.face_vertices[k],
+                                 mesh_.face_vertices[k + 1 == end ? first : k + 1],
+                                 kInfiniteSharpness});
       }
     }
     for (std::size_t v = 0; v < vertices_.size(); ++v)
-      if (whole.features().vertex_kinds[static_cast<std::size_t>(vertices_[v])] ==
-          VertexKind::Corner)
+      if (whole.features().vertex_kinds[vertices_[v]] == VertexKind::Corner)
         mesh_.corners.push_back({static_cast<std::int32_t>(v), kInfiniteSharpness});
   }
 
@@ -182,8 +178,7 @@ void LocalFair::grow(std::span<const std::int32_t> vertices) {
 }
 
 void LocalFair::put(std::span<const std::int32_t> vertices, std::span<const glm::dvec3> points) {
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    given_[static_cast<std::size_t>(vertices[i])] = points[i];
+  for (std::size_t i = 0; i < vertices.size(); ++i) given_[vertices[i]] = points[i];
 }
 
 void LocalFair::move(std::span<const std::int32_t> vertices, std::span<const glm::dvec3> points) {
@@ -201,8 +196,7 @@ void LocalFair::move(std::span<const std::int32_t> vertices, std::span<const glm
   const Part part(*this);
   const std::vector<glm::dvec3> old_state = part.state();
   std::vector<glm::dvec3> before;
-  for (const std::int32_t vertex : vertices)
-    before.push_back(given_[static_cast<std::size_t>(vertex)]);
+  for (const std::int32_t vertex : vertices) before.push_back(given_[vertex]);
   put(vertices, points);
   try {
     const std::vector<glm::dvec3> state = part.state();

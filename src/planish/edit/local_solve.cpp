@@ -75,12 +75,11 @@ LocalSolve::LocalSolve(LimitSystem system, std::shared_ptr<const MeshTopology> t
 glm::dvec3 LocalSolve::residual(std::int32_t row) const {
   const StencilTable& rows = system_.masks.rows;
   const auto count = static_cast<std::int32_t>(control_.size());
-  glm::dvec3 result = given_[static_cast<std::size_t>(row)];
+  glm::dvec3 result = given_[row];
   const std::int32_t first = rows.offsets[row];
   for (std::int32_t k = first; k < first + rows.sizes[row]; ++k) {
     const std::int32_t source = rows.indices[k];
-    result -= rows.weights[k] * (source < count ? control_[static_cast<std::size_t>(source)]
-                                                : sums_[static_cast<std::size_t>(source - count)]);
+    result -= rows.weights[k] * (source < count ? control_[source] : sums_[source - count]);
   }
   return result;
 }
@@ -101,8 +100,8 @@ void LocalSolve::refresh_sums_at(std::int32_t vertex) {
     for (std::int32_t s = first; s < first + sums_per_face_; ++s) {
       glm::dvec3 sum(0.0);
       for (std::int32_t k = table.offsets[s]; k < table.offsets[s] + table.sizes[s]; ++k)
-        sum += table.weights[k] * control_[static_cast<std::size_t>(table.indices[k])];
-      sums_[static_cast<std::size_t>(s)] = sum;
+        sum += table.weights[k] * control_[table.indices[k]];
+      sums_[s] = sum;
     }
   }
 }
@@ -116,15 +115,15 @@ void LocalSolve::touch(std::int32_t vertex) {
 }
 
 void LocalSolve::wake(std::int32_t vertex) {
-  if (is_queued_[static_cast<std::size_t>(vertex)] != 0) return;
+  if (is_queued_[vertex] != 0) return;
   queue_.push_back(vertex);
-  is_queued_[static_cast<std::size_t>(vertex)] = 1;
+  is_queued_[vertex] = 1;
 }
 
 // Rows that name a vertex are of vertices of its faces.
 void LocalSolve::shift(std::int32_t vertex, const glm::dvec3& step) {
   touch(vertex);
-  control_[static_cast<std::size_t>(vertex)] += step;
+  control_[vertex] += step;
   wake(vertex);
   for (const std::int32_t corner : topology_->corners_at(vertex)) {
     const std::int32_t face = topology_->face_of(corner);
@@ -133,8 +132,7 @@ void LocalSolve::shift(std::int32_t vertex, const glm::dvec3& step) {
     const StencilTable& table = system_.masks.sums;
     const std::int32_t first = first_sum_of(face);
     for (std::int32_t s = first; s < first + sums_per_face_; ++s)
-      sums_[static_cast<std::size_t>(s)] +=
-          table.weights[table.offsets[s] + topology_->place_of(corner)] * step;
+      sums_[s] += table.weights[table.offsets[s] + topology_->place_of(corner)] * step;
   }
 }
 
@@ -160,7 +158,7 @@ bool LocalSolve::reaches_many(std::span<const std::int32_t> vertices,
   const double rings_per_e = face_size / kQuadSize / -std::log(kDecay);
   constexpr double kMostRings = 64;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const double way = glm::length(points[i] - given_[static_cast<std::size_t>(vertices[i])]);
+    const double way = glm::length(points[i] - given_[vertices[i]]);
     const double rings = std::log(way / bound_) * rings_per_e;  // of none: below 0
     enter(vertices[i], rings > 0 ? std::lround(std::min(rings, kMostRings)) : 0);
   }
@@ -193,7 +191,7 @@ bool LocalSolve::relax() {
     stop.step();
     if (++row_count_ > most || touched_.members().size() > most_vertices) return false;
     const std::int32_t row = queue_[next++];
-    is_queued_[static_cast<std::size_t>(row)] = 0;
+    is_queued_[row] = 0;
     // What has been looked at is dropped, at less cost than that of the looks.
     if (next > 1024 && 2 * next > queue_.size()) {
       queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(next));
@@ -216,7 +214,7 @@ bool LocalSolve::relax() {
 }
 
 void LocalSolve::take_back() {
-  for (const std::int32_t row : queue_) is_queued_[static_cast<std::size_t>(row)] = 0;
+  for (const std::int32_t row : queue_) is_queued_[row] = 0;
   queue_.clear();
   const auto members = touched_.members();
   for (std::size_t i = 0; i < members.size(); ++i) {
@@ -248,7 +246,7 @@ void LocalSolve::move(std::span<const std::int32_t> vertices, std::span<const gl
   }
   try {
     if (!is_local || !relax()) {
-      for (const std::int32_t row : queue_) is_queued_[static_cast<std::size_t>(row)] = 0;
+      for (const std::int32_t row : queue_) is_queued_[row] = 0;
       queue_.clear();
       settle();
     }

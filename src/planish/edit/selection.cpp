@@ -22,7 +22,7 @@ Selection select_around(const PreparedMesh& prepared, std::span<const glm::dvec3
   }
   const MeshTopology& topology = *prepared.topology;
   const auto position = [&](std::int32_t used) -> const glm::dvec3& {
-    return positions[static_cast<std::size_t>(prepared.vertices[static_cast<std::size_t>(used)])];
+    return positions[prepared.vertices[used]];
   };
   // Dijkstra; ties go by the vertex, so that the order is always the same.
   using Reached = std::pair<double, std::int32_t>;
@@ -45,7 +45,7 @@ Selection select_around(const PreparedMesh& prepared, std::span<const glm::dvec3
     open.pop();
     if (distance > distances[vertex]) continue;
     const double part = distance / radius, fall = 1 - part * part;
-    result.vertices.push_back(prepared.vertices[static_cast<std::size_t>(vertex)]);
+    result.vertices.push_back(prepared.vertices[vertex]);
     result.weights.push_back(fall * fall);
     for (const std::int32_t corner : topology.corners_at(vertex)) {
       for (const std::int32_t c : {topology.next(corner), topology.prev(corner)}) {

@@ -15,17 +15,17 @@ class SparseSet {
 
   void clear() { members_.clear(); }
   [[nodiscard]] bool contains(std::int32_t number) const {
-    const auto place = static_cast<std::size_t>(places_[static_cast<std::size_t>(number)]);
+    const auto place = static_cast<std::size_t>(places_[number]);
     return place < members_.size() && members_[place] == number;
   }
   /// Where the number stands among members(); it must be there.
   [[nodiscard]] std::size_t place_of(std::int32_t number) const {
-    return static_cast<std::size_t>(places_[static_cast<std::size_t>(number)]);
+    return static_cast<std::size_t>(places_[number]);
   }
   /// False where it was there already.
   bool add(std::int32_t number) {
     if (contains(number)) return false;
-    places_[static_cast<std::size_t>(number)] = static_cast<std::int32_t>(members_.size());
+    places_[number] = static_cast<std::int32_t>(members_.size());
     members_.push_back(number);
     return true;
   }

@@ -39,10 +39,10 @@ class FairHalo {
 
 /// Without a halo all is this process's own.
 [[nodiscard]] inline bool owns_vertex(const FairHalo* halo, std::int32_t vertex) {
-  return halo == nullptr || halo->owned_vertices()[static_cast<std::size_t>(vertex)] != 0;
+  return halo == nullptr || halo->owned_vertices()[vertex] != 0;
 }
 [[nodiscard]] inline bool owns_face(const FairHalo* halo, std::int32_t face) {
-  return halo == nullptr || halo->owned_faces()[static_cast<std::size_t>(face)] != 0;
+  return halo == nullptr || halo->owned_faces()[face] != 0;
 }
 [[nodiscard]] inline std::int64_t sum_of_parts(FairHalo* halo, std::int64_t value) {
   return halo == nullptr ? value : halo->sum(value);

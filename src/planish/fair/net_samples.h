@@ -42,7 +42,7 @@ struct NetSamples {
 
 /// Sets a vertex's flag, from several threads: whoever sets, sets the same.
 inline void flag(std::span<std::uint8_t> flags, std::int32_t vertex) {
-  std::atomic_ref(flags[static_cast<std::size_t>(vertex)]).store(1, std::memory_order_relaxed);
+  std::atomic_ref(flags[vertex]).store(1, std::memory_order_relaxed);
 }
 
 /// Between a normal of any length and a unit vector; -1 where the normal is zero.

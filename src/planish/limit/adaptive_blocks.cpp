@@ -21,7 +21,7 @@ bool AdaptiveBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
                             std::span<glm::dvec2> values) const {
   const CornerUvs corners(lies_on_.surface().mesh());
   const auto at = [&](std::int32_t corner) {
-    const auto uv = static_cast<std::size_t>(corners.indices[static_cast<std::size_t>(corner)]);
+    const auto uv = static_cast<std::size_t>(corners.indices[corner]);
     return uv < given.size() ? given[uv] : glm::dvec2(0.0);
   };
   bilinear_at<glm::dvec2>(lies_on_.topology(), part_of(adaptive_.uv_places, uvs), at,
@@ -29,7 +29,7 @@ bool AdaptiveBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
   // Those of the mesh come first, also where no corner names them.
   const auto own = static_cast<std::int64_t>(given.size());
   for (std::int64_t row = uvs.first; row < std::min(uvs.first + uvs.count, own); ++row)
-    values[static_cast<std::size_t>(row - uvs.first)] = given[static_cast<std::size_t>(row)];
+    values[row - uvs.first] = given[row];
   return true;
 }
 
@@ -38,7 +38,7 @@ bool AdaptiveBlocks::rows_of(std::span<const glm::vec4> given, RowRange rows,
   const MeshTopology& topology = lies_on_.topology();
   const auto& vertices = lies_on_.surface().used().vertices;
   const auto at = [&](std::int32_t corner) {
-    return glm::dvec4(given[static_cast<std::size_t>(vertices[topology.vertex_of(corner)])]);
+    return glm::dvec4(given[vertices[topology.vertex_of(corner)]]);
   };
   bilinear_at<glm::dvec4>(
       topology, part_of(adaptive_.places, rows), at,

@@ -62,11 +62,11 @@ class FaceCells {
     for (std::int32_t c = first; c < first + size; ++c) {
       const std::size_t start = cells.size();
       splitter_.run(c, {.leading = is_border(c), .trailing = is_border(topology_.prev(c))}, cells);
-      sizes[static_cast<std::size_t>(c)] = static_cast<std::int64_t>(cells.size() - start);
+      sizes[c] = static_cast<std::int64_t>(cells.size() - start);
     }
     const FaceGrid grid = grid_of(face, cells.size() - before);
     if (!grid.exists()) return;
-    result_.grids[static_cast<std::size_t>(face)] = grid;
+    result_.grids[face] = grid;
     cells.resize(before);
     std::ranges::fill(
         sizes.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size)), 0);
@@ -76,14 +76,13 @@ class FaceCells {
   // Whether a corner's leading edge ends the surface or is sharp.
   [[nodiscard]] bool is_border(std::int32_t corner) const {
     const std::int32_t other = topology_.twin(corner);
-    return other < 0 || result_.hidden[static_cast<std::size_t>(other)] != 0 ||
-           surface_.surface().patches().is_sharp(corner);
+    return other < 0 || result_.hidden[other] != 0 || surface_.surface().patches().is_sharp(corner);
   }
   [[nodiscard]] FaceGrid grid_of(std::int32_t face, std::size_t cells) {
     if (topology_.face_size(face) != 4) return {};
     GridFinder::Limits limits{.distance = limits_.distance, .turn = limits_.turn};
     for (std::int32_t i = 0; i < 4; ++i)
-      limits.borders[static_cast<std::size_t>(i)] = is_border(topology_.first_corner(face) + i);
+      limits.borders[i] = is_border(topology_.first_corner(face) + i);
     limits.most = static_cast<int>(std::min(kGridShare * static_cast<double>(cells), 1e6));
     return finder_.find(face, limits);
   }
@@ -101,7 +100,7 @@ std::vector<std::uint8_t> hidden_corners(const LimitSurface& surface) {
   const std::span<const std::uint8_t> faces = surface.surface().hidden();
   std::vector<std::uint8_t> hidden(static_cast<std::size_t>(topology.corner_count()), 0);
   for (std::size_t c = 0; c < hidden.size() && !faces.empty(); ++c)
-    hidden[c] = faces[static_cast<std::size_t>(topology.face_of(static_cast<std::int32_t>(c)))];
+    hidden[c] = faces[topology.face_of(static_cast<std::int32_t>(c))];
   return hidden;
 }
 
@@ -131,7 +130,7 @@ AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
       std::vector<AdaptiveCell>& cells = of_block[b];
       for (std::size_t i = b * kFaceGrain; i < std::min(count, (b + 1) * kFaceGrain); ++i) {
         const auto face = static_cast<std::int32_t>(i);
-        if (result.hidden[static_cast<std::size_t>(topology.first_corner(face))] != 0) continue;
+        if (result.hidden[topology.first_corner(face)] != 0) continue;
         const std::size_t before = cells.size();
         faces.run(face, cells, sizes);
         const FaceGrid& grid = result.grids[i];

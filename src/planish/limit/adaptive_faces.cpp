@@ -40,7 +40,7 @@ void AdaptiveFaces::take_rows(std::int32_t corner, const CornerGrid& grid, const
   }
   scratch.rows.clear();
   for (std::int32_t i = 0; i < 4; ++i) {
-    std::vector<std::uint16_t>& side = scratch.sides[static_cast<std::size_t>(i)];
+    std::vector<std::uint16_t>& side = scratch.sides[i];
     side.clear();
     rows.along_edge(corner + i, side, scratch.rows);
   }
@@ -59,8 +59,7 @@ void AdaptiveFaces::cut_cells(std::int32_t corner, CornerGrid& grid, Scratch& sc
       scratch.around.push_back(scratch.points[place]);
     }
     for (const auto& triangle : scratch.cells.cut(scratch.places, scratch.around)) {
-      for (const std::int32_t k : triangle)
-        scratch.vertices.push_back(polygon[static_cast<std::size_t>(k)]);
+      for (const std::int32_t k : triangle) scratch.vertices.push_back(polygon[k]);
     }
   };
   // Two corners that share both edges at their vertex must not join the same places of these.
@@ -72,7 +71,7 @@ void AdaptiveFaces::cut_cells(std::int32_t corner, CornerGrid& grid, Scratch& sc
       continue;
     }
     const auto far = std::ranges::find_if(polygon, [&](std::int32_t i) {
-      const CellPlace& place = grid.places()[static_cast<std::size_t>(i)];
+      const CellPlace& place = grid.places()[i];
       return place.u == cell.end_u && place.v == cell.end_v;
     });
     scratch.half.assign(polygon.begin(), far + 1);
@@ -96,23 +95,20 @@ void AdaptiveFaces::cut(std::int32_t corner, CornerGrid& grid, const AdaptiveRow
   if (result.empty()) return;
   take_rows(corner, grid, rows, scratch);
   scratch.points.clear();
-  for (const std::int32_t row : scratch.rows)
-    scratch.points.push_back(positions[static_cast<std::size_t>(row)]);
+  for (const std::int32_t row : scratch.rows) scratch.points.push_back(positions[row]);
   if (grid_at(corner) != nullptr)
     cut_grid(corner, scratch);
   else
     cut_cells(corner, grid, scratch);
   PLANISH_ASSERT(scratch.vertices.size() == result.size());
-  for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = scratch.rows[static_cast<std::size_t>(scratch.vertices[i])];
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = scratch.rows[scratch.vertices[i]];
 }
 
 void AdaptiveFaces::name(std::int32_t corner, const CornerGrid& grid, const AdaptiveRows& rows,
                          Scratch& scratch, std::span<std::int32_t> result) const {
   if (result.empty()) return;
   take_rows(corner, grid, rows, scratch);
-  for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = scratch.rows[static_cast<std::size_t>(scratch.vertices[i])];
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = scratch.rows[scratch.vertices[i]];
 }
 
 }  // namespace planish

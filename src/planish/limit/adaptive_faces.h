@@ -49,7 +49,7 @@ class AdaptiveFaces {
 
  private:
   [[nodiscard]] const FaceGrid& grid_of(std::int32_t corner) const {
-    return cells_.grids[static_cast<std::size_t>(topology_.face_of(corner))];
+    return cells_.grids[topology_.face_of(corner)];
   }
   void take_rows(std::int32_t corner, const CornerGrid& grid, const AdaptiveRows& rows,
                  Scratch& scratch) const;

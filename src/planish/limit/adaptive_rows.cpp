@@ -46,7 +46,7 @@ SidePlaces::SidePlaces(const MeshTopology& topology, const AdaptiveCells& cells)
   fill(leading_, [&](std::int32_t c, std::vector<std::uint16_t>& result) {
     edge_places(c, result);
     const auto half = std::ranges::lower_bound(result, kCellSide);
-    has_midpoint_[static_cast<std::size_t>(c)] = half != result.end() && *half == kCellSide;
+    has_midpoint_[c] = half != result.end() && *half == kCellSide;
     result.erase(half, result.end());
   });
   fill(spoke_, [&](std::int32_t c, std::vector<std::uint16_t>& result) {
@@ -67,7 +67,7 @@ SidePlaces::SidePlaces(const MeshTopology& topology, const AdaptiveCells& cells)
 
 // Of the grid of a corner's face along its leading edge; 0: it has none.
 int SidePlaces::grid_parts(std::int32_t corner) const {
-  const FaceGrid& grid = cells_.grids[static_cast<std::size_t>(topology_.face_of(corner))];
+  const FaceGrid& grid = cells_.grids[topology_.face_of(corner)];
   return grid.exists() ? grid.parts_of_side(topology_.place_of(corner)) : 0;
 }
 
@@ -85,9 +85,7 @@ void SidePlaces::add_cell_places(std::int32_t corner, std::vector<std::uint16_t>
 // All along a corner's leading edge, ascending, without its ends: the same from both sides.
 void SidePlaces::edge_places(std::int32_t corner, std::vector<std::uint16_t>& places) const {
   places.clear();
-  const auto is_visible = [&](std::int32_t c) {
-    return c >= 0 && cells_.hidden[static_cast<std::size_t>(c)] == 0;
-  };
+  const auto is_visible = [&](std::int32_t c) { return c >= 0 && cells_.hidden[c] == 0; };
   const std::int32_t other = topology_.twin(corner);
   const std::int32_t from = std::min(corner, other < 0 ? corner : other);
   const std::int32_t to = topology_.twin(from);
@@ -140,13 +138,12 @@ RawVector<AdaptivePlace> level_one_places(const MeshTopology& topology, const Ad
   // Several corners name a row: one after another.
   for (const bool is_hidden : {true, false}) {
     for (std::int32_t c = 0; c < topology.corner_count(); ++c) {
-      if ((cells.hidden[static_cast<std::size_t>(c)] != 0) != is_hidden) continue;
+      if ((cells.hidden[c] != 0) != is_hidden) continue;
       // A vertex without any visible face has no row; its texture coordinates have one.
-      if (const std::int32_t row = level_one.vertex_row(c); row >= 0)
-        places[static_cast<std::size_t>(row)] = {c, 0, 0};
+      if (const std::int32_t row = level_one.vertex_row(c); row >= 0) places[row] = {c, 0, 0};
       if (is_hidden) continue;
-      places[static_cast<std::size_t>(level_one.edge_row(c))] = {c, side, 0};
-      places[static_cast<std::size_t>(level_one.face_row(topology.face_of(c)))] = {c, side, side};
+      places[level_one.edge_row(c)] = {c, side, 0};
+      places[level_one.face_row(topology.face_of(c))] = {c, side, side};
     }
   }
   return places;
@@ -154,7 +151,7 @@ RawVector<AdaptivePlace> level_one_places(const MeshTopology& topology, const Ad
 
 std::int32_t SidePlaces::across(std::int32_t corner) const {
   const std::int32_t other = topology_.ccw(corner);
-  return other >= 0 && cells_.hidden[static_cast<std::size_t>(other)] == 0 ? other : -1;
+  return other >= 0 && cells_.hidden[other] == 0 ? other : -1;
 }
 
 std::span<const std::uint16_t> SidePlaces::trailing(std::int32_t corner) const {
@@ -169,9 +166,8 @@ AdaptiveRows::AdaptiveRows(const MeshTopology& topology, const AdaptiveCells& ce
   first_.push_back(level_one.row_count());
   for (std::int32_t c = 0; c < topology.corner_count(); ++c) {
     std::int64_t own = 0;
-    if (cells.hidden[static_cast<std::size_t>(c)] == 0) {
-      own = static_cast<std::int64_t>(sides.leading(c).size() + sides.spoke(c).size()) +
-            inside[static_cast<std::size_t>(c)];
+    if (cells.hidden[c] == 0) {
+      own = static_cast<std::int64_t>(sides.leading(c).size() + sides.spoke(c).size()) + inside[c];
       if (owns_trailing(c)) own += static_cast<std::int64_t>(sides.trailing(c).size());
     }
     first_.push_back(first_.back() + own);

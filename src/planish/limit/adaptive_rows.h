@@ -26,9 +26,7 @@ class SidePlaces {
     return leading_.of(corner);
   }
   /// Whether the midpoint of a corner's leading edge is one, too: it always is beside cells.
-  [[nodiscard]] bool has_midpoint(std::int32_t corner) const {
-    return has_midpoint_[static_cast<std::size_t>(corner)] != 0;
-  }
+  [[nodiscard]] bool has_midpoint(std::int32_t corner) const { return has_midpoint_[corner] != 0; }
   /// From the midpoint of a corner's leading edge to the face's centre.
   [[nodiscard]] std::span<const std::uint16_t> spoke(std::int32_t corner) const {
     return spoke_.of(corner);
@@ -87,9 +85,7 @@ class AdaptiveRows {
 
   [[nodiscard]] std::int64_t count() const { return first_.back(); }
   /// The first of the rows that a corner owns.
-  [[nodiscard]] std::int64_t first_of(std::int32_t corner) const {
-    return first_[static_cast<std::size_t>(corner)];
-  }
+  [[nodiscard]] std::int64_t first_of(std::int32_t corner) const { return first_[corner]; }
   /// Whether a corner has rows of its own along its trailing edge.
   [[nodiscard]] bool owns_trailing(std::int32_t corner) const;
   /// The rows of a grid's places, which are those of the corner's cells and sides.

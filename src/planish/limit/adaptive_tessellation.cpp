@@ -288,7 +288,7 @@ void Tessellation::carry(const AdaptiveSurface& surface, SurfaceMesh& result) co
   const auto uvs = static_cast<std::size_t>(uv_numbering_->row_count());
   result.uvs.resize(surface.uv_places.size());
   const auto uv_at = [&](std::int32_t c) {
-    const auto uv = static_cast<std::size_t>(uvs_->indices[static_cast<std::size_t>(c)]);
+    const auto uv = static_cast<std::size_t>(uvs_->indices[c]);
     return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
   };
   bilinear_at<glm::dvec2>(topology_, std::span(surface.uv_places).subspan(uvs), uv_at,
@@ -346,11 +346,11 @@ void Tessellation::finish(AdaptiveSurface& surface) const {
   result.face_groups.resize(groups.empty() ? 0 : count);
   for (std::int32_t c = 0; c < topology_.corner_count(); ++c) {
     const std::int32_t face = topology_.face_of(c);
-    for (std::int64_t t = first_triangle_[static_cast<std::size_t>(c)];
-         t < first_triangle_[static_cast<std::size_t>(c) + 1]; ++t) {
+    for (std::int64_t t = first_triangle_[c]; t < first_triangle_[static_cast<std::size_t>(c) + 1];
+         ++t) {
       const auto at = static_cast<std::size_t>(t);
       surface.ancestors[at] = face;
-      if (!groups.empty()) result.face_groups[at] = groups[static_cast<std::size_t>(face)];
+      if (!groups.empty()) result.face_groups[at] = groups[face];
     }
   }
 }

@@ -220,11 +220,11 @@ void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3>
   Quarters quarters;
   std::vector<glm::dvec3> hull, normals;
   for (int q = 0; q < 4; ++q) {
-    const PatchForm& inner = *form.quarters[static_cast<std::size_t>(q)];
-    auto& of_quarter = quarters.points[static_cast<std::size_t>(q)];
+    const PatchForm& inner = *form.quarters[q];
+    auto& of_quarter = quarters.points[q];
     quarter_points(form, q, points, of_quarter);
     if (inner.is_polynomial()) {
-      BezierNet& net = quarters.nets[static_cast<std::size_t>(q)];
+      BezierNet& net = quarters.nets[q];
       net = bezier_net(inner, of_quarter);
       hull.insert(hull.end(), net.begin(), net.end());
       std::array<glm::dvec3, 36> products;

@@ -292,7 +292,7 @@ NearestPlace NearestSearch::run(const glm::dvec3& point) {
     const Waiting next = waiting_.back();
     waiting_.pop_back();
     if (next.square_distance >= wanted_) continue;
-    const CornerTree::Node& node = nodes[static_cast<std::size_t>(next.node)];
+    const CornerTree::Node& node = nodes[next.node];
     if (node.count > 0) {
       for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
         const auto at = static_cast<std::size_t>(i);
@@ -302,8 +302,8 @@ NearestPlace NearestSearch::run(const glm::dvec3& point) {
       continue;
     }
     Waiting left{next.node + 1, 0}, right{node.right, 0};
-    left.square_distance = square_distance(nodes[static_cast<std::size_t>(left.node)].box, point);
-    right.square_distance = square_distance(nodes[static_cast<std::size_t>(right.node)].box, point);
+    left.square_distance = square_distance(nodes[left.node].box, point);
+    right.square_distance = square_distance(nodes[right.node].box, point);
     // The nearer one is looked at first.
     if (left.square_distance < right.square_distance) std::swap(left, right);
     waiting_.push_back(left);

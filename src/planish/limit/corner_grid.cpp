@@ -56,12 +56,12 @@ void CornerGrid::build(std::span<const AdaptiveCell> cells, const Sides& sides) 
   column_places_.resize(places_.size());
   std::iota(column_places_.begin(), column_places_.end(), 0);
   std::ranges::sort(column_places_, {}, [&](std::int32_t i) {
-    const CellPlace& place = places_[static_cast<std::size_t>(i)];
+    const CellPlace& place = places_[i];
     return key_of(place.u, place.v);
   });
   columns_.clear();
   for (const std::int32_t i : column_places_) {
-    const CellPlace& place = places_[static_cast<std::size_t>(i)];
+    const CellPlace& place = places_[i];
     columns_.push_back(key_of(place.u, place.v));
   }
 }
@@ -75,9 +75,7 @@ std::span<const std::int32_t> CornerGrid::polygon(const AdaptiveCell& cell) {
   // Each side without its last place.
   for (std::int32_t i = at(rows_, key_of(v0, u0)); i < at(rows_, key_of(v0, u1)); ++i)
     polygon_.push_back(i);
-  const auto column_place = [&](std::int32_t i) {
-    return column_places_[static_cast<std::size_t>(i)];
-  };
+  const auto column_place = [&](std::int32_t i) { return column_places_[i]; };
   for (std::int32_t i = at(columns_, key_of(u1, v0)); i < at(columns_, key_of(u1, v1)); ++i)
     polygon_.push_back(column_place(i));
   for (std::int32_t i = at(rows_, key_of(v1, u1)); i > at(rows_, key_of(v1, u0)); --i)

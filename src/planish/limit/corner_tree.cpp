@@ -53,8 +53,7 @@ CornerTree::CornerTree(const LimitSurface& surface) : surface_(surface) {
   const MeshTopology& topology = surface.topology();
   const std::span<const std::uint8_t> hidden = surface.surface().hidden();
   for (std::int32_t c = 0; c < topology.corner_count(); ++c) {
-    if (hidden.empty() || hidden[static_cast<std::size_t>(topology.face_of(c))] == 0)
-      corners_.push_back(c);
+    if (hidden.empty() || hidden[topology.face_of(c)] == 0) corners_.push_back(c);
   }
   for (const PatchForm* form : surface.forms()) reaches_.add(*form);
   rebuild();
@@ -79,12 +78,11 @@ void CornerTree::rebuild() {
   make_boxes(corners_, in_order);
   boxes_.resize(static_cast<std::size_t>(surface_.topology().corner_count()));
   for (std::size_t i = 0; i < corners_.size(); ++i)  // by corner while the tree is made
-    boxes_[static_cast<std::size_t>(corners_[i])] = in_order[i];
+    boxes_[corners_[i]] = in_order[i];
   const auto count = static_cast<std::int32_t>(corners_.size());
   nodes_.resize(static_cast<std::size_t>(node_count(count)));
   build(0, 0, count);
-  for (std::size_t i = 0; i < corners_.size(); ++i)
-    in_order[i] = boxes_[static_cast<std::size_t>(corners_[i])];
+  for (std::size_t i = 0; i < corners_.size(); ++i) in_order[i] = boxes_[corners_[i]];
   boxes_.swap(in_order);
 }
 
@@ -93,34 +91,30 @@ std::int64_t CornerTree::refit(std::span<const std::int32_t> corners) {
   if (place_of_corner_.empty()) number_places();
   places_.clear();
   for (const std::int32_t corner : corners)
-    if (const std::int32_t place = place_of_corner_[static_cast<std::size_t>(corner)]; place >= 0)
-      places_.push_back(place);
+    if (const std::int32_t place = place_of_corner_[corner]; place >= 0) places_.push_back(place);
   std::ranges::sort(places_);
   of_places_.clear();
-  for (const std::int32_t place : places_)
-    of_places_.push_back(corners_[static_cast<std::size_t>(place)]);
+  for (const std::int32_t place : places_) of_places_.push_back(corners_[place]);
   new_boxes_.resize(places_.size());
   make_boxes(of_places_, new_boxes_);
-  for (std::size_t i = 0; i < places_.size(); ++i)
-    boxes_[static_cast<std::size_t>(places_[i])] = new_boxes_[i];
+  for (std::size_t i = 0; i < places_.size(); ++i) boxes_[places_[i]] = new_boxes_[i];
   return refit_node(0, 0, static_cast<std::int32_t>(corners_.size()), places_);
 }
 
 void CornerTree::number_places() {
   place_of_corner_.assign(static_cast<std::size_t>(surface_.topology().corner_count()), -1);
   for (std::size_t i = 0; i < corners_.size(); ++i)
-    place_of_corner_[static_cast<std::size_t>(corners_[i])] = static_cast<std::int32_t>(i);
+    place_of_corner_[corners_[i]] = static_cast<std::int32_t>(i);
 }
 
 // The node over corners_[first] to corners_[last - 1], some of which have other boxes.
 std::int64_t CornerTree::refit_node(std::int32_t index, std::int32_t first, std::int32_t last,
                                     std::span<const std::int32_t> places) {
   if (places.empty()) return 0;
-  Node& node = nodes_[static_cast<std::size_t>(index)];
+  Node& node = nodes_[index];
   if (node.count > 0) {
-    node.box = boxes_[static_cast<std::size_t>(first)];
-    for (std::int32_t i = first + 1; i < last; ++i)
-      node.box = united(node.box, boxes_[static_cast<std::size_t>(i)]);
+    node.box = boxes_[first];
+    for (std::int32_t i = first + 1; i < last; ++i) node.box = united(node.box, boxes_[i]);
     return 1;
   }
   const std::int32_t middle = first + (last - first) / 2;
@@ -128,18 +122,15 @@ std::int64_t CornerTree::refit_node(std::int32_t index, std::int32_t first, std:
       static_cast<std::size_t>(std::ranges::lower_bound(places, middle) - places.begin());
   const std::int64_t count = 1 + refit_node(index + 1, first, middle, places.first(split)) +
                              refit_node(node.right, middle, last, places.subspan(split));
-  node.box = united(nodes_[static_cast<std::size_t>(index + 1)].box,
-                    nodes_[static_cast<std::size_t>(node.right)].box);
+  node.box = united(nodes_[index + 1].box, nodes_[node.right].box);
   return count;
 }
 
 void CornerTree::build(std::int32_t index, std::int32_t first, std::int32_t last) {
   check_stop();
-  Node& node = nodes_[static_cast<std::size_t>(index)];
+  Node& node = nodes_[index];
   node = {};
-  const auto box = [&](std::int32_t i) -> const CornerBox& {
-    return boxes_[static_cast<std::size_t>(corners_[static_cast<std::size_t>(i)])];
-  };
+  const auto box = [&](std::int32_t i) -> const CornerBox& { return boxes_[corners_[i]]; };
   if (last - first <= kLeaf) {
     node.box = box(first);
     for (std::int32_t i = first + 1; i < last; ++i) node.box = united(node.box, box(i));
@@ -159,8 +150,8 @@ void CornerTree::build(std::int32_t index, std::int32_t first, std::int32_t last
   const std::int32_t middle = first + (last - first) / 2;
   std::nth_element(corners_.begin() + first, corners_.begin() + middle, corners_.begin() + last,
                    [&](std::int32_t a, std::int32_t b) {
-                     const CornerBox& p = boxes_[static_cast<std::size_t>(a)];
-                     const CornerBox& q = boxes_[static_cast<std::size_t>(b)];
+                     const CornerBox& p = boxes_[a];
+                     const CornerBox& q = boxes_[b];
                      const float pa = p.low[along] + p.high[along];
                      const float qa = q.low[along] + q.high[along];
                      return pa != qa ? pa < qa : a < b;
@@ -182,8 +173,7 @@ void CornerTree::build(std::int32_t index, std::int32_t first, std::int32_t last
     build(right, middle, last);
   }
   node.right = right;
-  node.box = united(nodes_[static_cast<std::size_t>(left)].box,
-                    nodes_[static_cast<std::size_t>(right)].box);
+  node.box = united(nodes_[left].box, nodes_[right].box);
 }
 
 }  // namespace planish

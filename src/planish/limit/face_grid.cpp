@@ -51,8 +51,8 @@ bool GridFinder::take_nets(std::int32_t face) {
     corner_.move_to(topology.first_corner(face) + q);
     if (!corner_.form().is_polynomial()) return false;
     const BezierNet net = bezier_net(corner_.form(), corner_.points());
-    at[static_cast<std::size_t>(q)] = corner_.own() + net[0];
-    nets_[static_cast<std::size_t>(q)] = turned_net(net, q);
+    at[q] = corner_.own() + net[0];
+    nets_[q] = turned_net(net, q);
   }
   length_u_ = std::max(glm::length(at[1] - at[0]), glm::length(at[2] - at[3]));
   length_v_ = std::max(glm::length(at[3] - at[0]), glm::length(at[2] - at[1]));
@@ -67,7 +67,7 @@ bool GridFinder::keeps_in(const Region& region, double size_u, double size_v) co
     const double u0 = std::max(region.u0 - left, 0.0), u1 = std::min(region.u1 - left, 1.0);
     const double v0 = std::max(region.v0 - low, 0.0), v1 = std::min(region.v1 - low, 1.0);
     if (!(u1 - u0 > kUnit) || !(v1 - v0 > kUnit)) continue;
-    const BezierNet& net = nets_[static_cast<std::size_t>(q)];
+    const BezierNet& net = nets_[q];
     pieces[count++] = {net_between(net_between(net, true, v0, v1), false, u0, u1),
                        size_u / (u1 - u0), size_v / (v1 - v0)};
   }
@@ -80,13 +80,12 @@ bool GridFinder::keeps_in(const Region& region, double size_u, double size_v) co
 bool GridFinder::keeps_borders(int u, int v) const {
   if (limits_.distance == 0) return true;
   for (int side = 0; side < 4; ++side) {
-    if (!limits_.borders[static_cast<std::size_t>(side)]) continue;
+    if (!limits_.borders[side]) continue;
     const double size = 2.0 / (side % 2 == 0 ? u : v) + 2 * kUnit;
     std::array<BezierCurve, 2> halves;
     for (int half = 0; half < 2; ++half) {
-      const BezierNet net =
-          turned_net(nets_[static_cast<std::size_t>((side + half) % 4)], (4 - side) % 4);
-      halves[static_cast<std::size_t>(half)] = {net[0], net[1], net[2]};
+      const BezierNet net = turned_net(nets_[(side + half) % 4], (4 - side) % 4);
+      halves[half] = {net[0], net[1], net[2]};
     }
     if (!(curve_bound(halves) * size * size <= limits_.distance)) return false;
   }

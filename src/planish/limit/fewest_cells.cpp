@@ -58,7 +58,7 @@ double fewest_cells(const LimitSurface& surface, std::span<const std::uint8_t> h
         // A corner may be one cell: quarters count where they are more.
         double quarters = 0;
         for (int q = 0; q < 4; ++q) {
-          const PatchForm& quarter = *form.quarters[static_cast<std::size_t>(q)];
+          const PatchForm& quarter = *form.quarters[q];
           if (!quarter.is_polynomial()) continue;
           quarter_points(form, q, corner.points(), points);
           const BezierNet net = bezier_net(quarter, points);

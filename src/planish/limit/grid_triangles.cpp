@@ -27,7 +27,7 @@ std::int32_t GridTriangles::within(std::int32_t i, std::int32_t j) const {
 
 // The parts that touch no side, along the shorter diagonal.
 void GridTriangles::cut_within() {
-  const auto at = [&](std::int32_t k) { return positions_[static_cast<std::size_t>(k)]; };
+  const auto at = [&](std::int32_t k) { return positions_[k]; };
   for (std::int32_t j = 1; j + 1 < grid_.v; ++j) {
     for (std::int32_t i = 1; i + 1 < grid_.u; ++i) {
       const std::int32_t a = within(i, j), b = within(i + 1, j);
@@ -46,7 +46,7 @@ void GridTriangles::cut_within() {
 // Between a side and the grid's line next to it, whichever is behind goes on: then no triangle is
 // longer than a part, since neither has longer ones.
 void GridTriangles::cut_ring(int side) {
-  const Line& outer = sides_[static_cast<std::size_t>(side)];
+  const Line& outer = sides_[side];
   const std::int32_t u = grid_.u, v = grid_.v, parts = grid_.parts_of_side(side);
   const auto inner = [&](std::int32_t k) {
     switch (side) {

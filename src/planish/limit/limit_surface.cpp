@@ -52,7 +52,7 @@ LimitSurface::LimitSurface(std::shared_ptr<const DooSabinSurface> surface)
       }
       form_list_.push_back(&forms_.of(patch));
     }
-    form_of_corner_[static_cast<std::size_t>(c)] = at->second;
+    form_of_corner_[c] = at->second;
   }
 }
 
@@ -64,10 +64,9 @@ void LimitSurface::Corner::move_to(std::int32_t corner) {
   indices_.resize(static_cast<std::size_t>(form_->column_count));
   patches.gather(patches.corner_patch(corner), indices_.data(), 1);
   const std::span<const glm::dvec3> state = whole_.surface_->state();
-  own_ = state[static_cast<std::size_t>(indices_[0])];
+  own_ = state[indices_[0]];
   points_.resize(indices_.size());
-  for (std::size_t k = 0; k < indices_.size(); ++k)
-    points_[k] = state[static_cast<std::size_t>(indices_[k])] - own_;
+  for (std::size_t k = 0; k < indices_.size(); ++k) points_[k] = state[indices_[k]] - own_;
 }
 
 glm::dvec3 LimitSurface::normal_beside(const CornerParameter& at) const {

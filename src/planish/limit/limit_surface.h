@@ -50,7 +50,7 @@ class LimitSurface {
   /// The forms of all its corners.
   [[nodiscard]] std::span<const PatchForm* const> forms() const { return form_list_; }
   [[nodiscard]] const PatchForm& form(std::int32_t corner) const {
-    return *form_list_[form_of_corner_[static_cast<std::size_t>(corner)]];
+    return *form_list_[form_of_corner_[corner]];
   }
 
   /// Throws Error{InvalidArgument} for places outside, see corner_parameter(). At borders of faces

@@ -218,7 +218,7 @@ const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm:
   const auto& nodes = tree_.nodes();
   std::vector<std::int32_t> waiting{0};
   while (!waiting.empty() && !is_done()) {
-    const CornerTree::Node& node = nodes[static_cast<std::size_t>(waiting.back())];
+    const CornerTree::Node& node = nodes[waiting.back()];
     const std::int32_t index = waiting.back();
     waiting.pop_back();
     if (!meets(node.box)) continue;
@@ -229,7 +229,7 @@ const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm:
     if (node.count > 0) continue;
     // The nearer half is looked at first.
     const auto middle = [&](std::int32_t child) {
-      const CornerBox& box = nodes[static_cast<std::size_t>(child)].box;
+      const CornerBox& box = nodes[child].box;
       return glm::dot(glm::dvec3(box.low) + glm::dvec3(box.high), direction);
     };
     std::int32_t near = index + 1, far = node.right;

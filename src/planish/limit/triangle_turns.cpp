@@ -17,7 +17,7 @@ constexpr double kNormalRounding = 1e-4;  // degrees
 double turn_within(const SurfaceMesh& surface, std::size_t triangle) {
   const auto normal = [&](std::size_t k) {
     const std::int32_t vertex = surface.face_vertices[3 * triangle + k % 3];
-    return glm::dvec3(surface.normals[static_cast<std::size_t>(vertex)]);
+    return glm::dvec3(surface.normals[vertex]);
   };
   double turn = 0;
   for (std::size_t k = 0; k < 3; ++k) {

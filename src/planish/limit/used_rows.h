@@ -16,8 +16,7 @@ namespace planish {
 /// Values of these rows only; ascending.
 template <class T>
 void keep_only(RawVector<T>& values, std::span<const std::int32_t> rows) {
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    values[i] = values[static_cast<std::size_t>(rows[i])];
+  for (std::size_t i = 0; i < rows.size(); ++i) values[i] = values[rows[i]];
   values.resize(rows.size());
 }
 

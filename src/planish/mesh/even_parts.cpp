@@ -180,8 +180,8 @@ std::vector<Part> in_row(std::span<const dvec2> polygon,
   add_spread(n, kStarts, starts);
   std::vector<double> lengths;
   for (const std::size_t start : starts) lengths.push_back(row_length(polygon, start));
-  const std::size_t start = starts[static_cast<std::size_t>(
-      std::min_element(lengths.begin(), lengths.end()) - lengths.begin())];
+  const std::size_t start =
+      starts[std::min_element(lengths.begin(), lengths.end()) - lengths.begin()];
   std::vector<Part> parts;
   std::size_t left_from = (start + 1) % n, left_to = start;
   const auto take = [&](Part&& piece, std::size_t from, std::size_t to) {

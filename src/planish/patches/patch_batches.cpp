@@ -17,9 +17,7 @@ bool takes_whole_faces(const PatchClasses& classes, std::int32_t sample_count) {
   for (std::int32_t s = 0; s < kFaceSamples; ++s) {
     const std::span<const double> rows = weights.rows(s);
     for (std::int32_t i = 0; i < 3 * kColumns; ++i) {
-      if ((kFaceSampleColumns[s] >> i % kColumns & 1) == 0 &&
-          rows[static_cast<std::size_t>(i)] != 0)
-        return false;
+      if ((kFaceSampleColumns[s] >> i % kColumns & 1) == 0 && rows[i] != 0) return false;
     }
   }
   return true;
@@ -60,7 +58,7 @@ PatchBatches::PatchBatches(const PatchClasses& classes, PatchKernel kernel, bool
 }
 
 void PatchBatches::take(std::int32_t class_index) {
-  OpenBatch& batch = open_.of_class[static_cast<std::size_t>(class_index)];
+  OpenBatch& batch = open_.of_class[class_index];
   if (!batch.is_open) {
     const std::int32_t columns =
         class_index == face_index_ ? kFaceColumns : classes_.patch(class_index).column_count();
@@ -109,7 +107,7 @@ bool PatchBatches::run_faces() {
 
 bool PatchBatches::finish() {
   for (const std::int32_t index : open_.open) {
-    OpenBatch& batch = open_.of_class[static_cast<std::size_t>(index)];
+    OpenBatch& batch = open_.of_class[index];
     if (batch.lane_count > 0) run(index, batch);
   }
   open_.clear();
@@ -120,7 +118,7 @@ bool PatchBatches::finish() {
 
 void PatchBatches::Open::clear() {
   for (const std::int32_t index : open) {
-    OpenBatch& batch = of_class[static_cast<std::size_t>(index)];
+    OpenBatch& batch = of_class[index];
     batch.is_open = false;
     batch.lane_count = 0;
   }

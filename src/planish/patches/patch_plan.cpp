@@ -108,7 +108,7 @@ PatchClasses::PatchClasses(const PatchNumbering& numbering, const PatchMesh& mes
         const std::int32_t known =
             smooth_place(mesh, part, numbering.item_corner(part, item), kTableSize);
         if (known >= 0) {
-          smooth[static_cast<std::size_t>(known)] = true;
+          smooth[known] = true;
           continue;
         }
         const PatchClass patch = place_of(mesh, numbering, part, item).patch;
@@ -117,8 +117,7 @@ PatchClasses::PatchClasses(const PatchNumbering& numbering, const PatchMesh& mes
         last = patch;
       }
       for (std::int32_t k = 0; k < kTableSize * kTableSize; ++k) {
-        if (smooth[static_cast<std::size_t>(k)])
-          here.insert({PatchKind::Smooth, k / kTableSize, 0, k % kTableSize});
+        if (smooth[k]) here.insert({PatchKind::Smooth, k / kTableSize, 0, k % kTableSize});
       }
       const std::lock_guard lock(mutex);
       found.merge(here);

@@ -41,8 +41,7 @@ bool add_face(const PatchMesh& mesh, const PatchNumbering& numbering, std::int32
   for (std::int32_t i = 0; i < 4; ++i) {
     const std::int32_t vertex = topology.vertex_of(first + i);
     const auto around = topology.corners_at(vertex);
-    if (mesh.features().vertex_kinds[static_cast<std::size_t>(vertex)] != VertexKind::Smooth ||
-        around.size() != 4)
+    if (mesh.features().vertex_kinds[vertex] != VertexKind::Smooth || around.size() != 4)
       return false;
     if (around.front() == first + i) own_vertices |= 1U << i;
     ring[i] = topology.twin(first + i);
@@ -111,7 +110,7 @@ void PatchRunner::add_corner(std::int32_t corner, std::int32_t target, PatchBatc
       kQuads ? corner & ~3 : topology_.first_corner(topology_.face_of(corner));
   const std::int32_t face_size = kQuads ? 4 : topology_.face_size(topology_.face_of(corner));
   const std::int32_t known =
-      mesh_.features().vertex_kinds[static_cast<std::size_t>(vertex)] == VertexKind::Smooth
+      mesh_.features().vertex_kinds[vertex] == VertexKind::Smooth
           ? classes_.smooth_index(static_cast<std::int32_t>(around.size()), face_size)
           : -1;
   if (known < 0) return add_place(mesh_.corner_patch(corner), target, run);
@@ -139,8 +138,7 @@ void PatchRunner::add_point(Part part, std::int64_t item, std::int32_t target,
     const std::int32_t vertex = topology_.vertex_of(corner);
     const auto around = topology_.corners_at(vertex);
     const std::int32_t known =
-        mesh_.features().vertex_kinds[static_cast<std::size_t>(vertex)] == VertexKind::Smooth &&
-                around.front() == corner
+        mesh_.features().vertex_kinds[vertex] == VertexKind::Smooth && around.front() == corner
             ? classes_.smooth_index(static_cast<std::int32_t>(around.size()), 0)
             : -1;
     if (known < 0) return add_place(mesh_.vertex_point(corner), target, run);
@@ -302,7 +300,7 @@ bool PatchRunner::run_plan(const PatchPlan& plan, const PatchOutput& output,
     PatchBatches run(classes_, kernel_, false, bucket->sample_count, part, state, nullptr,
                      bucket->first_sample);
     for (const PatchPlan::Item& item : plan.items) {
-      const Bucket& own = plan.buckets[static_cast<std::size_t>(item.bucket)];
+      const Bucket& own = plan.buckets[item.bucket];
       if (!is_alike(own)) continue;
       mesh_.gather(item.place, run.lane(own.class_index, item.target), kPatchLanes);
     }

@@ -171,7 +171,7 @@ DegenerateRows PatchSurface::owned(std::span<const glm::dvec3> state, const Plac
   DegenerateRows found;
   if (!runner_.run_tile(tile, output_at(placement, target, 0), &state[0].x, &points)) return found;
   for (std::int64_t i = 0; i < row_count; ++i) {
-    glm::vec3& normal = target.normals[static_cast<std::size_t>(i)];
+    glm::vec3& normal = target.normals[i];
     if (normal == glm::vec3(0.0f))
       found.add(normal_of(state, placement, static_cast<std::int32_t>(first_row + i), normal));
   }

@@ -348,7 +348,7 @@ FairNet deeply_cured_net(const DeepCure& cure) {
         decisions.cures[v] += folds.at_vertex[v] != 0 && has_changed[v] == 0 ? 1 : 0;
       is_seen = is_seen && !is_anywhere(has_changed, cure.halo);
       if (is_seen) {
-        std::tie(folds, decisions.leans) = std::move(seen[static_cast<std::size_t>(round)]);
+        std::tie(folds, decisions.leans) = std::move(seen[round]);
         continue;
       }
       FairNet next = cure.make_net(&decisions);

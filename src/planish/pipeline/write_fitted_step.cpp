@@ -72,10 +72,8 @@ double largest_distance(const Brep& brep, const FittedMesh& fitted) {
         for (std::size_t v = begin; v < end; ++v) {
           const Brep::Place& place = brep.places[v];
           if (place.face < 0) continue;
-          const glm::dvec3 there =
-              point_of(brep, brep.faces[static_cast<std::size_t>(place.face)], place.at);
-          largest =
-              std::max(largest, safe_length(there - given[static_cast<std::size_t>(vertices[v])]));
+          const glm::dvec3 there = point_of(brep, brep.faces[place.face], place.at);
+          largest = std::max(largest, safe_length(there - given[vertices[v]]));
         }
         return largest;
       },

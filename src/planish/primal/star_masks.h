@@ -27,9 +27,9 @@ class SubdivisionMask {
   void SetNumVertexWeights(int count) { vertex_count_ = grow(vertices_, count); }
   void SetNumEdgeWeights(int count) { edge_count_ = grow(edges_, count); }
   void SetNumFaceWeights(int count) { face_count_ = grow(faces_, count); }
-  double& VertexWeight(int index) { return vertices_[static_cast<std::size_t>(index)]; }
-  double& EdgeWeight(int index) { return edges_[static_cast<std::size_t>(index)]; }
-  double& FaceWeight(int index) { return faces_[static_cast<std::size_t>(index)]; }
+  double& VertexWeight(int index) { return vertices_[index]; }
+  double& EdgeWeight(int index) { return edges_[index]; }
+  double& FaceWeight(int index) { return faces_[index]; }
   [[nodiscard]] bool AreFaceWeightsForFaceCenters() const { return for_centres_; }
   void SetFaceWeightsForFaceCenters(bool on) { for_centres_ = on; }
 

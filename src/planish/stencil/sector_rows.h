@@ -26,7 +26,7 @@ class SectorRows {
   }
   [[nodiscard]] Place place(std::int64_t row) const {
     return row < vertex_count_ ? Place{static_cast<std::int32_t>(row), 0}
-                               : extra_[static_cast<std::size_t>(row - vertex_count_)];
+                               : extra_[row - vertex_count_];
   }
   /// Whether the vertex has more than one row.
   [[nodiscard]] bool is_split(std::int32_t vertex) const {

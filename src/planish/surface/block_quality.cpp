@@ -125,7 +125,7 @@ BlockQuality::BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& inpu
 void BlockQuality::add(RowRange piece, std::span<const glm::dvec3> positions,
                        std::span<const glm::vec3> normals) {
   thread_local QuadMeter measure;
-  of_pieces_[static_cast<std::size_t>(piece.first / piece_size_)] =
+  of_pieces_[piece.first / piece_size_] =
       measure(input_, is_beside_folds_, surface_, piece, positions, normals);
 }
 

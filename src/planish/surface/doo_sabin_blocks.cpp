@@ -382,8 +382,8 @@ void DooSabinBlocks::point_corners(RowRange faces, std::span<glm::dvec3> positio
   target.normals = made_normals;
   (void)surface_.points(base_.state(), base_.placement(), points.rows(), target);
   for (std::size_t i = 0; i < of_corner.size(); ++i) {
-    positions[i] = made_positions[static_cast<std::size_t>(of_corner[i])];
-    normals[i] = made_normals[static_cast<std::size_t>(of_corner[i])];
+    positions[i] = made_positions[of_corner[i]];
+    normals[i] = made_normals[of_corner[i]];
   }
 }
 

@@ -31,7 +31,7 @@ SubsetNumbers::SubsetNumbers(std::int64_t limit)
 
 void SubsetNumbers::add(std::span<const std::int32_t> numbers) {
   for (const std::int32_t number : numbers) {
-    const std::atomic_ref word(marks_[static_cast<std::size_t>(number / kWordBits)]);
+    const std::atomic_ref word(marks_[number / kWordBits]);
     const std::uint64_t bit = std::uint64_t{1} << (number % kWordBits);
     // Most are there by a face before: no need to own the word then.
     if ((word.load(std::memory_order_relaxed) & bit) == 0)
@@ -79,7 +79,7 @@ FaceRangeBlocks::FaceRangeBlocks(const SurfaceBlocks& surface, RowRange faces)
   info_.uv_count = static_cast<std::int64_t>(uvs_.all().size());
   for (const std::int32_t row : rows_.all()) {
     if (static_cast<std::size_t>(row) >= all.base_vertices.size()) break;
-    info_.base_vertices.push_back(all.base_vertices[static_cast<std::size_t>(row)]);
+    info_.base_vertices.push_back(all.base_vertices[row]);
   }
 }
 

@@ -28,7 +28,7 @@ class RowPieces {
   [[nodiscard]] bool empty() const { return pieces_.empty(); }
   [[nodiscard]] std::span<Vector* const> places() const { return places_; }
   [[nodiscard]] const Vector& operator[](std::int64_t row) const {
-    return places_[static_cast<std::size_t>(row / kPiece)][row % kPiece];
+    return places_[row / kPiece][row % kPiece];
   }
   void put(std::int64_t first, std::span<const Vector> values) {
     for_parts(first, values.size(), [&](Vector* place, std::size_t at, std::size_t count) {
@@ -48,7 +48,7 @@ class RowPieces {
   void for_parts(std::int64_t row, std::size_t count, const Part& part) const {
     for (std::size_t at = 0; at < count;) {
       const auto size = std::min(static_cast<std::size_t>(kPiece - row % kPiece), count - at);
-      part(places_[static_cast<std::size_t>(row / kPiece)] + row % kPiece, at, size);
+      part(places_[row / kPiece] + row % kPiece, at, size);
       at += size;
       row += static_cast<std::int64_t>(size);
     }

@@ -31,9 +31,8 @@ void SharedPoints::add_face(std::int32_t face) {
       const std::int32_t other = topology_.next(across);
       place = vertex(other);
     }
-    vertices_[static_cast<std::size_t>(corner - begin)] =
-        find_or_add(numbering_.vertex_row(corner), place);
-    midpoints_[static_cast<std::size_t>(corner - begin)] =
+    vertices_[corner - begin] = find_or_add(numbering_.vertex_row(corner), place);
+    midpoints_[corner - begin] =
         find_or_add(numbering_.edge_row(corner), is_known(across) ? midpoint(across) : -1);
     across_trailing = across;
   }

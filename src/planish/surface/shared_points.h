@@ -26,10 +26,10 @@ class SharedPoints {
   [[nodiscard]] std::span<const std::int32_t> rows() const { return {rows_.data(), row_count_}; }
   /// Places in rows(), of corners of the last face: their vertex, the midpoint of the leading edge.
   [[nodiscard]] std::int32_t vertex(std::int32_t corner) const {
-    return vertices_[static_cast<std::size_t>(corner - begin_)];
+    return vertices_[corner - begin_];
   }
   [[nodiscard]] std::int32_t midpoint(std::int32_t corner) const {
-    return midpoints_[static_cast<std::size_t>(corner - begin_)];
+    return midpoints_[corner - begin_];
   }
   /// Of the last face's centre.
   [[nodiscard]] std::int32_t centre() const { return centre_; }
@@ -40,7 +40,7 @@ class SharedPoints {
     return static_cast<std::int32_t>(row_count_++);
   }
   [[nodiscard]] std::int32_t find_or_add(std::int32_t row, std::int32_t place) {
-    return place >= 0 && rows_[static_cast<std::size_t>(place)] == row ? place : add(row);
+    return place >= 0 && rows_[place] == row ? place : add(row);
   }
 
   const MeshTopology& topology_;

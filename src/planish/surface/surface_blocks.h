@@ -35,8 +35,7 @@ struct SurfaceInfo {
   int corners_per_face = 4;  ///< of alike faces
 
   [[nodiscard]] std::int64_t first_corner(std::int64_t face) const {
-    return face_offsets.empty() ? corners_per_face * face
-                                : face_offsets[static_cast<std::size_t>(face)];
+    return face_offsets.empty() ? corners_per_face * face : face_offsets[face];
   }
 };
 
@@ -54,7 +53,7 @@ struct FaceRows {
   glm::dvec3 origin{0.0};  ///< of `stored`
 
   [[nodiscard]] static glm::vec3& at(std::span<glm::vec3* const> pieces, std::int64_t row) {
-    return pieces[static_cast<std::size_t>(row / kPieceRows)][row % kPieceRows];
+    return pieces[row / kPieceRows][row % kPieceRows];
   }
 };
 

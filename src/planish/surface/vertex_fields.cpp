@@ -29,7 +29,7 @@ void for_faces(const SurfaceMesh& surface, const PolygonMesh& mesh, const Visit&
   std::int32_t last = -1;
   glm::dvec3 wanted(0.0);
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
-    const std::int32_t ancestor = ancestors[static_cast<std::size_t>(f)];
+    const std::int32_t ancestor = ancestors[f];
     if (ancestor != last) wanted = area_vector(mesh.positions, mesh.face(ancestor));
     last = ancestor;
     const auto vertices = surface.face(f);

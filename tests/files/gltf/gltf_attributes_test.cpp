@@ -65,7 +65,7 @@ TEST(GltfAttributes, FieldsBecomeScalarsOfTheirNames) {
     // Copies along seams have the value of their place.
     for (std::size_t i = values.size(); i < found.size(); ++i) {
       const auto original = std::find(positions.begin(), positions.end(), positions[i]);
-      EXPECT_EQ(found[i], values[static_cast<std::size_t>(original - positions.begin())]);
+      EXPECT_EQ(found[i], values[original - positions.begin()]);
     }
     EXPECT_EQ(model.accessors.at(test::attribute(model, name)).type, TINYGLTF_TYPE_SCALAR);
   }

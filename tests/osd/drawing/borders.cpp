@@ -48,7 +48,7 @@ std::vector<Side> sides_of(const std::vector<Patch>& patches,
   std::map<std::pair<int, int>, Side> sides;
   for (const DrawnVertex& made : border_of(vertices)) {
     const auto number = static_cast<int>(made.patch);
-    const Patch& patch = patches[static_cast<std::size_t>(number)];
+    const Patch& patch = patches[number];
     const bool triangle = is_triangle(patch.type);
     const float far = triangle ? 1 - made.u - made.v : 1 - made.u;
     const auto add = [&](int side, int transition, float t) {

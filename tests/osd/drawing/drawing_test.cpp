@@ -109,7 +109,7 @@ void expect_as_evaluated(PatchDrawing& drawing, const DrawnMesh& mesh, float ext
   const Expected expected(mesh, vertices, drawing.target());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const DrawnVertex& made = vertices[i];
-    const Patch& patch = patches[static_cast<std::size_t>(made.patch)];
+    const Patch& patch = patches[made.patch];
     drawn.insert(made.patch);
     const float grown = static_cast<float>(1 << patch.param.GetDepth());
     const glm::vec3 du = expected.du[i], dv = expected.dv[i], across = glm::cross(du, dv);

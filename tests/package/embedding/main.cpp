@@ -118,12 +118,10 @@ void write_picture(const char* path, const std::vector<std::array<unsigned char,
 int wrong_patches(const DrawnFrame& drawn) {
   constexpr int kAround = 3;
   int holes = 0, different = 0;
-  const auto is_covered = [&](int x, int y) {
-    return drawn.patches[static_cast<std::size_t>(y * kImageSide + x)][3] != 0;
-  };
+  const auto is_covered = [&](int x, int y) { return drawn.patches[y * kImageSide + x][3] != 0; };
   for (int y = kAround; y + kAround < kImageSide; ++y)
     for (int x = kAround; x + kAround < kImageSide; ++x) {
-      const float side = drawn.motions[static_cast<std::size_t>(y * kImageSide + x)].w;
+      const float side = drawn.motions[y * kImageSide + x].w;
       different += is_covered(x, y) != (side != 0);
       if (is_covered(x, y)) continue;
       int uncovered = 0;

@@ -33,9 +33,7 @@ struct CgalTree::Parts {
 CgalTree::CgalTree(const SurfaceMesh& surface) : parts_(std::make_unique<Parts>()) {
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
     const auto face = surface.face(f);
-    const auto at = [&](std::size_t i) {
-      return cgal_point(surface.positions[static_cast<std::size_t>(face[i])]);
-    };
+    const auto at = [&](std::size_t i) { return cgal_point(surface.positions[face[i]]); };
     for (std::size_t i = 1; i + 1 < face.size(); ++i)
       parts_->triangles.emplace_back(at(0), at(i), at(i + 1));
   }

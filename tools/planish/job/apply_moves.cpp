@@ -41,9 +41,7 @@ class VerticesOfInput {
   }
 
  private:
-  [[nodiscard]] std::int32_t source(std::int32_t v) const {
-    return sources_[static_cast<std::size_t>(v)];
-  }
+  [[nodiscard]] std::int32_t source(std::int32_t v) const { return sources_[v]; }
 
   std::span<const std::int32_t> sources_;
   std::vector<std::int32_t> order_;

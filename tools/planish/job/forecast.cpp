@@ -118,7 +118,7 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
     };
     std::ranges::for_each(all.subspan(is_tiles ? 1 : level, is_tiles ? level : 1), add);
     for (const Fineness& coarser : output.coarser)
-      if (!coarser.is_adaptive()) add(levels[static_cast<std::size_t>(coarser.level)]);
+      if (!coarser.is_adaptive()) add(levels[coarser.level]);
     points += static_cast<double>(file.vertices);
     if (is_tiles)
       forecast.peak_bytes = std::max(
@@ -194,7 +194,7 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
       file.vertices = 0;
       for (const Fineness& fineness : output.finenesses()) {
         const int level = output.coarser.empty() ? level_of(output, settings) : fineness.level;
-        const WrittenLevel written{level, levels[static_cast<std::size_t>(level)], triangles};
+        const WrittenLevel written{level, levels[level], triangles};
         const auto bytes = output_bytes(shape, written, output, settings);
         const std::int64_t vertices = written_vertices(shape, written, output.kind);
         if (bytes)

@@ -45,7 +45,7 @@ class CopyCounter {
       const std::int32_t edge = v0 < 0 || v1 < 0 ? -1 : topology_.find_edge(v0, v1);
       if (edge < 0 || topology_.is_boundary_edge(edge)) continue;
       sharp.resize(static_cast<std::size_t>(topology_.edge_count()));
-      sharp[static_cast<std::size_t>(edge)] = true;
+      sharp[edge] = true;
     }
     return sharp;
   }
@@ -57,15 +57,13 @@ class CopyCounter {
                : static_cast<std::int32_t>(found - prepared_.vertices.begin());
   }
   [[nodiscard]] bool is_sharp(std::int32_t edge) const {
-    return !is_sharp_.empty() && is_sharp_[static_cast<std::size_t>(edge)];
+    return !is_sharp_.empty() && is_sharp_[edge];
   }
   [[nodiscard]] std::int32_t uv(std::int32_t corner) const {
-    return mesh_.face_uvs.empty() ? -1 : mesh_.face_uvs[static_cast<std::size_t>(corner)];
+    return mesh_.face_uvs.empty() ? -1 : mesh_.face_uvs[corner];
   }
   [[nodiscard]] std::int32_t group(std::int32_t corner) const {
-    return mesh_.face_groups.empty()
-               ? 0
-               : mesh_.face_groups[static_cast<std::size_t>(topology_.face_of(corner))];
+    return mesh_.face_groups.empty() ? 0 : mesh_.face_groups[topology_.face_of(corner)];
   }
 
   void count_vertex(std::int32_t vertex, WrittenShape& shape) {

@@ -22,7 +22,7 @@ TornVertices torn_vertices(const PolygonMesh& mesh, const MeshTopology& topology
   if (places.positions.size() == vertices.size()) return {};
   const auto place_of = [&](std::int32_t vertex) {
     const auto found = std::ranges::lower_bound(vertices, vertex);
-    return places.indices[static_cast<std::size_t>(found - vertices.begin())];
+    return places.indices[found - vertices.begin()];
   };
   std::vector<std::pair<std::int32_t, std::int32_t>> edges;
   for (std::int32_t edge = 0; edge < topology.edge_count(); ++edge) {

@@ -29,7 +29,7 @@ glm::dmat4 affine_map(const Json& json, const std::string& where) {
   for (int r = 0; r < 3; ++r) {
     const auto row = static_cast<std::size_t>(r);
     const std::vector<double> numbers = numbers_of(json[row], entry_path(where, row), 4);
-    for (int c = 0; c < 4; ++c) map[c][r] = numbers[static_cast<std::size_t>(c)];
+    for (int c = 0; c < 4; ++c) map[c][r] = numbers[c];
   }
   return map;
 }

@@ -69,7 +69,7 @@ using ChosenLevels = std::vector<int>;
 
 std::size_t scene_bytes(const PageJob& job, int level) {
   if (level < 0) return 0;
-  const PagePayload& payload = job.payloads[static_cast<std::size_t>(level)];
+  const PagePayload& payload = job.payloads[level];
   return payload.packed.size() + payload.head.dump().size() + job.still.size();
 }
 

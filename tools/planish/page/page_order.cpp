@@ -110,7 +110,7 @@ class Splitter {
     std::size_t slot = edge_hash(a, b) & mask;
     while (edges_[slot] >= 0 && !halves(edges_[slot], a, b)) slot = (slot + 1) & mask;
     const std::int32_t found = edges_[slot];
-    if (found >= 0 && order_.rows[static_cast<std::size_t>(found)] == row) return found;
+    if (found >= 0 && order_.rows[found] == row) return found;
     const std::int32_t vertex = add_vertex(row, std::array{a, b});
     if (found < 0) {
       edges_[slot] = vertex;

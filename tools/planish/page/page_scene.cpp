@@ -285,7 +285,7 @@ PageScene make_page_scene(const PageSceneInput& input) {
 
 PagePayload encode_scene(const PageScene& scene, int level) {
   const PageOrder& order = scene.order;
-  const std::size_t count = order.counts[static_cast<std::size_t>(level)];
+  const std::size_t count = order.counts[level];
   const PageOrder none;
   PageCoder coder;
   add_topology(scene, level, coder);

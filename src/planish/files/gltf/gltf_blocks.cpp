@@ -79,8 +79,7 @@ GltfBlock::GltfBlock(const SurfaceBlocks& surface, RowRange faces, const GltfOpt
   }
   for (std::span<const glm::dvec2>& set : options_.further_uvs) {
     std::vector<glm::dvec2>& values = uvs_.emplace_back();
-    for (const std::int32_t uv : surface_.surface_uvs())
-      values.push_back(set[static_cast<std::size_t>(uv)]);
+    for (const std::int32_t uv : surface_.surface_uvs()) values.push_back(set[uv]);
     set = values;
   }
   vertices_ = gltf_vertices(surface_, options_);
@@ -135,7 +134,7 @@ PackedGltf pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& optio
     });
     for (PackedBlock& block : blocks) {
       for (std::size_t i = 0; i < block.decoded.size(); ++i)
-        decoded[static_cast<std::size_t>(block.rows[i])] = block.decoded[i];
+        decoded[block.rows[i]] = block.decoded[i];
       if (all.pieces.empty()) {
         all.document = std::move(block.contents.document);
         all.document.shares_materials = true;

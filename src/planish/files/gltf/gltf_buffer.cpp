@@ -59,8 +59,7 @@ class RowWriter {
           (void)surface_.rows(range, target);
           for (Vector& value : values) value = finished(value);
           for (const CopiedRow& copy : copies_in(copied_, range)) {
-            copies[static_cast<std::size_t>(copy.vertex - vertices_.kept_rows)] =
-                values[static_cast<std::size_t>(copy.row - range.first)];
+            copies[copy.vertex - vertices_.kept_rows] = values[copy.row - range.first];
           }
         },
         row_sinks_);
@@ -113,7 +112,7 @@ void for_each_uv(const SurfaceBlocks& surface, std::span<const std::int32_t> uvs
     values.resize(static_cast<std::size_t>(std::max(last + 1 - first, 0)));
     surface.uvs({first, std::ssize(values)}, values);
     for (std::size_t i = begin; i < end; ++i)
-      take(i, uvs[i] < 0 ? glm::dvec2(0.0) : values[static_cast<std::size_t>(uvs[i] - first)]);
+      take(i, uvs[i] < 0 ? glm::dvec2(0.0) : values[uvs[i] - first]);
   }
 }
 
@@ -130,10 +129,9 @@ void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices, int s
                       [&](std::size_t i, const glm::dvec2& uv) { values[i] = stored_uv(uv); });
           return;
         }
-        const auto& further = options.further_uvs[static_cast<std::size_t>(set - 1)];
+        const auto& further = options.further_uvs[set - 1];
         for (std::size_t i = 0; i < values.size(); ++i)
-          values[i] =
-              stored_uv(uvs[i] < 0 ? glm::dvec2(0.0) : further[static_cast<std::size_t>(uvs[i])]);
+          values[i] = stored_uv(uvs[i] < 0 ? glm::dvec2(0.0) : further[uvs[i]]);
       },
       sinks);
 }
@@ -151,8 +149,7 @@ void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribut
         const auto values = values_of<Number>(bytes, width * static_cast<std::size_t>(range.count));
         for (std::int64_t i = 0; i < range.count; ++i) {
           const std::int64_t vertex = range.first + i;
-          const std::int32_t uv =
-              attribute.of_uvs ? vertices.uvs[static_cast<std::size_t>(vertex)] : 0;
+          const std::int32_t uv = attribute.of_uvs ? vertices.uvs[vertex] : 0;
           const float* const from = attribute.numbers(uv, vertices.row_of(vertex));
           for (std::size_t k = 0; k < width; ++k)
             values[width * static_cast<std::size_t>(i) + k] = static_cast<Number>(from[k]);

@@ -52,7 +52,7 @@ class FaceWriter {
     const auto begin = static_cast<std::int64_t>(first);
     for (auto seam = std::ranges::lower_bound(vertices_.seams, begin, {}, &SeamCorner::corner);
          seam != vertices_.seams.end() && seam->corner < begin + std::ssize(rows_); ++seam)
-      rows_[static_cast<std::size_t>(seam->corner - begin)] = seam->vertex;
+      rows_[seam->corner - begin] = seam->vertex;
     corners_ = rows_;
   }
 

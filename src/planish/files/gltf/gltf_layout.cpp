@@ -129,7 +129,7 @@ GltfDocument plain_document(const GltfLayout& layout, std::span<const GltfBounds
                       .count = primitive.vertex_count};
       if (attribute.name == "POSITION") array.bounds = bounds[i];
       if (attribute.place >= 0 && !primitive.bounds.empty())
-        array.bounds = primitive.bounds[static_cast<std::size_t>(attribute.place)];
+        array.bounds = primitive.bounds[attribute.place];
       document.primitives[i].attributes[attribute.name] =
           add(array, attribute.bytes * primitive.vertex_count);
     }

@@ -105,7 +105,7 @@ std::optional<glm::dvec3> GltfMaterials::display_color(std::string_view name) co
     if (factor.size() < 3) return std::nullopt;
     glm::dvec3 color;
     for (int k = 0; k < 3; ++k) {
-      const double linear = std::clamp(factor[static_cast<std::size_t>(k)].get<double>(), 0.0, 1.0);
+      const double linear = std::clamp(factor[k].get<double>(), 0.0, 1.0);
       color[k] = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
     }
     return color;

@@ -78,7 +78,7 @@ std::vector<glm::dmat4> places_of(const JsonPlace& root, const JsonPlace& attrib
       number->fail(std::to_string(values.count()) + " places, and another attribute has " +
                    std::to_string(places.size()));
     for (std::int64_t i = 0; i < values.count(); ++i) {
-      glm::dmat4& place = places[static_cast<std::size_t>(i)];
+      glm::dmat4& place = places[i];
       const auto value = [&](std::int64_t k) { return values.value(i, k); };
       if (is_rotation) {
         place = rotation_of(*number, {value(0), value(1), value(2), value(3)});
@@ -111,10 +111,10 @@ std::vector<std::int64_t> root_nodes(const JsonPlace& root, const JsonPlace& nod
   for (std::int64_t i = 0; i < nodes.array_size(); ++i)
     if (const auto children = nodes[i].find("children"))
       for (const std::int64_t child : indices_of(*children))
-        if (child < nodes.array_size()) is_child[static_cast<std::size_t>(child)] = true;
+        if (child < nodes.array_size()) is_child[child] = true;
   std::vector<std::int64_t> result;
   for (std::int64_t i = 0; i < nodes.array_size(); ++i)
-    if (!is_child[static_cast<std::size_t>(i)]) result.push_back(i);
+    if (!is_child[i]) result.push_back(i);
   return result;
 }
 
@@ -140,9 +140,8 @@ std::vector<GltfInstance> gltf_instances(const JsonPlace& root, GltfSource& sour
     pending.pop_back();
     const JsonPlace node = (*nodes)[visit.node];
     // Nodes form trees, so that a second visit is a cycle or a shared child.
-    if (reached[static_cast<std::size_t>(visit.node)])
-      node.fail("is reached twice, but nodes must form trees");
-    reached[static_cast<std::size_t>(visit.node)] = true;
+    if (reached[visit.node]) node.fail("is reached twice, but nodes must form trees");
+    reached[visit.node] = true;
     const glm::dmat4 to_world = visit.parent_to_world * local_transform(node);
     if (const auto mesh = node.find("mesh")) {
       const auto extensions = node.find("extensions");

@@ -115,10 +115,8 @@ class Surveyor {
       const auto part = std::ranges::upper_bound(vertices_.parts, copy.vertex, std::less<>(),
                                                  &GltfPart::first_vertex) -
                         1;
-      const glm::vec3 position =
-          stored_.turn(positions_[static_cast<std::size_t>(copy.row - range.first)]);
-      survey.parts[static_cast<std::size_t>(part - vertices_.parts.begin())].add(
-          {position, position});
+      const glm::vec3 position = stored_.turn(positions_[copy.row - range.first]);
+      survey.parts[part - vertices_.parts.begin()].add({position, position});
     }
   }
 
@@ -166,8 +164,7 @@ GltfSurvey gltf_survey(const SurfaceBlocks& surface, const GltfVertices& vertice
     }
   });
   if (all.fault.row >= 0) {
-    if (!surface_rows.empty())
-      all.fault.row = surface_rows[static_cast<std::size_t>(all.fault.row)];
+    if (!surface_rows.empty()) all.fault.row = surface_rows[all.fault.row];
     refuse(all.fault, options);
   }
   GltfSurvey found{{}, all.degenerate};

@@ -74,14 +74,14 @@ class Measurer {
 
     // Differences from the first vertex.
     void add(const TangentCluster& cluster, const TangentSource& source, const Measured& made) {
-      const std::span<const glm::dvec2> uvs = source.sets[static_cast<std::size_t>(cluster.set)];
+      const std::span<const glm::dvec2> uvs = source.sets[cluster.set];
       const std::size_t first = cluster.first_vertex;
       const glm::vec3 origin = made.positions[first];
-      const glm::dvec2 uv_origin = uvs[static_cast<std::size_t>(made.uvs[first])];
+      const glm::dvec2 uv_origin = uvs[made.uvs[first]];
       float* to = vertices_.data() + count_;
       for (std::size_t v = first; v < first + shape_->first.size(); ++v) {
         const glm::vec3 p = made.positions[v] - origin, &n = made.normals[v];
-        const glm::vec2 t(uvs[static_cast<std::size_t>(made.uvs[v])] - uv_origin);
+        const glm::vec2 t(uvs[made.uvs[v]] - uv_origin);
         for (const float number : {p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y}) {
           *to = number;
           to += kTangentLanes;
@@ -144,7 +144,7 @@ class TangentSums {
       const std::size_t end = cluster.first_vertex + piece.shapes[cluster.shape].first.size();
       for (std::size_t v = cluster.first_vertex; v < end; ++v) {
         const std::size_t slot = slot_of({piece.uvs[v], piece.rows[v]});
-        if (!sets_.empty()) sets_[static_cast<std::size_t>(piece.uvs[v])] = cluster.set;
+        if (!sets_.empty()) sets_[piece.uvs[v]] = cluster.set;
         float* const sum = sum_of(slot);
         for (int k = 0; k < 4; ++k) sum[k] += piece.sums[v][k];
         if (is_zero(sum)) zero_.push_back({slot, piece.normals[v]});
@@ -216,13 +216,12 @@ class TangentSums {
     std::vector<std::int32_t> only(row_count_, kNone);
     for (const std::int32_t row : rows_) {
       if (row < 0) continue;
-      std::int32_t& of = only[static_cast<std::size_t>(row)];
+      std::int32_t& of = only[row];
       of = of == kNone ? 0 : kSeveral;
     }
     std::vector<std::size_t> shared;
     for (std::size_t slot = 0; slot < rows_.size(); ++slot)
-      if (rows_[slot] >= 0 && only[static_cast<std::size_t>(rows_[slot])] == kSeveral)
-        shared.push_back(slot);
+      if (rows_[slot] >= 0 && only[rows_[slot]] == kSeveral) shared.push_back(slot);
     return shared;
   }
 
@@ -234,7 +233,7 @@ class TangentSums {
       const auto uv =
           slot < uv_count ? slot : static_cast<std::size_t>(further_uvs_[slot - uv_count]);
       const int set = sets_.empty() ? set_ : sets_[uv];
-      const glm::dvec2 place = source_.sets[static_cast<std::size_t>(set)][uv];
+      const glm::dvec2 place = source_.sets[set][uv];
       return std::tuple(set, rows_[slot], place.x, place.y, sum_of(slot)[3] < 0);
     };
     oneapi::tbb::parallel_sort(order, [&](std::size_t a, std::size_t b) {

@@ -47,7 +47,7 @@ class SeamSplitter {
 
   // The vertex of a corner; `first` is that of its row.
   std::int64_t operator()(std::int64_t first, std::int32_t row, std::int32_t uv) {
-    std::int32_t& own = vertices_.uvs[static_cast<std::size_t>(first)];
+    std::int32_t& own = vertices_.uvs[first];
     if (own < 0) own = uv;
     if (own == uv) return first;
     const std::uint64_t key =
@@ -122,13 +122,13 @@ void part_vertices(const SurfaceBlocks& surface, GltfVertices& vertices) {
     std::ranges::sort(rows);
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
     for (const std::int32_t row : rows) {
-      vertex_of[static_cast<std::size_t>(row)] = vertices.count();
+      vertex_of[row] = vertices.count();
       vertices.rows.push_back(row);
     }
     if (!uvs.empty()) vertices.uvs.resize(vertices.rows.size(), -1);
     for_each_corner(info, part, [&](std::size_t c) {
       const std::int32_t row = vertices.corners[c];
-      std::int64_t vertex = vertex_of[static_cast<std::size_t>(row)];
+      std::int64_t vertex = vertex_of[row];
       if (!uvs.empty()) vertex = split(vertex, row, uvs[c]);
       vertices.corners[c] = static_cast<std::int32_t>(vertex - part.first_vertex);
     });
@@ -141,8 +141,7 @@ void part_vertices(const SurfaceBlocks& surface, GltfVertices& vertices) {
 void count_uv_sets(const SurfaceBlocks& surface, const GltfOptions& options,
                    GltfVertices& vertices) {
   if (!options.uv_sets.empty()) {
-    for (GltfPart& part : vertices.parts)
-      part.uv_sets = options.uv_sets[static_cast<std::size_t>(std::max(part.group, 0))];
+    for (GltfPart& part : vertices.parts) part.uv_sets = options.uv_sets[std::max(part.group, 0)];
     return;
   }
   std::vector<glm::dvec2> values(static_cast<std::size_t>(surface.info().uv_count));
@@ -151,9 +150,8 @@ void count_uv_sets(const SurfaceBlocks& surface, const GltfOptions& options,
     const auto uvs = std::span(vertices.uvs)
                          .subspan(static_cast<std::size_t>(part.first_vertex),
                                   static_cast<std::size_t>(part.vertex_count));
-    const bool has_uvs = std::ranges::any_of(uvs, [&](std::int32_t uv) {
-      return uv >= 0 && values[static_cast<std::size_t>(uv)] != glm::dvec2(0.0);
-    });
+    const bool has_uvs = std::ranges::any_of(
+        uvs, [&](std::int32_t uv) { return uv >= 0 && values[uv] != glm::dvec2(0.0); });
     part.uv_sets = has_uvs ? 1 + static_cast<int>(options.further_uvs.size()) : 0;
   }
 }

@@ -41,7 +41,7 @@ struct GltfVertices {
     return kept_rows + static_cast<std::int64_t>(rows.size());
   }
   [[nodiscard]] std::int64_t row_of(std::int64_t vertex) const {
-    return vertex < kept_rows ? vertex : rows[static_cast<std::size_t>(vertex - kept_rows)];
+    return vertex < kept_rows ? vertex : rows[vertex - kept_rows];
   }
 };
 

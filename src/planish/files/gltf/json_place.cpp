@@ -47,8 +47,7 @@ JsonPlace JsonPlace::operator[](std::int64_t index) const {
   if (index >= array_size())
     fail("entry " + std::to_string(index) + " is asked for, but there are only " +
          std::to_string(array_size()));
-  return {(*value_)[static_cast<std::size_t>(index)], file_,
-          path_ + "[" + std::to_string(index) + "]"};
+  return {(*value_)[index], file_, path_ + "[" + std::to_string(index) + "]"};
 }
 
 std::int64_t JsonPlace::array_size() const {

@@ -128,8 +128,8 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
     if (vertex >= vertex_count)
       place["indices"].fail("entry " + std::to_string(i) + " names vertex " +
                             std::to_string(vertex) + " of " + std::to_string(vertex_count));
-    corners_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(vertex);
-    vertices_[static_cast<std::size_t>(i)] = welded(primitive, vertex, instance);
+    corners_[i] = static_cast<std::int32_t>(vertex);
+    vertices_[i] = welded(primitive, vertex, instance);
     if ((i + 1) % kPiece != 0) continue;
     check_stop();
     count_read(progress_,
@@ -145,7 +145,7 @@ void SceneReader::name_group(const JsonPlace& place) {
     const std::int64_t number = material->integer();
     (void)root_["materials"][number];
     if (material_names_.empty()) material_names_ = material_names(root_);
-    group.material = material_names_[static_cast<std::size_t>(number)];
+    group.material = material_names_[number];
   }
   if (const auto extras = place.find("extras"); extras && extras->is_object()) {
     if (const auto name = extras->find("group"); name && name->is_text()) group.name = name->text();

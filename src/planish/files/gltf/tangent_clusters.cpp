@@ -74,8 +74,8 @@ void TangentClusterMaker::take_rows(TangentClusters& made) {
   (void)surface_.rows_at(rows, target);
   for (std::size_t i = 0; i < made.rows.size(); ++i) {
     const auto at = std::ranges::lower_bound(rows, made.rows[i]) - rows.begin();
-    made.positions[i] = stored[static_cast<std::size_t>(at)];
-    made.normals[i] = normals[static_cast<std::size_t>(at)];
+    made.positions[i] = stored[at];
+    made.normals[i] = normals[at];
   }
 }
 
@@ -112,7 +112,7 @@ void TangentClusterMaker::add_quads(RowRange faces, TangentClusters& made) {
   for (std::int64_t f = 0, end = 0; f < faces.count; f = end) {
     end = f + 1;
     while (end < faces.count && end < f + kClusterFaces && ancestors_[end] == ancestors_[f]) ++end;
-    const int set = set_of_group_[static_cast<std::size_t>(groups_[f])];
+    const int set = set_of_group_[groups_[f]];
     const auto corner = static_cast<std::size_t>(4 * f);
     if (set < 0) continue;
     add({.shape = shape_of(corner, static_cast<std::size_t>(4 * (end - f)), made),
@@ -128,7 +128,7 @@ void TangentClusterMaker::add_polygons(RowRange faces, TangentClusters& made) {
   positions_.resize(rows_.size()), normals_.resize(rows_.size());
   surface_.corners(faces, positions_, normals_);
   for (std::int64_t f = 0; f < faces.count; ++f) {
-    const int set = set_of_group_[static_cast<std::size_t>(groups_[f])];
+    const int set = set_of_group_[groups_[f]];
     if (set < 0) continue;
     const auto corner = static_cast<std::size_t>(info.first_corner(faces.first + f) - first);
     const auto size =

@@ -49,7 +49,7 @@ struct GltfAttribute {
   std::vector<std::uint8_t> in_groups;
 
   [[nodiscard]] bool is_in(std::int32_t group) const {
-    return in_groups.empty() || in_groups[static_cast<std::size_t>(group < 0 ? 0 : group)] != 0;
+    return in_groups.empty() || in_groups[group < 0 ? 0 : group] != 0;
   }
   /// The numbers of a vertex; `uv` counts with of_uvs only.
   [[nodiscard]] const float* numbers(std::int32_t uv, std::int64_t row) const;

@@ -120,7 +120,7 @@ class HeaderReader {
           "\"laszip -i FILE.laz -o FILE.las\" unpacks it");
     if (static_cast<std::size_t>(format) >= kLayouts.size())
       fail(formatted("point data record format {} is not from 0 to 10", format));
-    const RecordLayout& layout = kLayouts[static_cast<std::size_t>(format)];
+    const RecordLayout& layout = kLayouts[format];
     header_.point_format = format;
     header_.color_begin = layout.color_begin;
     header_.record_bytes = at<std::uint16_t>(105);

@@ -48,7 +48,7 @@ constexpr std::array<std::string_view, 23> kClassNames{"never classified",
 std::string class_name(int number) {
   const std::string text = std::to_string(number);
   if (static_cast<std::size_t>(number) >= kClassNames.size()) return text;
-  return text + " " + std::string(kClassNames[static_cast<std::size_t>(number)]);
+  return text + " " + std::string(kClassNames[number]);
 }
 
 // What is to be known before points are placed.

@@ -313,9 +313,8 @@ PcdRecord PcdReader::record_of(const TextLines& line, std::int64_t index) const 
     const auto further = std::ranges::find(header_.further, f) - header_.further.begin();
     if (further == std::ssize(header_.further)) continue;
     double value = 0;
-    record.further[static_cast<std::size_t>(further)] =
-        parse_number(word, value) ? static_cast<float>(value)
-                                  : std::numeric_limits<float>::quiet_NaN();
+    record.further[further] = parse_number(word, value) ? static_cast<float>(value)
+                                                        : std::numeric_limits<float>::quiet_NaN();
   }
   return record;
 }

@@ -44,7 +44,7 @@ class PlyUvs {
   [[nodiscard]] bool are_of_vertices() const { return !values_.empty() && !has_seams_; }
   [[nodiscard]] bool are_of_faces() const { return has_seams_; }
   [[nodiscard]] glm::vec2 of_vertex(std::int64_t vertex) const {
-    const std::int32_t uv = of_vertices_[static_cast<std::size_t>(vertex)];
+    const std::int32_t uv = of_vertices_[vertex];
     return uv < 0 ? glm::vec2(0.0f) : values_[uv];
   }
   [[nodiscard]] const glm::vec2& at(std::int32_t uv) const { return values_[uv]; }

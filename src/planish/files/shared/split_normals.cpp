@@ -52,8 +52,7 @@ class NormalsDiffer {
 
   bool operator()(std::int32_t a, std::int32_t b) const {
     if (a == b || a == kNoNormal || b == kNoNormal) return false;
-    const glm::dvec3 u = values_[static_cast<std::size_t>(a)],
-                     v = values_[static_cast<std::size_t>(b)];
+    const glm::dvec3 u = values_[a], v = values_[b];
     const double lengths = glm::length(u) * glm::length(v);
     if (!(lengths > 0) || !std::isfinite(lengths)) return false;
     return glm::dot(u, v) < least_cosine_ * lengths;
@@ -91,9 +90,7 @@ void weld_repeated_vertices(MeshFile& file) {
   WeldedPositions welded = weld(mesh.positions);
   if (welded.positions.size() == count) return;
   file.welded_vertex_count += static_cast<std::int64_t>(count - welded.positions.size());
-  const auto rename = [&](std::int32_t& vertex) {
-    vertex = welded.indices[static_cast<std::size_t>(vertex)];
-  };
+  const auto rename = [&](std::int32_t& vertex) { vertex = welded.indices[vertex]; };
   for (std::int32_t& vertex : mesh.face_vertices) rename(vertex);
   for (CreaseEdge& crease : mesh.creases) {
     rename(crease.v0);
@@ -105,8 +102,7 @@ void weld_repeated_vertices(MeshFile& file) {
   const auto gather = [&](auto& values) {
     if (values.empty()) return;
     std::remove_reference_t<decltype(values)> kept(welded.positions.size());
-    for (std::size_t i = count; i-- > 0;)
-      kept[static_cast<std::size_t>(welded.indices[i])] = values[i];
+    for (std::size_t i = count; i-- > 0;) kept[welded.indices[i]] = values[i];
     values = std::move(kept);
   };
   gather(mesh.colors);

@@ -35,7 +35,7 @@ class TilesetWriter {
     children_.resize(plan.tiles.size());
     for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
       const std::int32_t parent = plan.tiles[i].parent;
-      (parent < 0 ? blocks_ : children_[static_cast<std::size_t>(parent)]).push_back(i);
+      (parent < 0 ? blocks_ : children_[parent]).push_back(i);
     }
   }
 

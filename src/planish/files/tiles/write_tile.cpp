@@ -121,7 +121,7 @@ std::optional<WrittenTile> write_tile(const TileSource& source, const PlannedTil
 void pass_errors_up(std::span<const PlannedTile> tiles, int level, std::span<WrittenTile> written) {
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (tiles[i].level != level || tiles[i].parent < 0) continue;
-    TileRecord& above = written[static_cast<std::size_t>(tiles[i].parent)].record;
+    TileRecord& above = written[tiles[i].parent].record;
     above.error = std::max({above.error, written[i].coarser_error, written[i].record.error});
   }
 }
@@ -130,8 +130,7 @@ void pass_boxes_up(std::span<const PlannedTile> tiles, std::span<WrittenTile> wr
   // Children come behind their parents.
   for (std::size_t i = tiles.size(); i-- > 0;) {
     const std::int32_t parent = tiles[i].parent;
-    if (parent >= 0)
-      written[static_cast<std::size_t>(parent)].record.box.add(written[i].record.box);
+    if (parent >= 0) written[parent].record.box.add(written[i].record.box);
   }
 }
 
@@ -141,7 +140,7 @@ TilesFile sum_of_tiles(std::span<const PlannedTile> tiles, std::span<const Writt
   for (int l = 1; l <= level; ++l) file.levels.emplace_back().level = l;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     const TileRecord& record = written[i].record;
-    TileLevel& at = file.levels[static_cast<std::size_t>(tiles[i].level - 1)];
+    TileLevel& at = file.levels[tiles[i].level - 1];
     ++at.tiles;
     at.bytes += record.bytes;
     at.vertex_count += record.vertex_count;

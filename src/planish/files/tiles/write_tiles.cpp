@@ -102,7 +102,7 @@ class TilesWriter {
       for (std::size_t t = begin; t < end; ++t) {
         const PlannedTile& tile = plan_.tiles[t];
         if (tile.level > 1) continue;
-        boxes_[static_cast<std::size_t>(tile.block)] = box_of_faces(
+        boxes_[tile.block] = box_of_faces(
             surface.topology(), plan_.faces_of(tile),
             [&](std::int32_t vertex) -> const glm::dvec3& { return options.given[used[vertex]]; });
       }

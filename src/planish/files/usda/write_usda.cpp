@@ -193,8 +193,7 @@ std::vector<GroupPlaces> places_of_groups(const PolygonStream& stream) {
   stream.look(PolygonPart::Faces, [&](const PolygonPiece& piece, RowRange range) {
     std::vector<std::int64_t> first(piece.view.groups.size(), -1);
     for (std::size_t f = piece.view.face_groups.size(); f-- > 0;)
-      first[static_cast<std::size_t>(piece.view.face_groups[f])] =
-          range.first + static_cast<std::int64_t>(f);
+      first[piece.view.face_groups[f]] = range.first + static_cast<std::int64_t>(f);
     const std::lock_guard lock(mutex);
     places.resize(first.size());
     for (std::size_t g = 0; g < first.size(); ++g) {

@@ -141,8 +141,7 @@ bool has_all(const Triple& columns) {
 void add_colors(const Triple& columns, float scale, const ColumnValues& values, PointCloud& cloud) {
   for (std::size_t i = 0; i < values.count(); ++i) {
     glm::dvec4 color(0, 0, 0, 1);
-    for (int k = 0; k < 3; ++k)
-      color[k] = static_cast<double>(values(i, columns[static_cast<std::size_t>(k)]) / scale);
+    for (int k = 0; k < 3; ++k) color[k] = static_cast<double>(values(i, columns[k]) / scale);
     cloud.colors.push_back(linear_of_srgb(color));
   }
 }

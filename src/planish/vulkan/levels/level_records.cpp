@@ -62,7 +62,7 @@ class ChordMeasure {
     // Of two samples, or of one with itself.
     const auto middle = [&](std::int32_t x, std::int32_t y) {
       const std::int32_t a = x % (side + 1) + y % (side + 1), b = x / (side + 1) + y / (side + 1);
-      return points[static_cast<std::size_t>(samples.index(a * half, b * half))];
+      return points[samples.index(a * half, b * half)];
     };
     double largest = 0;
     for (const auto& cell : cells_[k].of(*surface_.topology, corner))

@@ -49,7 +49,7 @@ std::vector<std::uint32_t> DeviceTable::slots() const {
   std::vector<std::uint32_t> slots(static_cast<std::size_t>(row_count_));
   for (std::size_t slot = 0; slot < plan_.row_of_slot.size(); ++slot)
     if (plan_.row_of_slot[slot] >= 0)
-      slots[static_cast<std::size_t>(plan_.row_of_slot[slot])] = static_cast<std::uint32_t>(slot);
+      slots[plan_.row_of_slot[slot]] = static_cast<std::uint32_t>(slot);
   return slots;
 }
 

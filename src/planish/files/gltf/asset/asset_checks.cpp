@@ -207,7 +207,7 @@ void require_trees(const JsonPlace& root) {
     for (std::int64_t i = 0; children && i < children->array_size(); ++i) {
       const JsonPlace child = (*children)[i];
       require_below(child, std::ssize(parents), "nodes");
-      std::int64_t& parent = parents[static_cast<std::size_t>(child.integer())];
+      std::int64_t& parent = parents[child.integer()];
       if (parent >= 0)
         child.fail("node " + std::to_string(child.integer()) + " is a child of node " +
                    std::to_string(parent) + " already, but nodes must form trees" +
@@ -221,8 +221,7 @@ void require_trees(const JsonPlace& root) {
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<std::size_t> way;
     auto at = static_cast<std::int64_t>(i);
-    for (; at >= 0 && !is_known[static_cast<std::size_t>(at)];
-         at = parents[static_cast<std::size_t>(at)]) {
+    for (; at >= 0 && !is_known[at]; at = parents[at]) {
       if (way.size() > count)
         root["nodes"][at].fail("is its own ancestor, but nodes must form trees" +
                                std::string(kRemedy));

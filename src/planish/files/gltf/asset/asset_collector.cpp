@@ -36,7 +36,7 @@ int AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitiv
       group_of_.try_emplace(without_vertices(place.value()).dump(-1, ' ', true), next);
   const std::int64_t number = primitive_number(place.path());
   if (is_new) made_.groups.push_back({.primitive = number});
-  int& sets = made_.groups[static_cast<std::size_t>(group->second)].uv_sets;
+  int& sets = made_.groups[group->second].uv_sets;
   sets = std::max(sets, uv_set_count());
   return group->second;
 }
@@ -165,7 +165,7 @@ bool AssetCollector::moves_like(std::int32_t welded, const glm::dvec3& position)
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   };
   for (std::size_t k = 0; k < moves_.size(); ++k) {
-    const glm::dvec3 apart = made_.targets[k][static_cast<std::size_t>(welded)] - moves_[k];
+    const glm::dvec3 apart = made_.targets[k][welded] - moves_[k];
     if (largest(apart) > kRemainder * std::max(largest(position), largest(moves_[k]))) return false;
   }
   return true;

@@ -43,7 +43,7 @@ AssetContents counted_contents(const GltfAsset& asset) {
       contents.counts.emplace_back(list, std::ssize(document[list]));
   std::set<std::string> carried, left_out;
   for (const std::int64_t number : asset.surfaces()) {
-    const json& primitives = document["meshes"][static_cast<std::size_t>(number)]["primitives"];
+    const json& primitives = document["meshes"][number]["primitives"];
     for (const json& primitive : primitives) {
       if (!is_surface(primitive)) continue;
       for (const auto& [name, accessor] : primitive["attributes"].items())

@@ -96,9 +96,8 @@ void AssetDocument::keep_images() {
     const std::span<const std::byte> bytes = asset_.source().fetch(*uri);
     json& views = json_["bufferViews"];
     const std::int64_t view = views_.next(views);
-    views[static_cast<std::size_t>(view)] = {
-        {"buffer", 0}, {"byteOffset", keep(bytes)}, {"byteLength", bytes.size()}};
-    json& image = json_["images"][static_cast<std::size_t>(i)];
+    views[view] = {{"buffer", 0}, {"byteOffset", keep(bytes)}, {"byteLength", bytes.size()}};
+    json& image = json_["images"][i];
     if (!image.contains("name")) image["name"] = image["uri"];
     if (!image.contains("mimeType")) image["mimeType"] = image_type(bytes, uri->text());
     image["bufferView"] = view;
@@ -112,7 +111,7 @@ std::vector<std::int64_t> AssetDocument::append_accessors(const GltfDocument& do
   std::vector<std::int64_t> views, accessors;
   for (const json& view : made["bufferViews"]) {
     views.push_back(views_.next(json_["bufferViews"]));
-    json& to = json_["bufferViews"][static_cast<std::size_t>(views.back())] = view;
+    json& to = json_["bufferViews"][views.back()] = view;
     const bool is_packed = to["buffer"] == 1;
     to["byteOffset"] =
         to.value("byteOffset", std::uint64_t{0}) + (is_packed ? decoded_bytes_ : buffer_bytes_);
@@ -122,7 +121,7 @@ std::vector<std::int64_t> AssetDocument::append_accessors(const GltfDocument& do
   }
   for (const json& accessor : made["accessors"]) {
     accessors.push_back(accessors_.next(json_["accessors"]));
-    json& to = json_["accessors"][static_cast<std::size_t>(accessors.back())] = accessor;
+    json& to = json_["accessors"][accessors.back()] = accessor;
     to["bufferView"] = views[to["bufferView"].get<std::size_t>()];
   }
   buffer_bytes_ += document.buffer_bytes;
@@ -135,7 +134,7 @@ std::vector<std::int64_t> AssetDocument::append_accessors(const GltfDocument& do
 json AssetDocument::primitives_of(std::int64_t mesh, const AssetVertices& vertices,
                                   const GltfDocument& document, const json& made) {
   const std::vector<std::int64_t> accessors = append_accessors(document, made);
-  const json& given = asset_.root().value()["meshes"][static_cast<std::size_t>(mesh)]["primitives"];
+  const json& given = asset_.root().value()["meshes"][mesh]["primitives"];
   const json& primitives = made["meshes"][0]["primitives"];
   json all = json::array();
   for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -151,7 +150,7 @@ json AssetDocument::primitives_of(std::int64_t mesh, const AssetVertices& vertic
 void AssetDocument::replace(std::int64_t mesh, const AssetVertices& vertices,
                             const GltfDocument& document, const json& made, double least_coverage) {
   json primitives = primitives_of(mesh, vertices, document, made);
-  json_["meshes"][static_cast<std::size_t>(mesh)]["primitives"] = std::move(primitives);
+  json_["meshes"][mesh]["primitives"] = std::move(primitives);
   levels_[mesh] = {{mesh, document.scale, document.translation, least_coverage}};
 }
 
@@ -160,7 +159,7 @@ void AssetDocument::add_level(std::int64_t mesh, const AssetVertices& vertices,
                               double least_coverage) {
   std::vector<MeshLevel>& levels = levels_.at(mesh);
   json& meshes = json_["meshes"];
-  json level = meshes[static_cast<std::size_t>(mesh)];
+  json level = meshes[mesh];
   level["primitives"] = primitives_of(mesh, vertices, document, made);
   if (level.contains("name"))
     level["name"] = level["name"].get<std::string>() + "_LOD" + std::to_string(levels.size());
@@ -186,7 +185,7 @@ void AssetDocument::drop_unused_places(const char* list, Places& places, const j
     places.free.erase(std::prev(places.free.end()));
     all.erase(all.size() - 1);
   }
-  for (const std::int64_t place : places.free) all[static_cast<std::size_t>(place)] = filler;
+  for (const std::int64_t place : places.free) all[place] = filler;
   if (all.empty()) json_.erase(list);
 }
 

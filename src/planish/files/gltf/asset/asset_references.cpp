@@ -41,7 +41,7 @@ std::set<std::int64_t> views_of(const json& document, const std::set<std::int64_
   std::set<std::int64_t> views;
   for (const std::int64_t number : accessors)
     if (document.contains("accessors") && number < std::ssize(document["accessors"]))
-      add_views(document["accessors"][static_cast<std::size_t>(number)], views);
+      add_views(document["accessors"][number], views);
   return views;
 }
 

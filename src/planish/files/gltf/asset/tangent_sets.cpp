@@ -31,8 +31,8 @@ enum class Way : std::uint8_t { Unknown, Left, Right };
 Way way_of(std::span<const std::int32_t> face, std::span<const glm::dvec2> uvs) {
   double area = 0;
   for (std::size_t k = 0; k < face.size(); ++k) {
-    const glm::dvec2& a = uvs[static_cast<std::size_t>(face[k])];
-    const glm::dvec2& b = uvs[static_cast<std::size_t>(face[k + 1 < face.size() ? k + 1 : 0])];
+    const glm::dvec2& a = uvs[face[k]];
+    const glm::dvec2& b = uvs[face[k + 1 < face.size() ? k + 1 : 0]];
     area += a.x * b.y - a.y * b.x;
   }
   return area > 0 ? Way::Left : area < 0 ? Way::Right : Way::Unknown;
@@ -52,11 +52,9 @@ std::vector<Way> ways_of_faces(PolygonMesh& mesh, const AssetVertices& vertices)
     bool left = false, right = false;
     for (std::size_t f = begin; f < end; ++f) {
       const std::int32_t group = mesh.face_groups.empty() ? 0 : mesh.face_groups[f];
-      const int set = vertices.groups[static_cast<std::size_t>(group)].tangent_set;
+      const int set = vertices.groups[group].tangent_set;
       if (set < 0) continue;
-      ways[f] =
-          way_of(uvs_of_face(mesh, f),
-                 set == 0 ? mesh.uvs : vertices.further_uvs[static_cast<std::size_t>(set - 1)]);
+      ways[f] = way_of(uvs_of_face(mesh, f), set == 0 ? mesh.uvs : vertices.further_uvs[set - 1]);
       left = left || ways[f] == Way::Left;
       right = right || ways[f] == Way::Right;
     }
@@ -98,15 +96,15 @@ void cut_mirrored_charts(PolygonMesh& mesh, AssetVertices& vertices) {
     const Way way = ways_of[f];
     if (way == Way::Unknown) continue;
     for (std::int32_t& uv : uvs_of_face(mesh, f)) {
-      Way& known = ways[static_cast<std::size_t>(uv)];
+      Way& known = ways[uv];
       if (known == Way::Unknown) known = way;
       if (known == way) continue;
       const auto [copy, is_new] =
           copies.try_emplace(uv, static_cast<std::int32_t>(mesh.uvs.size()));
       if (is_new) {
-        mesh.uvs.push_back(mesh.uvs[static_cast<std::size_t>(uv)]);
+        mesh.uvs.push_back(mesh.uvs[uv]);
         for (std::vector<glm::dvec2>& further : vertices.further_uvs)
-          further.push_back(further[static_cast<std::size_t>(uv)]);
+          further.push_back(further[uv]);
         ways.push_back(way);
       }
       uv = copy->second;
