@@ -110,6 +110,7 @@ static void test_queries(void) {
   planish_place_answers on;
   planish_closest_answers near_to;
   planish_ray_answers hits;
+  const char *code = NULL, *message = NULL;
   size_t i;
   planish_fit_options_init(&options, sizeof options);
   planish_place_answers_init(&on, sizeof on);
@@ -128,7 +129,15 @@ static void test_queries(void) {
   EXPECT(coarse_arrays.face_count < fine_arrays.face_count && coarse_arrays.base_count == 8);
   check_surface(&coarse_arrays, 1e-10 * sqrt(3.0));
   EXPECT_REFUSED(planish_fit_tessellate(fit, 0, 0, &fine), PLANISH_INVALID_ARGUMENT, "chord error");
+  EXPECT(planish_surface_warning_count(fine) == 0 && planish_surface_warning_count(NULL) == 0);
   planish_surface_free(coarse);
+  planish_surface_free(fine);
+  EXPECT(planish_fit_tessellate(fit, 0, 0.5, &fine) == PLANISH_OK);
+  EXPECT(planish_surface_warning_count(fine) == 1);
+  EXPECT(planish_surface_warning(fine, 0, &code, &message) == PLANISH_OK);
+  EXPECT(strcmp(code, "angle-not-kept") == 0 && strstr(message, "0.5 degrees") != NULL);
+  EXPECT_REFUSED(planish_surface_warning(fine, 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
+                 "the surface has 1 warnings");
   planish_surface_free(fine);
   EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
   planish_fit_free(fit);

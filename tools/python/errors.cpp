@@ -63,4 +63,10 @@ void register_errors() {
 
 void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }
 
+void warn(std::span<const Warning> warnings) {
+  for (const Warning& warning : warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.message.c_str(), 1) != 0)
+      throw py::error_already_set();
+}
+
 }  // namespace planish::python

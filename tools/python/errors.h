@@ -1,7 +1,9 @@
 #pragma once
 
+#include <span>
 #include <string>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 
 namespace planish::python {
@@ -18,5 +20,8 @@ void register_errors();
 
 /// Throws Error{InvalidArgument}.
 [[noreturn]] void refuse(const std::string& message);
+
+/// As Python's own UserWarnings; where these are errors, the first is raised.
+void warn(std::span<const Warning> warnings);
 
 }  // namespace planish::python

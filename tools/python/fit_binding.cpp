@@ -84,16 +84,24 @@ FitHandle fit_files(const py::object& input, const py::object& output, int level
   return made;
 }
 
+// Warnings are given once Python's lock is held again.
+Callbacks collecting(Callbacks callbacks, std::vector<Warning>& warnings) {
+  callbacks.warning = [&warnings](const Warning& warning) { warnings.push_back(warning); };
+  return callbacks;
+}
+
 SurfaceHandle evaluate_fit(const FitHandle& fit, int level, const py::object& progress,
                            const py::object& cancelled) {
   auto made = std::make_shared<PythonSurface>();
+  std::vector<Warning> warnings;
   run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
     EvaluateOptions options = fit->fitted.evaluate_options(level);
-    options.callbacks = callbacks;
+    options.callbacks = collecting(callbacks, warnings);
     const auto backend =
         make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
     made->surface = evaluate(fit->fitted.mesh, fit->fitted.fit, *backend, options);
   });
+  warn(warnings);
   return made;
 }
 
@@ -102,13 +110,16 @@ SurfaceHandle tessellate_fit(const FitHandle& fit, double chord_error, double an
   if (fit->fitted.options.scheme != Scheme::DooSabin)
     refuse("tessellate: is of Doo-Sabin surfaces; fit with scheme=\"doo-sabin\"");
   auto made = std::make_shared<PythonSurface>();
+  std::vector<Warning> warnings;
   run_released(
       {progress, cancelled},
       [&](const Callbacks& callbacks) {
-        made->surface = tessellate(
-            fit->fitted, {.chord_error = chord_error, .angle = angle, .callbacks = callbacks});
+        made->surface = tessellate(fit->fitted, {.chord_error = chord_error,
+                                                 .angle = angle,
+                                                 .callbacks = collecting(callbacks, warnings)});
       },
       fit->threads);
+  warn(warnings);
   return made;
 }
 
@@ -226,7 +237,8 @@ void add_fit_class(py::module_& module) {
            py::arg("angle") = 0.0, py::arg("progress") = py::none(),
            py::arg("cancelled") = py::none(),
            "Triangles as fine as the surface is curved: within chord_error of it, a fraction of "
-           "the bounding box's diagonal, and turning by at most so many degrees; 0: any, but not "
+           "the bounding box's diagonal, and turning by at most so many degrees, but where a "
+           "UserWarning says so; 0: any, but not "
            "both. Watertight where the mesh is. Raises InvalidArgument, OutOfMemory before memory "
            "is taken, Cancelled.")
       .def("quality", &quality_of, py::arg("level") = 2,

@@ -55,13 +55,6 @@ py::array points_array(PointCloud&& cloud) {
                              owner);
 }
 
-// As Python's own; where these are errors, the first is raised.
-void warn(std::span<const Warning> warnings) {
-  for (const Warning& warning : warnings)
-    if (PyErr_WarnEx(PyExc_UserWarning, warning.message.c_str(), 1) != 0)
-      throw py::error_already_set();
-}
-
 MeshHandle read_the_mesh(const py::object& path, bool split_normals) {
   const std::string file = path_of(path);
   auto made = std::make_shared<PythonMesh>();

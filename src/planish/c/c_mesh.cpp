@@ -198,11 +198,7 @@ planish_status planish_mesh_warning(const planish_mesh* mesh, size_t index, cons
                                     const char** message) {
   return call([&] {
     require(mesh, "mesh");
-    if (index >= mesh->warnings.size())
-      refuse(planish::formatted("index is {}; the mesh has {} warnings", index,
-                                mesh->warnings.size()));
-    if (code != nullptr) *code = mesh->warnings[index].code.c_str();
-    if (message != nullptr) *message = mesh->warnings[index].message.c_str();
+    give_warning(mesh->warnings, "mesh", index, code, message);
     return PLANISH_OK;
   });
 }

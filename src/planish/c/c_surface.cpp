@@ -23,8 +23,9 @@ planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
     const auto backend = planish::make_cpu_backend(
         {.solve_precision = fit->precision, .thread_count = fit->thread_count});
     auto made = std::make_unique<planish_surface>();
-    made->surface =
-        planish::evaluate(fitted.mesh, fitted.fit, *backend, fitted.evaluate_options(level));
+    planish::EvaluateOptions options = fitted.evaluate_options(level);
+    options.callbacks = made->callbacks();
+    made->surface = planish::evaluate(fitted.mesh, fitted.fit, *backend, options);
     made->riders.take(made->surface);
     *surface = made.release();
     return PLANISH_OK;
@@ -38,11 +39,25 @@ planish_status planish_fit_tessellate(const planish_fit* fit, double chord_error
     require(surface, "surface");
     auto made = std::make_unique<planish_surface>();
     run_on(fit->thread_count, [&] {
-      made->surface =
-          planish::tessellate(fit->fitted, {.chord_error = chord_error, .angle = angle});
+      made->surface = planish::tessellate(
+          fit->fitted,
+          {.chord_error = chord_error, .angle = angle, .callbacks = made->callbacks()});
     });
     made->riders.take(made->surface);
     *surface = made.release();
+    return PLANISH_OK;
+  });
+}
+
+size_t planish_surface_warning_count(const planish_surface* surface) {
+  return surface == nullptr ? 0 : surface->warnings.size();
+}
+
+planish_status planish_surface_warning(const planish_surface* surface, size_t index,
+                                       const char** code, const char** message) {
+  return call([&] {
+    require(surface, "surface");
+    give_warning(surface->warnings, "surface", index, code, message);
     return PLANISH_OK;
   });
 }

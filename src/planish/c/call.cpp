@@ -63,6 +63,14 @@ void run_on(int thread_count, const std::function<void()>& work) {
 
 void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }
 
+void give_warning(std::span<const Warning> warnings, const char* of, std::size_t index,
+                  const char** code, const char** message) {
+  if (index >= warnings.size())
+    refuse(formatted("index is {}; the {} has {} warnings", index, of, warnings.size()));
+  if (code != nullptr) *code = warnings[index].code.c_str();
+  if (message != nullptr) *message = warnings[index].message.c_str();
+}
+
 }  // namespace planish::c
 
 const char* planish_version(void) { return PLANISH_VERSION; }

@@ -5,9 +5,11 @@
 #include <cstring>
 #include <functional>
 #include <new>
+#include <span>
 #include <string>
 
 #include "planish/c/planish.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 
 namespace planish::c {
@@ -45,6 +47,10 @@ void run_on(int thread_count, const std::function<void()>& work);
 
 /// Throws Error{InvalidArgument} that says which function wants what.
 [[noreturn]] void refuse(const std::string& message);
+
+/// Either target may be NULL. `of`: whose warnings they are, "mesh".
+void give_warning(std::span<const Warning> warnings, const char* of, std::size_t index,
+                  const char** code, const char** message);
 
 template <class Pointer>
 void require(Pointer* pointer, const char* name) {

@@ -71,6 +71,13 @@ struct planish_fit {
 struct planish_surface {
   planish::SurfaceMesh surface;
   planish::c::RiderViews riders;
+  std::vector<planish::Warning> warnings;  ///< of its making
+
+  [[nodiscard]] planish::Callbacks callbacks() {
+    planish::Callbacks result;
+    result.warning = [this](const planish::Warning& warning) { warnings.push_back(warning); };
+    return result;
+  }
 };
 
 /// Of a fit, with a surface of its own, or of an editor, whose surface moves.

@@ -286,10 +286,15 @@ void planish_surface_arrays_init(planish_surface_arrays* arrays, size_t struct_s
 planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
                                     planish_surface** surface);
 /** Triangles as fine as a Doo-Sabin surface is curved: within `chord_error` of it, a fraction of
- * the fit's diagonal, its normals turning by at most `angle` degrees beneath each; 0: any, but not
- * both. Watertight where the mesh is. */
+ * the fit's diagonal, its normals turning by at most `angle` degrees beneath each but where a
+ * warning says so; 0: any, but not both. Watertight where the mesh is. */
 planish_status planish_fit_tessellate(const planish_fit* fit, double chord_error, double angle,
                                       planish_surface** surface);
+/** What could not be kept, an angle where the surface folds for one; code and message belong to the
+ * surface, and either may be NULL. */
+size_t planish_surface_warning_count(const planish_surface* surface);
+planish_status planish_surface_warning(const planish_surface* surface, size_t index,
+                                       const char** code, const char** message);
 planish_status planish_surface_view(const planish_surface* surface, planish_surface_arrays* arrays);
 void planish_surface_free(planish_surface* surface);
 

@@ -12,7 +12,8 @@
 namespace planish {
 
 /// Gets positions and normals at the corners of faces, 4 each. Called for every piece of
-/// swept_pieces() once, from many threads at a time.
+/// swept_pieces() once, from many threads at a time; they are the thread's own, so a visit that
+/// waits for other threads copies them first.
 using QuadVisit = std::function<void(RowRange faces, std::span<const glm::dvec3> positions,
                                      std::span<const glm::vec3> normals)>;
 

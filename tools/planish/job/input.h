@@ -19,9 +19,10 @@ struct InputFile {
   std::filesystem::path path;  ///< empty: stdin
   RawVector<std::byte> bytes;
   FileFormat format = FileFormat::Obj;
-  bool split_normals_crease = false;       ///< as FileBytes has it
-  bool is_strict = false;                  ///< the same
-  std::shared_future<std::string> digest;  ///< is taken while the bytes are read
+  bool split_normals_crease = false;  ///< as FileBytes has it
+  bool is_strict = false;             ///< the same
+  /// Is taken while the bytes are read: last, for its destructor waits for who still reads them.
+  std::shared_future<std::string> digest;
 
   [[nodiscard]] std::string sha256() const { return digest.get(); }
   /// For readers; this must outlive it.
