@@ -76,6 +76,10 @@ void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperti
   state.rules.set_limits({limits.maxComputeWorkGroupCount[0], limits.maxStorageBufferRange,
                           limits.maxTexelBufferElements});
   for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext) {
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES &&
+        pretence.allocation_size)
+      reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize =
+          pretence.allocation_size;
     if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES) continue;
     auto* subgroup = reinterpret_cast<VkPhysicalDeviceSubgroupProperties*>(next);
     if (pretence.no_subgroup_operations) {
@@ -206,6 +210,8 @@ void VKAPI_CALL get_requirements(VkDevice device, VkBuffer buffer,
 VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo* info,
                                     const VkAllocationCallbacks* callbacks,
                                     VkDeviceMemory* memory) {
+  const VkDeviceSize most = state.pretence.allocation_size;
+  if (most && info->allocationSize > most) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   VkMemoryAllocateInfo changed = *info;
   if (is_other_memory()) changed.memoryTypeIndex = state.mapped_type;
   const VkResult result = real.vkAllocateMemory(device, &changed, callbacks, memory);

@@ -24,6 +24,7 @@ class PretendedDriver {
   struct Pretence {
     std::uint32_t storage_buffers = 0;  ///< maxPerStageDescriptorStorageBuffers; 0: the real one
     std::uint32_t storage_range = 0;    ///< maxStorageBufferRange, bytes; 0: the real one
+    std::uint64_t allocation_size = 0;  ///< maxMemoryAllocationSize, bytes; 0: the real one
     std::uint32_t texel_elements = 0;   ///< maxTexelBufferElements; 0: the real one
     std::uint32_t group_count = 0;      ///< maxComputeWorkGroupCount in x; 0: the real one
     /// Memory that only the device sees, and two types that the host sees, of which none is

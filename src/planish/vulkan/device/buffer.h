@@ -2,20 +2,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
 
+#include "planish/vulkan/device/arena.h"
 #include "planish/vulkan/device/context.h"
-#include "planish/vulkan/device/kernels.h"
+#include "planish/vulkan/device/descriptor_sets.h"
 
 namespace planish::vulkan {
 
-/// A buffer with its memory, usable as storage and for copies. Its Context outlives it.
+/// A buffer with its memory, usable as storage and for copies. What made it outlives it.
 class Buffer {
  public:
   Buffer() = default;
   /// At least `size` bytes; `name` is for debuggers. Throws Error{OutOfMemory}, naming the limit.
-  Buffer(Context& context, std::uint64_t size, MemoryUse use, const char* name = nullptr);
+  Buffer(const Maker& on, std::uint64_t size, MemoryUse use, const char* name = nullptr);
   ~Buffer() { release(); }
   Buffer(Buffer&& other) noexcept { *this = std::move(other); }
   Buffer& operator=(Buffer&& other) noexcept;
@@ -24,6 +25,8 @@ class Buffer {
   [[nodiscard]] std::uint64_t size() const { return size_; }
   /// The host's view of it; empty for MemoryUse::Device.
   [[nodiscard]] std::span<std::byte> mapped() const;
+  /// The first bytes of it, visible to the device; also before an Arena is finished, once.
+  void write(std::span<const std::byte> bytes);
   /// Makes the host's writes visible to the device, before the submission that reads them.
   void flush();
   /// Makes the device's writes visible to the host, after the wait.
@@ -34,14 +37,14 @@ class Buffer {
 
   Context* context_ = nullptr;
   VkBuffer buffer_ = VK_NULL_HANDLE;
-  MemoryBlock block_;
+  std::unique_ptr<Arena> own_;  // where a Context made it
+  Arena::Piece* piece_ = nullptr;
   std::uint64_t size_ = 0;
-  std::uint64_t block_size_ = 0;
 };
 
 /// A buffer that one binding spans, in device memory. Throws Error{OutOfMemory} naming the limit
 /// that it exceeds.
-[[nodiscard]] Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name);
+[[nodiscard]] Buffer make_bindable(const Maker& on, std::uint64_t bytes, const char* name);
 
 /// Throws Error{OutOfMemory} where a device has no binding of so many bytes, read by texels of
 /// `texel_bytes` (0: as words that kernels write), naming `what` and the limit.
@@ -51,43 +54,8 @@ void require_one_binding(const Context& context, std::uint64_t bytes, std::uint6
 /// A multiple of every alignment that Vulkan allows a device to ask of a binding's offset.
 inline constexpr VkDeviceSize kBindingAlignment = 256;
 
-/// A piece of a buffer, as a binding sees it.
-struct BufferRange {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;
-  VkDeviceSize size = VK_WHOLE_SIZE;
-};
 [[nodiscard]] inline BufferRange whole(const Buffer& buffer) {
   return {buffer.handle(), 0, buffer.size()};
 }
-
-/// The buffers of one kernel's bindings, in order.
-struct BoundKernel {
-  Kernel kernel;
-  std::vector<BufferRange> buffers;
-};
-
-/// Descriptor sets, allocated and written once. Their kernels are compiled, but for special ones.
-class DescriptorSets {
- public:
-  DescriptorSets() = default;
-  DescriptorSets(Context& context, std::span<const BoundKernel> kernels);
-  ~DescriptorSets() { release(); }
-  DescriptorSets(DescriptorSets&& other) noexcept { *this = std::move(other); }
-  DescriptorSets& operator=(DescriptorSets&& other) noexcept;
-
-  [[nodiscard]] VkDescriptorSet operator[](std::size_t i) const { return sets_[i]; }
-
- private:
-  void allocate(std::span<const BoundKernel> kernels);
-  void write(const BoundKernel& kernel, VkDescriptorSet set);
-  [[nodiscard]] VkBufferView make_view(const BufferRange& range, VkFormat format);
-  void release() noexcept;
-
-  Context* context_ = nullptr;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
-  std::vector<VkDescriptorSet> sets_;
-  std::vector<VkBufferView> views_;
-};
 
 }  // namespace planish::vulkan

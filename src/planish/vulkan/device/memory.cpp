@@ -15,10 +15,6 @@ namespace {
 constexpr std::uint64_t kPageBytes = 4u << 20, kLargestInPage = 512u << 10;
 constexpr std::uint64_t kPageStep = 256;
 
-std::uint64_t round_up(std::uint64_t value, std::uint64_t step) {
-  return (value + step - 1) / step * step;
-}
-
 }  // namespace
 
 /// Blocks one after another; room comes back when the last of them has gone.

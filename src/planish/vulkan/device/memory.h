@@ -13,6 +13,11 @@
 
 namespace planish::vulkan {
 
+/// The first multiple of `step` that is not below `value`.
+[[nodiscard]] constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t step) {
+  return (value + step - 1) / step * step;
+}
+
 /// What a buffer's memory is for.
 enum class MemoryUse {
   Device,    ///< read and written by kernels only
@@ -35,16 +40,16 @@ struct MemoryBlock {
   std::uint32_t heap = 0;  ///< without hooks: the heap that it is taken from
 };
 
-/// How a host's allocator serves every allocation. Both or neither are set. They are called without
-/// a lock of planish's, from any thread that makes or destroys objects. `allocate` may throw
-/// planish::Error; blocks for Upload and Download are mapped. With non-coherent memory, blocks
-/// start and end at multiples of nonCoherentAtomSize.
+/// How a host's allocator serves every allocation, of which an object has one for each MemoryUse.
+/// Both or neither are set. They are called without a lock of planish's, from any thread that makes
+/// or destroys objects. `allocate` may throw planish::Error; blocks for Upload and Download are
+/// mapped, and are requested in whole multiples of nonCoherentAtomSize.
 struct MemoryHooks {
   std::function<MemoryBlock(const MemoryRequest&)> allocate;
   std::function<void(const MemoryBlock&)> free;
 };
 
-/// Gives memory to buffers, by the hooks or by vkAllocateMemory, and counts it. Small buffers share
+/// Gives memory to arenas, by the hooks or by vkAllocateMemory, and counts it. Small blocks share
 /// an allocation, a page: devices need not allow more than 4096. Thread-safe.
 class MemoryAllocator {
  public:
@@ -59,12 +64,7 @@ class MemoryAllocator {
   void free(const MemoryBlock& block, VkDeviceSize size) noexcept;
 
   [[nodiscard]] std::uint64_t peak_bytes() const;
-  /// Whether blocks are the host's, which may lie beside others in one VkDeviceMemory.
   [[nodiscard]] bool has_hooks() const { return static_cast<bool>(hooks_.allocate); }
-  /// Whether others may lie beside the block in its VkDeviceMemory.
-  [[nodiscard]] bool is_shared(const MemoryBlock& block) const {
-    return has_hooks() || block.owner != nullptr;
-  }
 
  private:
   [[nodiscard]] std::uint32_t pick_type(const MemoryRequest& request) const;

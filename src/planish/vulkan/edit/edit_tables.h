@@ -11,7 +11,7 @@ namespace planish::vulkan {
 /// EditRecords on a device. Read-only after its upload ran.
 struct EditTables {
   /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
-  EditTables(Context& context, const EditRecords& records);
+  EditTables(const Maker& on, const EditRecords& records);
 
   std::uint64_t job_count;
   Buffer slots, places, jobs;

@@ -4,7 +4,6 @@
 #include "planish/vulkan/edit/gpu_edit.h"
 
 #include <cstddef>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -40,23 +39,23 @@ PatchLists patch_lists_of(const Buffer& work, std::uint32_t job_count) {
 
 }  // namespace
 
-GpuEdit::GpuEdit(Context& context, const EditedParts& parts, std::int32_t given_count,
+GpuEdit::GpuEdit(const Maker& on, const EditedParts& parts, std::int32_t given_count,
                  std::span<const FrameSlot> slots)
-    : context_(context), parts_(parts), instances_(parts.solve.instances()) {
+    : context_(on.context()), parts_(parts), instances_(parts.solve.instances()) {
   const auto points = static_cast<std::uint64_t>(parts.patches.point_count);
-  require_one_binding(context, instances_.bytes(points), kPointBytes, "points of level 1");
-  require_one_binding(context, parts.patches.links.size(), 2 * kEditWordBytes, "corners");
+  require_one_binding(context_, instances_.bytes(points), kPointBytes, "points of level 1");
+  require_one_binding(context_, parts.patches.links.size(), 2 * kEditWordBytes, "corners");
   if (parts.masks.slices().size() != 1)
     throw Error(ErrorCode::OutOfMemory,
-                context.capabilities().name + ": the limit masks are in " +
+                context_.capabilities().name + ": the limit masks are in " +
                     std::to_string(parts.masks.slices().size()) +
                     " slices, edits take one; use a smaller mesh, or solve all of it");
   shared::EditParameters parameters = common_parameters(given_count);
   parameters.slot_count = static_cast<std::uint32_t>(slots.size());
-  make_work(parameters);
+  make_work(on, parameters);
   for (const FrameSlot& slot : slots)
-    make_slot(slot, static_cast<std::uint32_t>(slots_.size()), parameters);
-  bind();
+    make_slot(on, slot, static_cast<std::uint32_t>(slots_.size()), parameters);
+  bind(on);
 }
 
 shared::EditParameters GpuEdit::common_parameters(std::int32_t given_count) const {
@@ -78,7 +77,7 @@ shared::EditParameters GpuEdit::common_parameters(std::int32_t given_count) cons
   return result;
 }
 
-void GpuEdit::make_slot(const FrameSlot& slot, std::uint32_t number,
+void GpuEdit::make_slot(const Maker& on, const FrameSlot& slot, std::uint32_t number,
                         const shared::EditParameters& common) {
   Slot& made = slots_.emplace_back(Slot{slot.moved.buffer != VK_NULL_HANDLE, common, {}, {}});
   made.parameters.slot = number;
@@ -101,12 +100,12 @@ void GpuEdit::make_slot(const FrameSlot& slot, std::uint32_t number,
       (made.parameters.moves_shift + 1 + std::uint64_t(slot.moved.max_count)) * kEditWordBytes};
   require_one_binding(context_, made.moves.size, 0, "lists of moved points");
   if (slot.vertices.buffer)
-    made.evaluation.emplace(context_, parts_.patches, parts_.given.given(), parts_.step.state(),
+    made.evaluation.emplace(on, parts_.patches, parts_.given.given(), parts_.step.state(),
                             slot.vertices, common.row_count, instances_,
                             patch_lists_of(work_, common.job_count));
 }
 
-void GpuEdit::make_work(shared::EditParameters& parameters) {
+void GpuEdit::make_work(const Maker& on, shared::EditParameters& parameters) {
   const std::vector<PatchSlice>& slices = parts_.patches.slices;
   std::vector<std::uint32_t> words(shared::kEditHeadWords + shared::kSegmentWords * slices.size());
   for (const std::uint32_t at : {shared::kEditForRows, shared::kEditForHeld, shared::kEditForMoves})
@@ -134,18 +133,16 @@ void GpuEdit::make_work(shared::EditParameters& parameters) {
   const std::uint64_t stale_words =
       parameters.slot_count * (shared::kStaleWords + std::uint64_t(parameters.most_stale));
   require_one_binding(context_, stale_words * kEditWordBytes, 0, "lists of rows of all slots");
-  stale_ = Buffer(context_, stale_words * kEditWordBytes, MemoryUse::Device, "planish stale rows");
-  template_ =
-      Buffer(context_, words.size() * kEditWordBytes, MemoryUse::Upload, "planish empty lists");
-  std::memcpy(template_.mapped().data(), words.data(), words.size() * kEditWordBytes);
-  template_.flush();
-  work_ = Buffer(context_, next * kEditWordBytes, MemoryUse::Device, "planish lists");
+  stale_ = Buffer(on, stale_words * kEditWordBytes, MemoryUse::Device, "planish stale rows");
+  template_ = Buffer(on, words.size() * kEditWordBytes, MemoryUse::Upload, "planish empty lists");
+  template_.write(std::as_bytes(std::span(words)));
+  work_ = Buffer(on, next * kEditWordBytes, MemoryUse::Device, "planish lists");
   const std::uint64_t row_words = std::uint64_t(instances_.count) * parameters.row_stride;
-  flags_ = Buffer(context_, row_words * kEditWordBytes, MemoryUse::Device, "planish listed rows");
-  velocity_ = Buffer(context_, row_words * kPointBytes, MemoryUse::Device, "planish steps of rows");
+  flags_ = Buffer(on, row_words * kEditWordBytes, MemoryUse::Device, "planish listed rows");
+  velocity_ = Buffer(on, row_words * kPointBytes, MemoryUse::Device, "planish steps of rows");
 }
 
-void GpuEdit::bind() {
+void GpuEdit::bind(const Maker& on) {
   const DeviceTable::Slice& slice = parts_.masks.slices()[0];
   const GpuSolve& solve = parts_.solve;
   const auto given = whole(parts_.given.given()), displacement = whole(parts_.given.displacement());
@@ -175,7 +172,7 @@ void GpuEdit::bind() {
                      {moves, whole(parts_.vertices), parts_.given.gather().gathers(i)[0].source,
                       given, velocity, flags, work}});
   }
-  sets_ = DescriptorSets(context_, bound);
+  sets_ = DescriptorSets(on, bound);
   for (std::size_t i = 0; i < kStages; ++i)
     pipelines_[i] = context_.pipelines().specialised(bound[i].kernel, {});
 }

@@ -36,7 +36,7 @@ class GpuEdit {
  public:
   /// Slots without a list of moved points take no edits, those without vertices write none. Throws
   /// Error{OutOfMemory} naming the limit.
-  GpuEdit(Context& context, const EditedParts& parts, std::int32_t given_count,
+  GpuEdit(const Maker& on, const EditedParts& parts, std::int32_t given_count,
           std::span<const FrameSlot> slots);
 
   /// No row is in a list, nor stale in any slot: before the first edit. A copy, to be waited for.
@@ -64,9 +64,10 @@ class GpuEdit {
   };
 
   [[nodiscard]] shared::EditParameters common_parameters(std::int32_t given_count) const;
-  void make_slot(const FrameSlot& slot, std::uint32_t number, const shared::EditParameters& common);
-  void make_work(shared::EditParameters& parameters);
-  void bind();
+  void make_slot(const Maker& on, const FrameSlot& slot, std::uint32_t number,
+                 const shared::EditParameters& common);
+  void make_work(const Maker& on, shared::EditParameters& parameters);
+  void bind(const Maker& on);
   [[nodiscard]] VkDescriptorSet set_of(Stage stage, std::uint32_t slot) const {
     return sets_[stage + (stage < Begin ? 0U : kSlotStages * slot)];
   }

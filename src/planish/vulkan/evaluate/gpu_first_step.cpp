@@ -15,25 +15,25 @@ constexpr std::uint32_t kStepLanes = 64;
 
 }  // namespace
 
-GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
+GpuFirstStep::GpuFirstStep(const Maker& on, const PatchTables& patches, const StepTables& tables,
                            const Buffer& given, const Buffer& displacement,
                            std::uint64_t vertex_count, const Instances& instances)
-    : context_(context),
+    : context_(on.context()),
       instances_(instances),
       own_state_(std::make_unique<Buffer>(
-          context, instances.bytes(static_cast<std::uint64_t>(patches.point_count)),
-          MemoryUse::Device, "planish points of level 1")),
+          on, instances.bytes(static_cast<std::uint64_t>(patches.point_count)), MemoryUse::Device,
+          "planish points of level 1")),
       points_{&given, &displacement, vertex_count, own_state_.get()} {
-  bind(patches, tables, {});
+  bind(on, patches, tables, {});
 }
 
-GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
+GpuFirstStep::GpuFirstStep(const Maker& on, const PatchTables& patches, const StepTables& tables,
                            const GpuFirstStep& all, const InstanceList& listed)
-    : context_(context), instances_(all.instances_), points_(all.points_) {
-  bind(patches, tables, listed);
+    : context_(on.context()), instances_(all.instances_), points_(all.points_) {
+  bind(on, patches, tables, listed);
 }
 
-void GpuFirstStep::bind(const PatchTables& patches, const StepTables& tables,
+void GpuFirstStep::bind(const Maker& on, const PatchTables& patches, const StepTables& tables,
                         const InstanceList& listed) {
   const auto [given, displacement, vertex_count, state] = points_;
   const auto point_count = static_cast<std::uint64_t>(patches.point_count);
@@ -72,7 +72,7 @@ void GpuFirstStep::bind(const PatchTables& patches, const StepTables& tables,
           instances_.widened(window_range(*state, target, kPointBytes), point_count),
           whole(listed.words ? *listed.words : tables.words)}});
   }
-  sets_ = DescriptorSets(context_, bound);
+  sets_ = DescriptorSets(on, bound);
 }
 
 // Windows of neighbouring dispatches may share their edge: a round each.

@@ -15,11 +15,11 @@ class GpuFirstStep {
  public:
   /// `given`, `displacement`: shared::kPointFloats floats for each of `vertex_count` vertices,
   /// instance by instance.
-  GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
+  GpuFirstStep(const Maker& on, const PatchTables& patches, const StepTables& tables,
                const Buffer& given, const Buffer& displacement, std::uint64_t vertex_count = 0,
                const Instances& instances = {});
   /// Some instances of another one's points, into its state.
-  GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
+  GpuFirstStep(const Maker& on, const PatchTables& patches, const StepTables& tables,
                const GpuFirstStep& all, const InstanceList& listed);
 
   /// Only records, within kEntryScope; all that it writes is ready for kernels.
@@ -53,7 +53,8 @@ class GpuFirstStep {
     std::uint64_t vertex_count;
     const Buffer* state;
   };
-  void bind(const PatchTables& patches, const StepTables& tables, const InstanceList& listed);
+  void bind(const Maker& on, const PatchTables& patches, const StepTables& tables,
+            const InstanceList& listed);
 
   Context& context_;
   Instances instances_;

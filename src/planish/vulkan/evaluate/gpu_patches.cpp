@@ -67,12 +67,13 @@ Target target_of(const Context& context, const VertexLayout& layout, const Index
 
 }  // namespace
 
-GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer& given,
+GpuPatches::GpuPatches(const Maker& on, const PatchTables& tables, const Buffer& given,
                        const Buffer& state, const VertexLayout& layout, std::uint64_t vertex_count,
                        const Instances& instances, const PatchLists& lists)
-    : context_(context),
+    : context_(on.context()),
       instances_(instances),
       work_(lists.work ? lists.work->handle() : VK_NULL_HANDLE) {
+  const Context& context = context_;
   const Kernel kernel = work_ ? lists.kernel : Kernel::CornerPatches;
   const Buffer& all_links = lists.links ? *lists.links : tables.links;
   const Instances& places = kernel == Kernel::InstancePatches ? lists.places : instances;
@@ -141,7 +142,7 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
           window_range(tables.weights, slice.weights, sizeof(PatchRecords::Weight)),
           target.positions, work_ ? whole(*lists.work) : target.attributes}});
   }
-  sets_ = DescriptorSets(context, bound);
+  sets_ = DescriptorSets(on, bound);
 }
 
 // Windows of neighbouring dispatches may share their edge: a round each.

@@ -32,7 +32,7 @@ class GpuPatches {
   /// shared::kPointFloats floats, instance by instance, `vertex_count` vertices each. The layout's
   /// stride is at most that of the tables' limits; its instance_stride is not 0 where there are
   /// several.
-  GpuPatches(Context& context, const PatchTables& tables, const Buffer& given, const Buffer& state,
+  GpuPatches(const Maker& on, const PatchTables& tables, const Buffer& given, const Buffer& state,
              const VertexLayout& layout, std::uint64_t vertex_count = 0,
              const Instances& instances = {}, const PatchLists& lists = {});
 

@@ -59,11 +59,11 @@ std::uint64_t result_bytes(const PlaceLayout& layout) {
   return end;
 }
 
-PlaceTables::PlaceTables(Context& context, const PlaceRecords& records)
+PlaceTables::PlaceTables(const Maker& on, const PlaceRecords& records)
     : face_count(records.face_count),
       corner_count(records.corner_count),
-      words(make_bindable(context, records.words.size() * kWord, "planish words of places")),
-      weights(make_bindable(context, std::as_bytes(std::span(records.weights)).size(),
+      words(make_bindable(on, records.words.size() * kWord, "planish words of places")),
+      weights(make_bindable(on, std::as_bytes(std::span(records.weights)).size(),
                             "planish weights of places")) {}
 
 GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTables& tables,

@@ -12,7 +12,7 @@ namespace planish::vulkan {
 /// PlaceRecords on a device. Read-only after its upload ran.
 struct PlaceTables {
   /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
-  PlaceTables(Context& context, const PlaceRecords& records);
+  PlaceTables(const Maker& on, const PlaceRecords& records);
 
   std::uint32_t face_count, corner_count;
   Buffer words, weights;

@@ -8,13 +8,13 @@
 
 namespace planish::vulkan {
 
-GpuRingSums::GpuRingSums(Context& context, const PatchTables& tables, const Buffer& given,
+GpuRingSums::GpuRingSums(const Maker& on, const PatchTables& tables, const Buffer& given,
                          const Buffer& state, std::uint64_t vertex_count,
                          const Instances& instances, const InstanceList& listed)
-    : context_(context),
+    : context_(on.context()),
       instances_(instances),
-      pipeline_(context.pipelines().specialised(Kernel::RingSums, {})),
-      groups_(std::min(tables.ring_count, context.max_group_count())) {
+      pipeline_(context_.pipelines().specialised(Kernel::RingSums, {})),
+      groups_(std::min(tables.ring_count, context_.max_group_count())) {
   constexpr std::int64_t kWindowStep = 64;
   const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::int64_t first = tables.first_sum / kWindowStep * kWindowStep;
@@ -31,7 +31,7 @@ GpuRingSums::GpuRingSums(Context& context, const PatchTables& tables, const Buff
       {Kernel::RingSums,
        {whole(tables.rings), window(state, {0, tables.first_sum}, point_count), whole(given),
         window(state, target, point_count), whole(listed.words ? *listed.words : tables.rings)}}};
-  sets_ = DescriptorSets(context, bound);
+  sets_ = DescriptorSets(on, bound);
 }
 
 Wait GpuRingSums::record(VkCommandBuffer commands) const noexcept {

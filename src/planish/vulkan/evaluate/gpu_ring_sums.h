@@ -14,7 +14,7 @@ class GpuRingSums {
  public:
   /// `tables` have rings, and `state` has room for PatchTables::point_count points an instance;
   /// `given` and `vertex_count` as in GpuPatches.
-  GpuRingSums(Context& context, const PatchTables& tables, const Buffer& given, const Buffer& state,
+  GpuRingSums(const Maker& on, const PatchTables& tables, const Buffer& given, const Buffer& state,
               std::uint64_t vertex_count = 0, const Instances& instances = {},
               const InstanceList& listed = {});
 

@@ -17,7 +17,7 @@ namespace planish::vulkan {
 /// PatchRecords on a device. Read-only after its upload ran.
 struct PatchTables {
   /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
-  PatchTables(Context& context, const PatchRecords& records, std::int64_t point_count);
+  PatchTables(const Maker& on, const PatchRecords& records, std::int64_t point_count);
 
   std::int64_t point_count;  ///< of the state of level 1 and its sums
   std::uint32_t ring_count;
@@ -40,7 +40,7 @@ struct PatchTables {
 
 /// StepRecords on a device, likewise.
 struct StepTables {
-  StepTables(Context& context, const StepRecords& records);
+  StepTables(const Maker& on, const StepRecords& records);
 
   std::vector<StepSlice> slices;
   FaceSumRule rule;

@@ -109,8 +109,8 @@ void add_owners(const FairTopology& topology, FairRecords& records) {
 }
 
 template <class Items>
-Buffer make_fair_table(Context& context, const Items& items, const char* name) {
-  return make_bindable(context, std::as_bytes(std::span(items)).size(), name);
+Buffer make_fair_table(const Maker& on, const Items& items, const char* name) {
+  return make_bindable(on, std::as_bytes(std::span(items)).size(), name);
 }
 
 template <class Items>
@@ -178,7 +178,7 @@ FairDecisions unpack_decisions(std::span<const std::uint32_t> words,
   return decisions;
 }
 
-FairTables::FairTables(Context& context, const FairRecords& records)
+FairTables::FairTables(const Maker& on, const FairRecords& records)
     : vertex_count(count_of(records.vertices)),
       corner_count(count_of(records.links)),
       face_count(count_of(records.faces)),
@@ -190,17 +190,17 @@ FairTables::FairTables(Context& context, const FairRecords& records)
       has_regular_vertices(records.has_regular_vertices),
       is_decided(!records.decisions.empty()),
       placement(records.placement),
-      vertices(make_fair_table(context, records.vertices, "planish fair vertices")),
-      places(make_fair_table(context, records.places, "planish fair rings")),
-      links(make_fair_table(context, records.links, "planish fair corners")),
-      faces(make_fair_table(context, records.faces, "planish fair faces")),
-      edges(make_fair_table(context, records.edges, "planish fair edges")),
-      creases(make_fair_table(context, records.creases, "planish fair creases")),
-      sectors(make_fair_table(context, records.sectors, "planish fair sectors")),
-      curve_points(make_fair_table(context, records.curve_points, "planish fair curve points")),
-      circle(make_fair_table(context, records.circle, "planish fair circle")),
-      owners(make_fair_table(context, records.owners, "planish fair owners")),
-      decisions(make_fair_table(context, records.decisions, "planish fair decisions")),
-      leans(make_fair_table(context, records.leans, "planish fair leans")) {}
+      vertices(make_fair_table(on, records.vertices, "planish fair vertices")),
+      places(make_fair_table(on, records.places, "planish fair rings")),
+      links(make_fair_table(on, records.links, "planish fair corners")),
+      faces(make_fair_table(on, records.faces, "planish fair faces")),
+      edges(make_fair_table(on, records.edges, "planish fair edges")),
+      creases(make_fair_table(on, records.creases, "planish fair creases")),
+      sectors(make_fair_table(on, records.sectors, "planish fair sectors")),
+      curve_points(make_fair_table(on, records.curve_points, "planish fair curve points")),
+      circle(make_fair_table(on, records.circle, "planish fair circle")),
+      owners(make_fair_table(on, records.owners, "planish fair owners")),
+      decisions(make_fair_table(on, records.decisions, "planish fair decisions")),
+      leans(make_fair_table(on, records.leans, "planish fair leans")) {}
 
 }  // namespace planish::vulkan

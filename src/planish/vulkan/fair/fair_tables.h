@@ -44,7 +44,7 @@ struct FairRecords {
 /// FairRecords on a device. Read-only after its upload ran.
 struct FairTables {
   /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
-  FairTables(Context& context, const FairRecords& records);
+  FairTables(const Maker& on, const FairRecords& records);
 
   std::uint32_t vertex_count, corner_count, face_count, edge_count, crease_count, sector_count,
       curve_point_count, state_size;

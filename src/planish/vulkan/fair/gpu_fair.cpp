@@ -15,11 +15,11 @@ constexpr int kMaskSteps = 3;
 
 }  // namespace
 
-GpuFair::GpuFair(Context& context, const FairTables& tables, const Buffer& model_points,
+GpuFair::GpuFair(const Maker& on, const FairTables& tables, const Buffer& model_points,
                  const GpuFairOptions& options)
-    : context_(context), tables_(tables), options_(options) {
-  make_buffers();
-  Binder binder{context, {}};
+    : context_(on.context()), tables_(tables), options_(options) {
+  make_buffers(on);
+  Binder binder{context_, {}};
   const glm::vec3 origin(tables.placement.centre);
   binder.common.x = origin.x;
   binder.common.y = origin.y;
@@ -33,13 +33,13 @@ GpuFair::GpuFair(Context& context, const FairTables& tables, const Buffer& model
   plan_polish(binder);
   plan_cure(binder);
   plan_finish(binder, model_points);
-  sets_ = DescriptorSets(context, binder.bound);
+  sets_ = DescriptorSets(on, binder.bound);
   plan_rounds();
 }
 
-void GpuFair::make_buffers() {
+void GpuFair::make_buffers(const Maker& on) {
   const auto make = [&](Buffer& buffer, std::uint64_t bytes) {
-    buffer = make_bindable(context_, bytes, "planish fair work");
+    buffer = make_bindable(on, bytes, "planish fair work");
   };
   const std::uint64_t vertices = tables_.vertex_count, corners = tables_.corner_count;
   Buffers& b = buffers_;

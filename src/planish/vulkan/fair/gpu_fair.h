@@ -30,7 +30,7 @@ class GpuFair {
  public:
   /// `model_points`: the points to pass through, shared::kPointFloats floats per vertex.
   /// Throws Error{OutOfMemory} naming the limit.
-  GpuFair(Context& context, const FairTables& tables, const Buffer& model_points,
+  GpuFair(const Maker& on, const FairTables& tables, const Buffer& model_points,
           const GpuFairOptions& options);
 
   /// All of it; begins and ends within kEntryScope and kExitScope.
@@ -94,7 +94,7 @@ class GpuFair {
   };
   struct Binder;
 
-  void make_buffers();
+  void make_buffers(const Maker& on);
   void plan_prepare(Binder& binder, const Buffer& model_points);
   void plan_build(Binder& binder);
   void plan_repair(Binder& binder);

@@ -45,10 +45,10 @@ void require_editable_system(const System& system, const DeviceSystemOptions& op
                     std::to_string(system.within()) + " of them; make the System with within 0");
 }
 
-DeviceTable make_masks(Context& context, const System& system) {
+DeviceTable make_masks(const Maker& on, const System& system) {
   DeviceTableOptions options;
   options.includes_own_rows = true;
-  return {context, system.limit_masks(), options};
+  return {on, system.limit_masks(), options};
 }
 
 }  // namespace
@@ -106,25 +106,28 @@ struct DeviceSystem::Parts::PackedSurface {
 
 DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystemOptions& options)
     : context(on),
+      arena(on),
       max_vertex_stride(options.max_vertex_stride),
       given_count(system.given_count()),
       index_count(static_cast<std::uint32_t>(system.triangles().size())),
       spectral_bound(system.spectral_bound()),
       used_vertices(system.used_vertices().begin(), system.used_vertices().end()),
-      masks(make_masks(on, system)),
+      masks(make_masks(arena, system)),
       vertex_count(system.vertex_count()),
-      vertices(on, used_vertices.size() * sizeof(std::int32_t), MemoryUse::Device,
+      vertices(arena, used_vertices.size() * sizeof(std::int32_t), MemoryUse::Device,
                "planish vertices") {
   require_editable_system(system, options);
   const PackedSurface surface(system, patch_limits(on, max_vertex_stride), masks,
                               {options.answers_places, options.takes_edits});
-  patches.emplace(on, surface.patches, surface.point_count);
-  if (surface.step) step.emplace(on, *surface.step);
-  if (surface.places) places.emplace(on, *surface.places);
-  if (surface.edits) edits.emplace(on, *surface.edits);
-  if (!surface.levels.empty()) levels.emplace(on, system.surface_records().levels, surface.levels);
-  if (const FairRecords* records = system.fair_records()) fair.emplace(on, *records);
-  if (const BendingRecords* records = system.bending_records()) bending.emplace(on, *records);
+  patches.emplace(arena, surface.patches, surface.point_count);
+  if (surface.step) step.emplace(arena, *surface.step);
+  if (surface.places) places.emplace(arena, *surface.places);
+  if (surface.edits) edits.emplace(arena, *surface.edits);
+  if (!surface.levels.empty())
+    levels.emplace(arena, system.surface_records().levels, surface.levels);
+  if (const FairRecords* records = system.fair_records()) fair.emplace(arena, *records);
+  if (const BendingRecords* records = system.bending_records()) bending.emplace(arena, *records);
+  arena.finish();
   plan_masks();
   for_each(system, surface, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
     copies.push_back({buffer.handle(), bytes.size()});

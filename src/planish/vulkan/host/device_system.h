@@ -32,6 +32,7 @@ struct DeviceSystem::Parts {
   void for_each(const System& system, const PackedSurface& surface, const Take& take) const;
 
   Context& context;
+  Arena arena;  // of all that follows
   std::uint32_t max_vertex_stride;
   std::int32_t given_count;
   std::uint32_t index_count;

@@ -63,17 +63,17 @@ void record_calls(const Context& context, VkCommandBuffer commands, std::size_t 
 struct Solve::Parts {
   /// The iteration of the paper.
   struct Progressive {
-    Progressive(Context& context, const DeviceSystem::Parts& system, const SolveOptions& options,
+    Progressive(Arena& arena, const DeviceSystem::Parts& system, const SolveOptions& options,
                 std::span<const GivenPoints> points);
     GpuSolve solve;
     GpuGiven given;
   };
   /// Or the fair construction.
   struct Fair {
-    Fair(Context& context, const DeviceSystem::Parts& system, const GpuFairOptions& options,
+    Fair(Arena& arena, const DeviceSystem::Parts& system, const GpuFairOptions& options,
          std::span<const GivenPoints> points)
-        : gather(context, system.vertices, system.used_vertices, points),
-          fair(context, *system.fair, gather.points(), with_sums(system, options)) {}
+        : gather(arena, system.vertices, system.used_vertices, points),
+          fair(arena, *system.fair, gather.points(), with_sums(system, options)) {}
     static GpuFairOptions with_sums(const DeviceSystem::Parts& system, GpuFairOptions options) {
       const PatchTables& patches = *system.patches;
       if (patches.ring_count > 0)
@@ -114,6 +114,7 @@ struct Solve::Parts {
                        std::size_t round) const noexcept;
 
   Context& context;
+  Arena arena;  // of all that follows
   const DeviceSystem::Parts& system;
   std::uint32_t max_iterations;
   InstanceSizes sizes;
@@ -139,11 +140,11 @@ struct Solve::Parts {
   void make_edit(std::span<const FrameSlot> slots);
 };
 
-Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Parts& system,
+Solve::Parts::Progressive::Progressive(Arena& arena, const DeviceSystem::Parts& system,
                                        const SolveOptions& options,
                                        std::span<const GivenPoints> points)
-    : solve(context, system.masks, solve_options(context, options)),
-      given(context, system.masks, solve, system.vertices, system.used_vertices, points) {
+    : solve(arena, system.masks, solve_options(arena.context(), options)),
+      given(arena, system.masks, solve, system.vertices, system.used_vertices, points) {
   const std::vector<StepCoefficients> steps =
       chebyshev_steps(system.spectral_bound, static_cast<std::int32_t>(options.max_iterations));
   solve.set_plan(steps);
@@ -171,8 +172,7 @@ std::vector<GivenPoints> Solve::Parts::given_points_of(std::span<const FrameSlot
   for (const FrameSlot& slot : slots) {
     points.push_back(slot.given);
     if (slot.given.buffer) continue;
-    if (!own_given)
-      own_given.emplace(context, given_bytes, MemoryUse::Device, "planish host points");
+    if (!own_given) own_given.emplace(arena, given_bytes, MemoryUse::Device, "planish host points");
     points.back().buffer = own_given->handle();
   }
   return points;
@@ -182,7 +182,7 @@ void Solve::Parts::make_patches(std::span<const FrameSlot> slots) {
   for (const FrameSlot& slot : slots) {
     std::optional<GpuPatches>& target = patches.emplace_back();
     if (slot.vertices.buffer)
-      target.emplace(context, *system.patches, given_points(), state_points(), slot.vertices,
+      target.emplace(arena, *system.patches, given_points(), state_points(), slot.vertices,
                      sizes.rows, instances);
   }
 }
@@ -193,6 +193,7 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& on_device, const Sol
 Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& of_system, const InstanceSizes& of,
                     const SolveOptions& options)
     : context(on),
+      arena(on),
       system(of_system),
       max_iterations(options.max_iterations),
       sizes(of),
@@ -202,24 +203,25 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& of_system, const Ins
   slot_count = static_cast<std::uint32_t>(slots.size());
   const std::vector<GivenPoints> points = given_points_of(slots);
   if (system.fair)
-    fair.emplace(on, system, fair_options(options), points);
+    fair.emplace(arena, system, fair_options(options), points);
   else
-    progressive.emplace(on, system, options, points);
-  if (system.bending) bending.emplace(on, *system.bending, given_points(), instances);
+    progressive.emplace(arena, system, options, points);
+  if (system.bending) bending.emplace(arena, *system.bending, given_points(), instances);
   if (progressive && sizes.has_surface)
-    step.emplace(on, *system.patches, *system.step, progressive->given.given(),
+    step.emplace(arena, *system.patches, *system.step, progressive->given.given(),
                  progressive->given.displacement(), sizes.rows, instances);
   if (sizes.has_surface && system.patches->ring_count > 0)
-    sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
+    sums.emplace(arena, *system.patches, given_points(), state_points(), sizes.rows, instances);
   make_patches(slots);
   if (std::ranges::any_of(
           slots, [](const FrameSlot& slot) { return slot.moved.buffer != VK_NULL_HANDLE; }))
     make_edit(slots);
+  arena.finish();
 }
 
 void Solve::Parts::make_edit(std::span<const FrameSlot> slots) {
   edit.emplace(
-      context,
+      arena,
       EditedParts{system.masks, system.vertices, *system.edits, *system.patches, *system.step,
                   progressive->solve, progressive->given, *step, sums ? &*sums : nullptr},
       system.given_count, slots);

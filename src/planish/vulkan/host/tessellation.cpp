@@ -45,12 +45,16 @@ const LevelSetTables& level_set_of(const std::optional<LevelSetTables>& tables) 
 struct Tessellation::Parts {
   Parts(Context& on, const LevelSetTables& tables, const EvaluatedParts& solve,
         const TessellationOptions& options)
-      : context(on),
+      : arena(on),
+        context(on),
         given(solve.given),
         instances(solve.chosen.instances),
         indices(tables.indices.handle()),
-        levels(on, solve.chosen, checked(tables, solve, options)) {}
+        levels(arena, solve.chosen, checked(tables, solve, options)) {
+    arena.finish();
+  }
 
+  Arena arena;  // of all that follows
   Context& context;
   const GpuGiven* given;
   Instances instances;

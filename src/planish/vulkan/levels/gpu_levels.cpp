@@ -3,7 +3,6 @@
 #include "planish/vulkan/levels/gpu_levels.h"
 
 #include <algorithm>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -29,11 +28,11 @@ struct GpuLevels::Words {
   std::size_t segment_count;
 };
 
-GpuLevels::GpuLevels(Context& context, const ChosenParts& parts, const TessellationOptions& options)
-    : context_(context),
+GpuLevels::GpuLevels(const Maker& on, const ChosenParts& parts, const TessellationOptions& options)
+    : context_(on.context()),
       parts_(parts),
-      choose_pipeline_(context.pipelines().specialised(Kernel::ChooseLevels, {})),
-      place_pipeline_(context.pipelines().specialised(Kernel::PlaceInstances, {})) {
+      choose_pipeline_(context_.pipelines().specialised(Kernel::ChooseLevels, {})),
+      place_pipeline_(context_.pipelines().specialised(Kernel::PlaceInstances, {})) {
   const std::uint32_t count = parts.instances.count;
   choose_.instance_count = place_.instance_count = count;
   choose_.point_count = static_cast<std::uint32_t>(parts.hull_count);
@@ -42,18 +41,18 @@ GpuLevels::GpuLevels(Context& context, const ChosenParts& parts, const Tessellat
   place_.numbers_draws = options.numbers_draws ? 1 : 0;
   for (std::size_t k = 0; k < parts.set.levels.size(); ++k)
     choose_.chords[k] = parts.set.levels[k].chord;
-  require_one_binding(context, parts.hull.size(), kPointBytes, "points around instances");
-  levels_ = Buffer(context, 2 * count * kLevelWordBytes, MemoryUse::Device, "planish levels");
-  draws_ = Buffer(context, count * shared::kDrawWords * kLevelWordBytes, MemoryUse::Device,
-                  "planish draws");
-  make_work(options);
+  require_one_binding(context_, parts.hull.size(), kPointBytes, "points around instances");
+  levels_ = Buffer(on, 2 * count * kLevelWordBytes, MemoryUse::Device, "planish levels");
+  draws_ =
+      Buffer(on, count * shared::kDrawWords * kLevelWordBytes, MemoryUse::Device, "planish draws");
+  make_work(on, options);
   const BoundKernel bound[] = {
       {Kernel::ChooseLevels, {whole(parts.hull), whole(levels_)}},
       {Kernel::PlaceInstances, {whole(levels_), whole(work_), whole(draws_)}}};
-  sets_ = DescriptorSets(context, bound);
+  sets_ = DescriptorSets(on, bound);
 }
 
-void GpuLevels::make_work(const TessellationOptions& options) {
+void GpuLevels::make_work(const Maker& on, const TessellationOptions& options) {
   const std::deque<LevelTables>& levels = parts_.set.levels;
   Words words;
   words.segment_count =
@@ -81,20 +80,21 @@ void GpuLevels::make_work(const TessellationOptions& options) {
   place_.segment_count = static_cast<std::uint32_t>(words.segment_count);
   first_segment_ = words.first_segment * kLevelWordBytes;
   require_one_binding(context_, words.end * kLevelWordBytes, 0, "lists of instances");
-  work_ = Buffer(context_, words.end * kLevelWordBytes, MemoryUse::Device, "planish instances");
-  make_surface(words);
-  make_patches(options, words);
+  work_ = Buffer(on, words.end * kLevelWordBytes, MemoryUse::Device, "planish instances");
+  make_surface(on, words);
+  make_patches(on, options, words);
 }
 
-void GpuLevels::make_surface(const Words& words) {
+void GpuLevels::make_surface(const Maker& on, const Words& words) {
   const InstanceList seen{&work_, words.seen_list};
-  if (parts_.step) step_.emplace(context_, parts_.patches, *parts_.steps, *parts_.step, seen);
+  if (parts_.step) step_.emplace(on, parts_.patches, *parts_.steps, *parts_.step, seen);
   if (parts_.patches.ring_count > 0)
-    sums_.emplace(context_, parts_.patches, parts_.given, parts_.state, parts_.vertex_count,
+    sums_.emplace(on, parts_.patches, parts_.given, parts_.state, parts_.vertex_count,
                   parts_.instances, seen);
 }
 
-void GpuLevels::make_patches(const TessellationOptions& options, const Words& words) {
+void GpuLevels::make_patches(const Maker& on, const TessellationOptions& options,
+                             const Words& words) {
   std::vector<std::uint32_t> head;
   for (std::size_t k = 0; k < words.levels.size(); ++k) {
     const LevelTables& tables = parts_.set.levels[k];
@@ -113,7 +113,7 @@ void GpuLevels::make_patches(const TessellationOptions& options, const Words& wo
     lists.first_list = level.list;
     lists.places = {level.places};
     lists.links = &parts_.patches.links;
-    patches_.emplace_back(context_, tables.patches, parts_.given, parts_.state, layout,
+    patches_.emplace_back(on, tables.patches, parts_.given, parts_.state, layout,
                           parts_.vertex_count, parts_.instances, lists);
     head.insert(head.end(), {level.places, tables.vertex_count, tables.index_count,
                              tables.first_index, level.first_vertex, level.list});
@@ -128,9 +128,8 @@ void GpuLevels::make_patches(const TessellationOptions& options, const Words& wo
     for (std::size_t i = 0; i < patches_[k].round_count(); ++i)
       add_segment(patches_[k].group_count(i), k);
   template_ =
-      Buffer(context_, head.size() * kLevelWordBytes, MemoryUse::Upload, "planish empty instances");
-  std::memcpy(template_.mapped().data(), head.data(), head.size() * kLevelWordBytes);
-  template_.flush();
+      Buffer(on, head.size() * kLevelWordBytes, MemoryUse::Upload, "planish empty instances");
+  template_.write(std::as_bytes(std::span(head)));
 }
 
 void GpuLevels::record_reset(VkCommandBuffer commands) const noexcept {

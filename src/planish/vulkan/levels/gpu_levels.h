@@ -32,7 +32,7 @@ class GpuLevels {
  public:
   /// `options` are whole: a number of places for each level. Throws Error{OutOfMemory} naming the
   /// limit.
-  GpuLevels(Context& context, const ChosenParts& parts, const TessellationOptions& options);
+  GpuLevels(const Maker& on, const ChosenParts& parts, const TessellationOptions& options);
 
   /// Within kEntryScope; a fill, to be waited for.
   void record_reset(VkCommandBuffer commands) const noexcept;
@@ -47,9 +47,9 @@ class GpuLevels {
   enum Set { Choose, PlaceAll };
   struct Words;
 
-  void make_work(const TessellationOptions& options);
-  void make_surface(const Words& words);
-  void make_patches(const TessellationOptions& options, const Words& words);
+  void make_work(const Maker& on, const TessellationOptions& options);
+  void make_surface(const Maker& on, const Words& words);
+  void make_patches(const Maker& on, const TessellationOptions& options, const Words& words);
   void record_choice(VkCommandBuffer commands, const TessellateParameters& view) const noexcept;
   [[nodiscard]] IndirectGroups groups_of(std::size_t segment) const noexcept {
     return {work_.handle(),

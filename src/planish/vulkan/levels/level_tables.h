@@ -19,7 +19,7 @@ struct LevelTables {
 /// A LevelSet on a device, likewise.
 struct LevelSetTables {
   /// `records` are of its levels. Throws Error{OutOfMemory} naming the limit that a table exceeds.
-  LevelSetTables(Context& context, const LevelSet& set, std::span<const PatchRecords> records);
+  LevelSetTables(const Maker& on, const LevelSet& set, std::span<const PatchRecords> records);
 
   std::deque<LevelTables> levels;
   Buffer indices;

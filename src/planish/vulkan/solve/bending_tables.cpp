@@ -29,15 +29,15 @@ BendingRecords bending_records(const BendingTable& table, double unit, double bo
   return records;
 }
 
-BendingTables::BendingTables(Context& context, const BendingRecords& records)
+BendingTables::BendingTables(const Maker& on, const BendingRecords& records)
     : vertex_count(static_cast<std::uint32_t>(records.vertices.size())),
       unit(static_cast<float>(records.unit)),
       bound(static_cast<float>(records.bound)),
-      vertices(make_bindable(context, std::as_bytes(std::span(records.vertices)).size(),
+      vertices(make_bindable(on, std::as_bytes(std::span(records.vertices)).size(),
                              "planish bending vertices")),
-      entries(make_bindable(context, std::as_bytes(std::span(records.entries)).size(),
+      entries(make_bindable(on, std::as_bytes(std::span(records.entries)).size(),
                             "planish bending entries")),
-      theirs(make_bindable(context, std::as_bytes(std::span(records.theirs)).size(),
+      theirs(make_bindable(on, std::as_bytes(std::span(records.theirs)).size(),
                            "planish bending weights")) {}
 
 }  // namespace planish::vulkan

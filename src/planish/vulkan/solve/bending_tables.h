@@ -25,7 +25,7 @@ struct BendingRecords {
 /// BendingRecords on a device. Read-only after its upload ran.
 struct BendingTables {
   /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
-  BendingTables(Context& context, const BendingRecords& records);
+  BendingTables(const Maker& on, const BendingRecords& records);
 
   std::uint32_t vertex_count;
   float unit, bound;

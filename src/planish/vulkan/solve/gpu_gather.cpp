@@ -14,19 +14,19 @@ constexpr std::int32_t kGatherLanes = 64;
 
 }  // namespace
 
-GpuGather::GpuGather(Context& context, const Buffer& vertices,
+GpuGather::GpuGather(const Maker& on, const Buffer& vertices,
                      std::span<const std::int32_t> row_vertices, std::span<const GivenPoints> given,
                      const Instances& instances)
-    : context_(context),
+    : context_(on.context()),
       instances_(instances),
       row_count_(row_vertices.size()),
-      points_(context, instances.bytes(row_count_), MemoryUse::Device, "planish given points") {
+      points_(on, instances.bytes(row_count_), MemoryUse::Device, "planish given points") {
   for (const GivenPoints& slot : given) {
     firsts_.push_back(gathers_.size());
     cut_gathers(row_vertices, slot);
   }
   firsts_.push_back(gathers_.size());
-  bind(vertices);
+  bind(on, vertices);
 }
 
 void GpuGather::cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given) {
@@ -69,7 +69,7 @@ void GpuGather::cut_gathers(std::span<const std::int32_t> row_vertices, const Gi
   }
 }
 
-void GpuGather::bind(const Buffer& vertices) {
+void GpuGather::bind(const Maker& on, const Buffer& vertices) {
   std::vector<BoundKernel> bound;
   for (const Gather& gather : gathers_)
     bound.push_back({Kernel::GatherPoints,
@@ -78,7 +78,7 @@ void GpuGather::bind(const Buffer& vertices) {
                       gather.source,
                       instances_.widened(point_range(points_, gather.first_row, gather.row_count),
                                          row_count_)}});
-  sets_ = DescriptorSets(context_, bound);
+  sets_ = DescriptorSets(on, bound);
 }
 
 void GpuGather::record(VkCommandBuffer commands, std::uint32_t slot) const noexcept {

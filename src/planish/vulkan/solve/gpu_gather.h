@@ -17,7 +17,7 @@ class GpuGather {
   /// `vertices` holds the index of each row's point, which `row_vertices` has on the host; `given`
   /// has a host's points for each slot. Instances are given.instance_stride apart, which is not 0
   /// where there are several.
-  GpuGather(Context& context, const Buffer& vertices, std::span<const std::int32_t> row_vertices,
+  GpuGather(const Maker& on, const Buffer& vertices, std::span<const std::int32_t> row_vertices,
             std::span<const GivenPoints> given, const Instances& instances = {});
 
   /// Of a slot's points. Within kEntryScope; a barrier from kKernelScope comes before the points
@@ -40,7 +40,7 @@ class GpuGather {
 
  private:
   void cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given);
-  void bind(const Buffer& vertices);
+  void bind(const Maker& on, const Buffer& vertices);
 
   Context& context_;
   Instances instances_;

@@ -4,22 +4,21 @@
 
 namespace planish::vulkan {
 
-GpuGiven::GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
+GpuGiven::GpuGiven(const Maker& on, const DeviceTable& masks, const GpuSolve& solve,
                    const Buffer& vertices, std::span<const std::int32_t> row_vertices,
                    std::span<const GivenPoints> given)
-    : context_(context),
+    : context_(on.context()),
       masks_(masks),
       instances_(solve.instances()),
       row_count_(static_cast<std::uint64_t>(masks.row_count())),
-      pieces_(cut_rows(context, masks.row_count(), kPointBytes)),
-      gather_(context, vertices, row_vertices, given, instances_),
-      control_(context, instances_.bytes(row_count_), MemoryUse::Device, "planish control points"),
-      moved_(context, instances_.bytes(row_count_), MemoryUse::Device,
-             "planish last displacement") {
-  bind(solve);
+      pieces_(cut_rows(context_, masks.row_count(), kPointBytes)),
+      gather_(on, vertices, row_vertices, given, instances_),
+      control_(on, instances_.bytes(row_count_), MemoryUse::Device, "planish control points"),
+      moved_(on, instances_.bytes(row_count_), MemoryUse::Device, "planish last displacement") {
+  bind(on, solve);
 }
 
-void GpuGiven::bind(const GpuSolve& solve) {
+void GpuGiven::bind(const Maker& on, const GpuSolve& solve) {
   std::vector<BoundKernel> bound;
   const auto range = [&](const Buffer& points, std::int32_t first, std::int32_t count) {
     return instances_.widened(point_range(points, first, count), row_count_);
@@ -41,7 +40,7 @@ void GpuGiven::bind(const GpuSolve& solve) {
                      {whole(slice.entries), whole(slice.chunks),
                       range(gather_.points(), slice.rows.first_source, slice.rows.source_count),
                       range(solve.initial(), slice.rows.first_row, slice.rows.row_count)}});
-  sets_ = DescriptorSets(context_, bound);
+  sets_ = DescriptorSets(on, bound);
 }
 
 // Windows of several instances overlap.

@@ -18,9 +18,8 @@ class GpuGiven {
  public:
   /// For the solve's instances. `vertices` holds the index of each row's point, which
   /// `row_vertices` has on the host; `given` has a host's points for each slot.
-  GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
-           const Buffer& vertices, std::span<const std::int32_t> row_vertices,
-           std::span<const GivenPoints> given);
+  GpuGiven(const Maker& on, const DeviceTable& masks, const GpuSolve& solve, const Buffer& vertices,
+           std::span<const std::int32_t> row_vertices, std::span<const GivenPoints> given);
 
   /// Points of a slot, and the displacement from the last one or zero; within kEntryScope.
   Wait record_points(VkCommandBuffer commands, bool warm_start, std::uint32_t slot) const noexcept;
@@ -36,7 +35,7 @@ class GpuGiven {
   [[nodiscard]] const GpuGather& gather() const { return gather_; }
 
  private:
-  void bind(const GpuSolve& solve);
+  void bind(const Maker& on, const GpuSolve& solve);
   void separate(VkCommandBuffer commands, std::size_t part) const noexcept;
   void record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
                      bool warm_start) const noexcept;

@@ -14,15 +14,15 @@ namespace {
 constexpr std::array kKernels{Kernel::BendingDirections, Kernel::BendingRows, Kernel::BendingStep};
 constexpr std::uint32_t kLanes = 64;
 
-Buffer make_points(Context& context, std::uint64_t bytes) {
-  return make_bindable(context, bytes, "planish bending work");
+Buffer make_points(const Maker& on, std::uint64_t bytes) {
+  return make_bindable(on, bytes, "planish bending work");
 }
 
 }  // namespace
 
-GpuLeastBending::GpuLeastBending(Context& context, const BendingTables& tables,
-                                 const Buffer& points, const Instances& instances)
-    : context_(context),
+GpuLeastBending::GpuLeastBending(const Maker& on, const BendingTables& tables, const Buffer& points,
+                                 const Instances& instances)
+    : context_(on.context()),
       instances_(instances),
       parameters_{tables.vertex_count,
                   static_cast<std::uint32_t>(instances.stride(tables.vertex_count)),
@@ -30,23 +30,23 @@ GpuLeastBending::GpuLeastBending(Context& context, const BendingTables& tables,
                   tables.bound,
                   0,
                   0},
-      groups_(std::min((tables.vertex_count + kLanes - 1) / kLanes, context.max_group_count())),
+      groups_(std::min((tables.vertex_count + kLanes - 1) / kLanes, context_.max_group_count())),
       momenta_(nesterov_momenta()) {
   for (std::size_t i = 0; i < kKernels.size(); ++i)
-    pipelines_[i] = context.pipelines().specialised(kKernels[i], {});
+    pipelines_[i] = context_.pipelines().specialised(kKernels[i], {});
   const std::uint64_t bytes = instances.bytes(tables.vertex_count);
   for (Buffer* buffer : {&directions_, &base_, &rows_, &moves_, &ahead_})
-    *buffer = make_points(context, bytes);
+    *buffer = make_points(on, bytes);
   const auto bind = [&](Kernel kernel, std::initializer_list<const Buffer*> buffers) {
     BoundKernel bound{kernel, {whole(tables.vertices), whole(tables.entries)}};
     for (const Buffer* buffer : buffers) bound.buffers.push_back(whole(*buffer));
     return bound;
   };
   sets_ = DescriptorSets(
-      context, std::array{bind(kKernels[0], {&points, &directions_, &base_, &moves_, &ahead_}),
-                          bind(kKernels[1], {&directions_, &base_, &ahead_, &rows_}),
-                          bind(kKernels[2],
-                               {&tables.theirs, &directions_, &rows_, &moves_, &ahead_, &points})});
+      on, std::array{bind(kKernels[0], {&points, &directions_, &base_, &moves_, &ahead_}),
+                     bind(kKernels[1], {&directions_, &base_, &ahead_, &rows_}),
+                     bind(kKernels[2],
+                          {&tables.theirs, &directions_, &rows_, &moves_, &ahead_, &points})});
 }
 
 Wait GpuLeastBending::record_round(VkCommandBuffer commands, std::uint32_t round) const noexcept {

@@ -15,7 +15,7 @@ class GpuLeastBending {
  public:
   /// `points`: shared::kPointFloats floats per vertex, of one instance after another.
   /// Throws Error{OutOfMemory} naming the limit.
-  GpuLeastBending(Context& context, const BendingTables& tables, const Buffer& points,
+  GpuLeastBending(const Maker& on, const BendingTables& tables, const Buffer& points,
                   const Instances& instances = {});
 
   static constexpr std::uint32_t kRoundCount = 1 + 2 * kLeastBendingSteps;

@@ -2,7 +2,6 @@
 #include "planish/vulkan/solve/gpu_solve.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "planish/core/assert.h"
 #include "planish/vulkan/device/commands.h"
@@ -28,46 +27,43 @@ std::uint32_t steps_that_fit(const Context& context, std::uint32_t partials_tota
 
 }  // namespace
 
-GpuSolve::GpuSolve(Context& context, const DeviceTable& masks, const GpuSolveOptions& options)
-    : context_(context),
+GpuSolve::GpuSolve(const Maker& on, const DeviceTable& masks, const GpuSolveOptions& options)
+    : context_(on.context()),
       masks_(masks),
       sums_squares_(options.sums_squares),
       instances_(options.instances),
       max_steps_(options.max_steps ? options.max_steps
-                                   : steps_that_fit(context, masks.partials_total())) {
+                                   : steps_that_fit(context_, masks.partials_total())) {
   PLANISH_ASSERT(!sums_squares_ || instances_.count == 1);
   const auto rows = static_cast<std::uint64_t>(masks.row_count());
   const std::uint64_t point_bytes = instances_.bytes(rows);
   for (Buffer& side : sides_)
-    side = Buffer(context, point_bytes, MemoryUse::Device, "planish displacement");
-  initial_ = Buffer(context, point_bytes, MemoryUse::Device, "planish first residual");
+    side = Buffer(on, point_bytes, MemoryUse::Device, "planish displacement");
+  initial_ = Buffer(on, point_bytes, MemoryUse::Device, "planish first residual");
   const std::uint64_t step_bytes =
       std::uint64_t(max_steps_) * instances_.count * sizeof(shared::StepRecord);
-  plan_ = Buffer(context, step_bytes, MemoryUse::Upload, "planish plan");
-  steps_ = Buffer(context, step_bytes, MemoryUse::Device, "planish steps");
-  status_ = Buffer(context, instances_.count * sizeof(shared::SolveStatus), MemoryUse::Device,
+  plan_ = Buffer(on, step_bytes, MemoryUse::Upload, "planish plan");
+  steps_ = Buffer(on, step_bytes, MemoryUse::Device, "planish steps");
+  status_ = Buffer(on, instances_.count * sizeof(shared::SolveStatus), MemoryUse::Device,
                    "planish status");
   const std::uint64_t summed_steps = sums_squares_ ? max_steps_ : 0;
-  partials_ = Buffer(context, summed_steps * masks.partials_total() * sizeof(float),
-                     MemoryUse::Device, "planish partial sums");
+  partials_ = Buffer(on, summed_steps * masks.partials_total() * sizeof(float), MemoryUse::Device,
+                     "planish partial sums");
   const std::uint64_t argument_bytes = masks.slices().size() * sizeof(VkDispatchIndirectCommand);
-  full_arguments_ = Buffer(context, argument_bytes, MemoryUse::Upload, "planish work groups");
-  arguments_ = Buffer(context, argument_bytes, MemoryUse::Device, "planish work groups left");
+  full_arguments_ = Buffer(on, argument_bytes, MemoryUse::Upload, "planish work groups");
+  arguments_ = Buffer(on, argument_bytes, MemoryUse::Device, "planish work groups left");
   write_full_arguments();
-  bind(context);
+  bind(on);
 }
 
 void GpuSolve::write_full_arguments() {
-  std::byte* place = full_arguments_.mapped().data();
-  for (const DeviceTable::Slice& slice : masks_.slices()) {
-    const VkDispatchIndirectCommand command{slice.group_count, instances_.count, 1};
-    std::memcpy(place, &command, sizeof command);
-    place += sizeof command;
-  }
-  full_arguments_.flush();
+  std::vector<VkDispatchIndirectCommand> commands;
+  for (const DeviceTable::Slice& slice : masks_.slices())
+    commands.push_back({slice.group_count, instances_.count, 1});
+  full_arguments_.write(std::as_bytes(std::span(commands)));
 }
 
-void GpuSolve::bind(Context& context) {
+void GpuSolve::bind(const Maker& on) {
   const auto row_count = static_cast<std::uint64_t>(masks_.row_count());
   std::vector<BoundKernel> bound;
   for (const DeviceTable::Slice& slice : masks_.slices())
@@ -83,23 +79,21 @@ void GpuSolve::bind(Context& context) {
                                row_count),
             own(initial_), own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
     }
-  step_sets_ = DescriptorSets(context, bound);
+  step_sets_ = DescriptorSets(on, bound);
   const BoundKernel finish[] = {{Kernel::ReduceRms, {whole(partials_), whole(steps_)}},
                                 {Kernel::FinishSolve, {whole(steps_), whole(status_)}},
                                 {Kernel::StopTest, {whole(steps_), whole(arguments_)}}};
-  finish_sets_ = DescriptorSets(context, finish);
+  finish_sets_ = DescriptorSets(on, finish);
 }
 
 void GpuSolve::set_plan(std::span<const StepCoefficients> steps) {
   PLANISH_ASSERT(steps.size() <= max_steps_);
-  std::byte* place = plan_.mapped().data();
-  for (const StepCoefficients& step : steps) {
-    const shared::StepRecord record{static_cast<float>(step.momentum),
-                                    static_cast<float>(step.gain), 0, 0};
-    for (std::uint32_t i = 0; i < instances_.count; ++i, place += sizeof record)
-      std::memcpy(place, &record, sizeof record);
-  }
-  plan_.flush();
+  std::vector<shared::StepRecord> records;
+  records.reserve(steps.size() * instances_.count);
+  for (const StepCoefficients& step : steps)
+    records.insert(records.end(), instances_.count,
+                   {static_cast<float>(step.momentum), static_cast<float>(step.gain), 0, 0});
+  plan_.write(std::as_bytes(std::span(records)));
 }
 
 void GpuSolve::record_clear(VkCommandBuffer commands) const noexcept {

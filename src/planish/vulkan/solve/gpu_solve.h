@@ -33,7 +33,7 @@ struct StepRun {
 class GpuSolve {
  public:
   /// `masks` was made with includes_own_rows. Throws Error{OutOfMemory} naming the limit.
-  GpuSolve(Context& context, const DeviceTable& masks, const GpuSolveOptions& options = {});
+  GpuSolve(const Maker& on, const DeviceTable& masks, const GpuSolveOptions& options = {});
 
   /// Steps that one record_steps can hold.
   [[nodiscard]] std::uint32_t max_steps() const { return max_steps_; }
@@ -68,7 +68,7 @@ class GpuSolve {
   [[nodiscard]] const Buffer& status() const { return status_; }
 
  private:
-  void bind(Context& context);
+  void bind(const Maker& on);
   void write_full_arguments();
   void copy_plan(VkCommandBuffer commands, std::uint32_t count, bool measures_last) const noexcept;
   Wait record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept;

@@ -7,12 +7,13 @@
 namespace planish::vulkan {
 
 template <class Real>
-DeviceTable::DeviceTable(Context& context, const StencilView<Real>& table,
+DeviceTable::DeviceTable(const Maker& on, const StencilView<Real>& table,
                          const DeviceTableOptions& options)
-    : context_(context),
+    : context_(on.context()),
       row_count_(table.row_count()),
       source_count_(table.source_count),
       has_derivatives_(options.has_derivatives) {
+  const Context& context = context_;
   SliceLimits limits;
   limits.max_range = context.max_storage_range();
   limits.max_chunks = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
@@ -30,13 +31,13 @@ DeviceTable::DeviceTable(Context& context, const StencilView<Real>& table,
         static_cast<std::uint32_t>((rows.chunk_count + context.variant().chunks_per_group - 1) /
                                    context.variant().chunks_per_group);
     group_total_ += slice.group_count;
-    slice.entries = Buffer(context, rows.entry_count * sizeof(PackedEntry), MemoryUse::Device,
-                           "planish entries");
-    slice.chunks = Buffer(context, rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
+    slice.entries =
+        Buffer(on, rows.entry_count * sizeof(PackedEntry), MemoryUse::Device, "planish entries");
+    slice.chunks = Buffer(on, rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
                           MemoryUse::Device, "planish chunks");
     if (has_derivatives_)
-      slice.derivatives = Buffer(context, rows.entry_count * sizeof(PackedDerivative),
-                                 MemoryUse::Device, "planish derivatives");
+      slice.derivatives = Buffer(on, rows.entry_count * sizeof(PackedDerivative), MemoryUse::Device,
+                                 "planish derivatives");
   }
 }
 
@@ -76,8 +77,10 @@ void DeviceTable::record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDes
                                    slices_[i].group_count, instances);
 }
 
-template DeviceTable::DeviceTable(Context&, const StencilView<float>&, const DeviceTableOptions&);
-template DeviceTable::DeviceTable(Context&, const StencilView<double>&, const DeviceTableOptions&);
+template DeviceTable::DeviceTable(const Maker&, const StencilView<float>&,
+                                  const DeviceTableOptions&);
+template DeviceTable::DeviceTable(const Maker&, const StencilView<double>&,
+                                  const DeviceTableOptions&);
 template PackedSlice DeviceTable::pack(std::size_t, const StencilView<float>&) const;
 template PackedSlice DeviceTable::pack(std::size_t, const StencilView<double>&) const;
 

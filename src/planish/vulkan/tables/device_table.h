@@ -28,7 +28,7 @@ class DeviceTable {
 
   /// Plans the slices and takes the memory. Throws Error{OutOfMemory} naming the limit.
   template <class Real>
-  DeviceTable(Context& context, const StencilView<Real>& table, const DeviceTableOptions& options);
+  DeviceTable(const Maker& on, const StencilView<Real>& table, const DeviceTableOptions& options);
 
   [[nodiscard]] const std::vector<Slice>& slices() const { return slices_; }
   [[nodiscard]] bool has_derivatives() const { return has_derivatives_; }
