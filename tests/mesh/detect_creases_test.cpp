@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <numbers>
+#include <span>
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
@@ -197,6 +199,43 @@ TEST(DetectCreases, KeepsFlatLinesOfPartsAndDropsThoseOfCurvedShapes) {
     return -slope(30) * std::abs(x - 4) - 0.05 * (y - 4) * (y - 4);
   };
   EXPECT_EQ(with_detected_creases(sheet(8, sharp)).creases.size(), 8u);
+}
+
+// A profile of (radius, height) turned around z, in triangles; open at both ends.
+PolygonMesh turned(std::span<const glm::dvec2> profile, int n) {
+  PolygonMesh mesh;
+  for (const glm::dvec2& knot : profile) {
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      mesh.positions.emplace_back(knot.x * std::cos(angle), knot.x * std::sin(angle), knot.y);
+    }
+  }
+  for (int ring = 0; ring + 1 < static_cast<int>(profile.size()); ++ring) {
+    for (int i = 0; i < n; ++i) {
+      const int a = ring * n + i, b = ring * n + (i + 1) % n;
+      mesh.add_face(std::array{a, b, b + n});
+      mesh.add_face(std::array{a, b + n, a + n});
+    }
+  }
+  return mesh;
+}
+
+// The rims of a countersunk bore: between the plate and the cone, between the cone and the bore.
+TEST(DetectCreases, KeepsRimsOfRoundFacesThatTurnByHalfARightAngle) {
+  const std::array<glm::dvec2, 4> bore{{{9, 0}, {5, 0}, {3, -2}, {3, -8}}};
+  const PolygonMesh mesh = with_detected_creases(turned(bore, 24));
+  EXPECT_EQ(mesh.creases.size(), 48u);
+  for (const CreaseEdge& crease : mesh.creases)
+    EXPECT_EQ(mesh.positions[crease.v0].z, mesh.positions[crease.v1].z);
+  // Of one side flat a part of the rim is enough.
+  PolygonMesh half = turned(bore, 24);
+  for (std::int32_t i = 0; i < 9; ++i) half.positions[24 + i].z -= 0.4 * (i % 2);
+  EXPECT_GT(with_detected_creases(half).creases.size(), 36u);
+  // No face is flat beside a bulge's rim, and its edges turn by 32 to 48 degrees.
+  const std::array<glm::dvec2, 5> bulge{{{9, -1}, {7, -0.3}, {5, 0}, {3, -1.4}, {1, -3}}};
+  PolygonMesh uneven = turned(bulge, 24);
+  for (std::int32_t i = 0; i < 24; ++i) uneven.positions[48 + i].z += 0.2 * std::sin(i * 2.1);
+  EXPECT_LT(with_detected_creases(uneven).creases.size(), 3u);
 }
 
 // Every edge of an icosahedron turns by 42 degrees: it is a coarse sphere.

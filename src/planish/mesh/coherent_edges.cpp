@@ -89,11 +89,28 @@ bool EdgeTurns::goes_on_beyond(std::int32_t edge, std::int32_t face) const {
   return false;
 }
 
+// Whether the faces at a corner's vertex, from the corner on, are flat up to a boundary or to an
+// edge that turns by half of `line` at least. One face alone says nothing. The vertex has such an
+// edge.
+bool EdgeTurns::is_flat_up_to_line(std::int32_t corner, bool is_ccw, double line) const {
+  for (std::int32_t faces = 1;; ++faces) {
+    const std::int32_t edge = topology_.edge_of(is_ccw ? topology_.prev(corner) : corner);
+    const bool ends = topology_.is_boundary_edge(edge);
+    if (ends || turn(edge) >= kFlatTurn) return faces > 1 && (ends || turn(edge) >= line / kTwice);
+    corner = is_ccw ? topology_.ccw(corner) : topology_.cw(corner);
+  }
+}
+
 bool EdgeTurns::is_clear(std::int32_t edge) const {
   const auto [v, w] = topology_.edge_vertices(edge);
   const bool v_ends = topology_.is_boundary_vertex(v), w_ends = topology_.is_boundary_vertex(w);
   if (v_ends && w_ends) return true;  // nothing speaks against it
-  return (!v_ends && third_turn(v) < kFlatTurn) || (!w_ends && third_turn(w) < kFlatTurn);
+  if ((!v_ends && third_turn(v) < kFlatTurn) || (!w_ends && third_turn(w) < kFlatTurn)) return true;
+  const double own = turn(edge);
+  const std::int32_t corner = topology_.corner_of(edge);
+  return std::ranges::any_of(std::array{corner, topology_.twin(corner)}, [&](std::int32_t c) {
+    return is_flat_up_to_line(c, true, own) && is_flat_up_to_line(topology_.next(c), false, own);
+  });
 }
 
 bool EdgeTurns::stands_out(std::int32_t edge) const {

@@ -27,11 +27,13 @@ class EdgeTurns {
   /// its ends, where two are the line's own, and is no strip of a coarse cylinder, whose edges
   /// beyond both its faces turn alike.
   [[nodiscard]] bool stands_out(std::int32_t edge) const;
-  /// Whether one of its ends is flat but for two edges: a line of a part, however little it turns.
+  /// Whether one of its ends is flat but for two edges, or one of its sides is up to the next line:
+  /// a line of a part, however little it turns.
   [[nodiscard]] bool is_clear(std::int32_t edge) const;
 
  private:
   [[nodiscard]] double third_turn(std::int32_t vertex) const;
+  [[nodiscard]] bool is_flat_up_to_line(std::int32_t corner, bool is_ccw, double line) const;
   [[nodiscard]] bool goes_on_beyond(std::int32_t edge, std::int32_t face) const;
   [[nodiscard]] glm::dvec3 along(std::int32_t edge) const;
 

@@ -37,6 +37,9 @@ constexpr double kFoldBackDegrees = 15;
 constexpr double kStraightDegrees = 30;
 // What the sharpest edge of a line has to turn by where none is beyond doubt.
 constexpr double kLineDegrees = 50;
+// What a ring of weaker edges has to have: so many, and of the sharpest one's turn each so much.
+constexpr std::size_t kRingEdges = 8;
+constexpr double kEvenShare = 0.8;
 
 struct Edge {
   std::int32_t v0, v1;
@@ -171,20 +174,38 @@ void drop_incoherent(const PolygonMesh& mesh, std::vector<Edge>& edges) {
   std::erase_if(edges, [&](const Edge&) { return stays[next++] == 0; });
 }
 
-// Lines of found edges of which none is sharp beyond doubt are noise.
+// Lines of found edges of which none is sharp beyond doubt are noise, but for rings that turn alike
+// all around, as rims between round faces do.
 void drop_weak_lines(const PolygonMesh& mesh, std::vector<Edge>& edges) {
+  struct Line {
+    double flattest = std::numbers::pi, sharpest = 0;
+    std::size_t edge_count = 0;
+    bool is_ring = true;
+    [[nodiscard]] bool is_even_ring() const {
+      return is_ring && edge_count >= kRingEdges && flattest >= kEvenShare * sharpest;
+    }
+  };
   DisjointSets lines(static_cast<std::int32_t>(mesh.positions.size()));
-  for (const Edge& edge : edges) {
-    if (!edge.given) lines.unite(edge.v0, edge.v1);
-  }
-  std::vector<double> sharpest(mesh.positions.size(), 0);
+  std::vector<std::uint8_t> ends_at(mesh.positions.size(), 0);
   for (const Edge& edge : edges) {
     if (edge.given) continue;
-    double& largest = sharpest[lines.find(edge.v0)];
-    largest = std::max(largest, edge.is_clear ? std::numbers::pi : edge.angle);
+    lines.unite(edge.v0, edge.v1);
+    for (const std::int32_t v : {edge.v0, edge.v1})
+      ends_at[v] = static_cast<std::uint8_t>(std::min(ends_at[v] + 1, 3));
+  }
+  std::vector<Line> at(mesh.positions.size());
+  for (const Edge& edge : edges) {
+    if (edge.given) continue;
+    Line& line = at[lines.find(edge.v0)];
+    line.flattest = std::min(line.flattest, edge.angle);
+    line.sharpest = std::max(line.sharpest, edge.is_clear ? std::numbers::pi : edge.angle);
+    line.is_ring &= ends_at[edge.v0] == 2 && ends_at[edge.v1] == 2;
+    ++line.edge_count;
   }
   std::erase_if(edges, [&](const Edge& edge) {
-    return !edge.given && sharpest[lines.find(edge.v0)] < kLineDegrees * kRadians;
+    if (edge.given) return false;
+    const Line& line = at[lines.find(edge.v0)];
+    return line.sharpest < kLineDegrees * kRadians && !line.is_even_ring();
   });
 }
 
