@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "distributed/rank_runs.h"
+#include "planish/distributed/staged_tileset.h"
+#include "support/expect_error.h"
 
 namespace planish::test {
 namespace {
@@ -61,6 +65,45 @@ TEST(StagedFile, ReplacesALinkAndNotWhatItNames) {
   });
   if (is_first_rank()) {
     EXPECT_EQ(content_of(target), "mine");
+  }
+}
+
+// Whoever runs the job without --force keeps what comes to the output's place meanwhile.
+TEST(StagedFile, LeavesWhatCameMeanwhile) {
+  const std::string path = shared_path("came.txt");
+  if (is_first_rank()) fs::remove(path);
+  on_ranks(2, [&](const Ranks& ranks) {
+    StagedFile file(ranks, path, /*replaces=*/false);
+    file.write(2 * ranks.rank, bytes_of("xy"));
+    file.close(4);
+    if (ranks.rank == 0) std::ofstream(path) << "a stranger's";
+    (void)message_of(ErrorCode::UnwritableOutput, [&] { file.commit(); });
+  });
+  if (is_first_rank()) {
+    EXPECT_EQ(content_of(path), "a stranger's");
+  }
+}
+
+TEST(StagedTileset, LeavesWhatCameMeanwhile) {
+  const fs::path folder = shared_path("tiles_meanwhile");
+  const fs::path document = folder / "t.json";
+  for (const char* const strange : {"t.json", "t/mine.txt"}) {
+    if (is_first_rank()) {
+      fs::remove_all(folder);
+      fs::create_directories(folder);
+    }
+    on_ranks(2, [&](const Ranks& ranks) {
+      StagedTileset tiles(ranks, document, /*resume=*/false, /*replaces=*/false);
+      if (ranks.rank == 0) {
+        std::ofstream(tiles.document()) << "ours";
+        fs::create_directories((folder / strange).parent_path());
+        std::ofstream(folder / strange) << "a stranger's";
+      }
+      (void)message_of(ErrorCode::UnwritableOutput, [&] { tiles.commit(); });
+    });
+    if (!is_first_rank()) continue;
+    EXPECT_EQ(content_of((folder / strange).string()), "a stranger's");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << strange;
   }
 }
 

@@ -90,6 +90,7 @@ MpiJob mpi_job_of(const Job& job, const MpiSettings& own) {
   options.tiles = made.tiles;
   options.cage = made.cage;
   options.resume = own.resume && !made.tiles.empty();
+  options.replaces = own.force;
   options.tiles_options.gltf.name = plain_utf8(std::filesystem::path(job.input).stem().string());
   options.cage_header = cage_header_lines(made.settings, options.method, job.input);
   if (own.block_vertices) options.block_vertices = *own.block_vertices;

@@ -156,7 +156,7 @@ class DistributedJob {
   void write_tiles() {
     if (options_.tiles.empty()) return;
     watch_.begin("tiles", block_count());
-    staged_tiles_.emplace(ranks_, options_.tiles, options_.resume);
+    staged_tiles_.emplace(ranks_, options_.tiles, options_.resume, options_.replaces);
     PartTilesOptions options;
     options.tiles = options_.tiles_options;
     options.tiles.gltf.double_sided = fit_.has_boundary;
@@ -206,14 +206,14 @@ class DistributedJob {
   void write_cage_to(std::optional<StagedFile>& file) {
     if (is_fair()) {
       const FairCage cage = make_fair_cage(ranks_, part_, *fit_.fair, corners_, options_.sharp);
-      file.emplace(ranks_, options_.cage);
+      file.emplace(ranks_, options_.cage, options_.replaces);
       write_cage(ranks_, cage.vertices, cage.face_total, cage.positions, cage.faces,
                  options_.cage_header, *file);
       return;
     }
     const std::vector<glm::dvec3> points = in_file_order(ranks_, vertices_, part_.file_ids, cage_);
     cage_ = {};
-    file.emplace(ranks_, options_.cage);
+    file.emplace(ranks_, options_.cage, options_.replaces);
     write_cage(ranks_, vertices_, fit_.faces, points, cage_faces_, options_.cage_header, *file);
   }
 

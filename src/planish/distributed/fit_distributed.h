@@ -44,6 +44,9 @@ struct DistributedOptions {
   std::string creases = "use";  ///< what the document says of them
   /// What an ended job of the same input and options has left of its tiles is not made again.
   bool resume = false;
+  /// Otherwise what stands at the cage's or the tiles' place by the time that they are renamed
+  /// there stays, and AgreedError{UnwritableOutput} is thrown.
+  bool replaces = true;
 };
 
 /// What one rank did; a plain struct, so that rank 0 can gather them.

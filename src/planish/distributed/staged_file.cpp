@@ -20,11 +20,11 @@ std::string text_of(int code) {
 
 }  // namespace
 
-StagedFile::StagedFile(const Ranks& ranks, std::string path)
+StagedFile::StagedFile(const Ranks& ranks, std::string path, bool replaces)
     : ranks_(ranks), path_(std::move(path)) {
   std::string temporary;
   agree(ranks_, [&] {
-    if (ranks_.rank == 0) temporary = output_.emplace(path_).temporary().string();
+    if (ranks_.rank == 0) temporary = output_.emplace(path_, replaces).temporary().string();
   });
   const RawVector<char> name = all_gather<char>(ranks_, temporary);
   temporary.assign(name.begin(), name.end());

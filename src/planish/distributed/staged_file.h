@@ -19,7 +19,8 @@ namespace planish {
 /// function is called by all ranks and throws AgreedError{UnwritableOutput} naming the path.
 class StagedFile {
  public:
-  StagedFile(const Ranks& ranks, std::string path);
+  /// `replaces`: as OutputFile has it.
+  StagedFile(const Ranks& ranks, std::string path, bool replaces = true);
   /// Closes, and removes what was not committed.
   ~StagedFile();
   StagedFile(const StagedFile&) = delete;

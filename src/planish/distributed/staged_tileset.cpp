@@ -4,14 +4,15 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/rename_file.h"
 #include "planish/files/tiles/write_tiles.h"
 
 namespace planish {
 
 namespace fs = std::filesystem;
 
-StagedTileset::StagedTileset(const Ranks& ranks, fs::path document, bool resume)
-    : ranks_(ranks), document_(std::move(document)) {
+StagedTileset::StagedTileset(const Ranks& ranks, fs::path document, bool resume, bool replaces)
+    : ranks_(ranks), document_(std::move(document)), replaces_(replaces) {
   part_ = document_.parent_path() / ("." + document_.filename().string() + ".part");
   agree(ranks_, [&] {
     if (ranks_.rank != 0) return;
@@ -32,19 +33,22 @@ StagedTileset::~StagedTileset() {
 }
 
 void StagedTileset::move_into_place() const {
-  std::error_code error;
-  const auto move = [&](const fs::path& from, const fs::path& to) {
-    fs::rename(from, to, error);
+  const auto require = [&](const std::error_code& error) {
     if (error)
       throw Error(ErrorCode::UnwritableOutput,
                   document_.string() + ": cannot be put in place: " + error.message());
   };
-  const fs::path folder = tile_folder(document_);
-  for (const fs::path& old : {document_, folder})
-    if (fs::exists(fs::symlink_status(old, error)))
-      move(old, part_ / (old.filename().string() + ".replaced"));
-  move(tile_folder(document()), folder);
-  move(document(), document_);
+  const fs::path folder = tile_folder(document_), own_folder = tile_folder(document());
+  if (replaces_) {
+    std::error_code ignored;
+    for (const fs::path& old : {document_, folder})
+      if (fs::exists(fs::symlink_status(old, ignored)))
+        require(rename_file(old, part_ / (old.filename().string() + ".replaced"), true));
+  }
+  require(rename_file(own_folder, folder, true));  // of folders only an empty one is replaced
+  const std::error_code error = rename_file(document(), document_, replaces_);
+  if (error) (void)rename_file(folder, own_folder, true);
+  require(error);
 }
 
 void StagedTileset::commit() {

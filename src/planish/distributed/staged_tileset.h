@@ -11,8 +11,11 @@ namespace planish {
 /// function is called by all ranks and throws AgreedError{UnwritableOutput} naming the path.
 class StagedTileset {
  public:
-  /// Removes what an ended job may have left of it, unless it is to be resumed.
-  StagedTileset(const Ranks& ranks, std::filesystem::path document, bool resume);
+  /// Removes what an ended job may have left of it, unless it is to be resumed. Without `replaces`
+  /// a document and a folder with something in it that stand there when commit() is called stay,
+  /// and commit() throws.
+  StagedTileset(const Ranks& ranks, std::filesystem::path document, bool resume,
+                bool replaces = true);
   /// Removes what was not committed.
   ~StagedTileset();
   StagedTileset(const StagedTileset&) = delete;
@@ -31,6 +34,7 @@ class StagedTileset {
 
   const Ranks& ranks_;
   std::filesystem::path document_, part_;
+  bool replaces_;
 };
 
 }  // namespace planish
