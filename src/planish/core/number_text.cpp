@@ -113,7 +113,7 @@ bool is_non_finite_word(std::string_view word) {
 }
 
 std::string no_finite_number(std::string_view word) {
-  const std::string what = quote(word) + " is no finite number";
+  std::string what = quote(word) + " is no finite number";
   const std::size_t sign = word.find_first_of("+-", 1);
   if (sign == std::string_view::npos) return what;
   // Programs that read it take it for 3.1 or for 310.

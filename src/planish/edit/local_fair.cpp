@@ -103,7 +103,7 @@ class LocalFair::Part {
       const std::int32_t first = topology.edge_vertices(other).first;
       for (int end = 0; end < 2; ++end) {
         const std::int32_t vertex = vertices_[end == 0 ? v0 : v1];
-        take(static_cast<std::size_t>(subdivision_->first_sharp() + 2 * s + end),
+        take(subdivision_->first_sharp() + 2 * s + end,
              whole.first_sharp() + 2 * sharp + (vertex == first ? 0 : 1), vertex);
       }
     }
@@ -112,8 +112,7 @@ class LocalFair::Part {
       if (whole.features().corner_count == 0) continue;
       const std::int32_t corner = whole.features().corner_of_vertex[vertex];
       if (corner < 0) continue;
-      take(static_cast<std::size_t>(subdivision_->first_corner() + i),
-           whole.first_corner() + corner, vertex);
+      take(subdivision_->first_corner() + i, whole.first_corner() + corner, vertex);
     }
   }
 

@@ -46,7 +46,7 @@ constexpr std::array<std::string_view, 23> kClassNames{"never classified",
                                                        "temporal exclusion"};
 
 std::string class_name(int number) {
-  const std::string text = std::to_string(number);
+  std::string text = std::to_string(number);
   if (static_cast<std::size_t>(number) >= kClassNames.size()) return text;
   return text + " " + std::string(kClassNames[number]);
 }

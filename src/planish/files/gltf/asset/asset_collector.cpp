@@ -48,7 +48,7 @@ void AssetCollector::find_uvs(const JsonPlace& attributes, const SourcePrimitive
     auto uvs = primitive.attribute(name, GltfAccessor::Use::TextureCoordinates);
     if (!uvs) return;
     budget.add_uvs(attributes[name], uvs->count());
-    uvs_.push_back(*std::move(uvs));
+    uvs_.push_back(*uvs);
     uv_places_.push_back(attributes[name]);
   }
 }
@@ -96,7 +96,7 @@ void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimit
                             " numbers a vertex, and another primitive of the mesh has " +
                             std::to_string(known->width));
     }
-    arrays_.push_back({*std::move(values), static_cast<std::size_t>(known - made_.arrays.begin())});
+    arrays_.push_back({*values, static_cast<std::size_t>(known - made_.arrays.begin())});
   }
 }
 
@@ -112,7 +112,7 @@ void AssetCollector::find_joints(const JsonPlace& attributes, const SourcePrimit
     if (joints->number_count() != kJointsOfSet || weights->number_count() != kJointsOfSet)
       place.fail("joints and weights are four of a vertex");
     budget.add_numbers(place, 2 * kJointsOfSet * joints->count());
-    joints_.push_back({place, *std::move(joints), *std::move(weights)});
+    joints_.push_back({place, *joints, *weights});
   }
   made_.joint_sets = std::max(made_.joint_sets, static_cast<int>(joints_.size()));
   if (!joints_.empty() && made_.first_influence.empty())
@@ -133,7 +133,7 @@ void AssetCollector::find_targets(const JsonPlace& place, const SourcePrimitive&
     targets_.emplace_back();
     if (!moves) continue;
     budget.add_numbers(*moves, 6 * primitive.positions().count());
-    targets_.back().emplace(*moves, primitive.target(*moves));
+    targets_.back() = Target{*moves, primitive.target(*moves)};
   }
 }
 
