@@ -80,6 +80,8 @@ void remove_held(Value& value, typename Json::value_t type) noexcept {
 
 }  // namespace planish::json_parts
 
+// No page of the documentation has members of the library's.
+/// \cond
 template <>
 inline void nlohmann::json::json_value::destroy(value_t type) {
   planish::json_parts::remove_held<json>(*this, type);
@@ -88,3 +90,4 @@ template <>
 inline void nlohmann::ordered_json::json_value::destroy(value_t type) {
   planish::json_parts::remove_held<ordered_json>(*this, type);
 }
+/// \endcond

@@ -20,8 +20,7 @@ struct CreaseDetectionOptions {
 /// faces' normals differ by more than `dihedral_degrees`, except
 ///   - what does not stand out from its surroundings (coherent_edges.h) nor carries a line on
 ///     straight that does;
-///   - lines of which no edge turns by 50 degrees or has flat faces around or on one side, and
-///   which
+///   - lines of which no edge turns by 50 degrees or has flat faces around or on one side, and that
 ///     are no ring of edges that turn alike;
 ///   - the flatter of two edges that fold a line back on itself, by less than 15 degrees, as both
 ///     long edges of a needle do;
