@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <numbers>
 #include <span>
+#include <vector>
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
@@ -239,6 +240,27 @@ TEST(DetectCreases, KeepsRimsOfRoundFacesThatTurnByHalfARightAngle) {
 }
 
 // Every edge of an icosahedron turns by 42 degrees: it is a coarse sphere.
+// That of a shaft's end, with flat ends.
+PolygonMesh turned_and_closed(std::span<const glm::dvec2> profile, int n) {
+  PolygonMesh mesh = turned(profile, n);
+  std::vector<std::int32_t> first, last;
+  for (std::int32_t i = 0; i < n; ++i) {
+    first.push_back(n - 1 - i);
+    last.push_back(static_cast<std::int32_t>(mesh.positions.size()) - n + i);
+  }
+  mesh.add_face(first);
+  mesh.add_face(last);
+  return mesh;
+}
+
+// Both turn by 45 degrees at each ring, as three sides of an octagon do.
+TEST(DetectCreases, TellsNarrowChamfersFromTheStripsOfACoarseRound) {
+  const std::array<glm::dvec2, 4> chamfers{{{9, 0}, {10, 1}, {10, 8}, {9, 9}}};
+  EXPECT_EQ(with_detected_creases(turned_and_closed(chamfers, 32)).creases.size(), 128u);
+  const std::array<glm::dvec2, 4> octagon{{{4.14, 0}, {10, 5.86}, {10, 14.14}, {4.14, 20}}};
+  EXPECT_EQ(with_detected_creases(turned_and_closed(octagon, 32)).creases.size(), 0u);
+}
+
 TEST(DetectCreases, FindsNothingWhereAllEdgesAreAlike) {
   PolygonMesh mesh;
   const double g = (1 + std::sqrt(5.0)) / 2;

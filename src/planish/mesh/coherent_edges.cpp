@@ -23,6 +23,8 @@ constexpr double kOnePlaneCosine = 0.9994;  // 2 degrees
 constexpr std::size_t kMostOfPlane = 16;
 constexpr double kAlikeShare = 0.5;
 constexpr double kParallelCosine = 0.94;  // 20 degrees
+// Strips of one round are about as wide as each other; a chamfer is narrow beside what it ends.
+constexpr double kMostWidths = 2.5;
 
 }  // namespace
 
@@ -31,6 +33,11 @@ glm::dvec3 EdgeTurns::along(std::int32_t edge) const {
   const glm::dvec3 direction = mesh_.positions[w] - mesh_.positions[v];
   const double length = glm::length(direction);
   return length > 0 ? direction / length : direction;
+}
+
+glm::dvec3 EdgeTurns::middle_of(std::int32_t edge) const {
+  const auto [v, w] = topology_.edge_vertices(edge);
+  return 0.5 * (mesh_.positions[v] + mesh_.positions[w]);
 }
 
 double EdgeTurns::turn(std::int32_t edge) const { return std::abs(signed_turn(edge)); }
@@ -60,8 +67,9 @@ double EdgeTurns::third_turn(std::int32_t vertex) const {
   return largest[2];
 }
 
-// Whether beyond the plane of a face there is another edge that turns alike and the same way.
-bool EdgeTurns::goes_on_beyond(std::int32_t edge, std::int32_t face) const {
+// How far off, beyond the plane of a face, there is another edge that turns alike and the same way;
+// 0: there is none.
+double EdgeTurns::strip_width(std::int32_t edge, std::int32_t face) const {
   const auto [v, w] = topology_.edge_vertices(edge);
   const double own = signed_turn(edge);
   const glm::dvec3 direction = along(edge);
@@ -82,11 +90,12 @@ bool EdgeTurns::goes_on_beyond(std::int32_t edge, std::int32_t face) const {
       const double turned = signed_turn(other) / own;
       if (turned >= kAlikeShare && turned <= 1 / kAlikeShare &&
           std::abs(glm::dot(along(other), direction)) >= kParallelCosine) {
-        return true;
+        const glm::dvec3 between = middle_of(other) - middle_of(edge);
+        return glm::length(between - glm::dot(between, direction) * direction);
       }
     }
   }
-  return false;
+  return 0;
 }
 
 // Whether the faces at a corner's vertex, from the corner on, are flat up to a boundary or to an
@@ -119,8 +128,9 @@ bool EdgeTurns::stands_out(std::int32_t edge) const {
   const auto [v, w] = topology_.edge_vertices(edge);
   if (own < kTwice * std::min(third_turn(v), third_turn(w))) return false;
   const std::int32_t corner = topology_.corner_of(edge);
-  return !goes_on_beyond(edge, topology_.face_of(corner)) ||
-         !goes_on_beyond(edge, topology_.face_of(topology_.twin(corner)));
+  const double left = strip_width(edge, topology_.face_of(corner));
+  const double right = strip_width(edge, topology_.face_of(topology_.twin(corner)));
+  return kMostWidths * std::min(left, right) <= std::max(left, right);
 }
 
 }  // namespace planish

@@ -25,7 +25,7 @@ class EdgeTurns {
   /// Whether an edge is a line of the shape rather than part of an even curvature or of noise: it
   /// turns by a right angle's two thirds; or by twice as much as the third sharpest edge at one of
   /// its ends, where two are the line's own, and is no strip of a coarse cylinder, whose edges
-  /// beyond both its faces turn alike.
+  /// beyond both its faces turn alike and are about as far off.
   [[nodiscard]] bool stands_out(std::int32_t edge) const;
   /// Whether one of its ends is flat but for two edges, or one of its sides is up to the next line:
   /// a line of a part, however little it turns.
@@ -34,7 +34,8 @@ class EdgeTurns {
  private:
   [[nodiscard]] double third_turn(std::int32_t vertex) const;
   [[nodiscard]] bool is_flat_up_to_line(std::int32_t corner, bool is_ccw, double line) const;
-  [[nodiscard]] bool goes_on_beyond(std::int32_t edge, std::int32_t face) const;
+  [[nodiscard]] double strip_width(std::int32_t edge, std::int32_t face) const;
+  [[nodiscard]] glm::dvec3 middle_of(std::int32_t edge) const;
   [[nodiscard]] glm::dvec3 along(std::int32_t edge) const;
 
   const PolygonMesh& mesh_;
