@@ -73,6 +73,19 @@ TEST(MakeReady, NamesVerticesOfTheFileWhereItWelds) {
     EXPECT_EQ(mesh.positions[ready.source_vertices[v]], ready.mesh.positions[v]);
 }
 
+TEST(MakeReady, LeavesNoTagWhereTagsAreIgnored) {
+  PolygonMesh mesh = test::cube();
+  mesh.creases = {{0, 1, kInfiniteSharpness}};
+  mesh.corners = {{0, kInfiniteSharpness}};
+  Preparation choice;
+  choice.uses_tags = false;
+  const ReadyMesh ready = make_ready(PolygonMesh(mesh), choice);
+  EXPECT_TRUE(ready.mesh.creases.empty());
+  EXPECT_TRUE(ready.mesh.corners.empty());
+  choice.uses_tags = true;
+  EXPECT_EQ(make_ready(std::move(mesh), choice).mesh.creases.size(), 1u);
+}
+
 TEST(FitExtras, SayTheLargestErrorAndWhetherItConverged) {
   Interpolation result;
   result.error = {3e-4, 1e-4};
