@@ -104,8 +104,8 @@ class Backend {
   /// Calls `work`, which uses parallel_for, on as many of the host's threads as the backend takes.
   virtual void run_on_host(const std::function<void()>& work) { work(); }
 
-  /// `limit_masks` is B, square; it is copied to the device, or must outlive the solve where the
-  /// device is the CPU.
+  /// `limit_masks` is B, square; it and the backend must outlive the solve, which the CPU may do
+  /// from them where the device cannot.
   [[nodiscard]] virtual std::unique_ptr<Solve> make_solve(const SummedView& limit_masks) = 0;
 
   [[nodiscard]] virtual std::unique_ptr<DevicePoints> upload(

@@ -69,7 +69,7 @@ class VulkanBackend final : public Backend, public FairBuilder, public PatchEval
     if (masks.sum_count() == 0) return std::make_unique<VulkanSolve>(machine_, masks.rows);
     // Kernels have no sums between steps, and without them large faces take the square of their
     // corners: the host is faster there than any device, and needs no more memory than the mesh.
-    if (expansion(masks) > kMostExpansion) return make_cpu_backend()->make_solve(masks);
+    if (expansion(masks) > kMostExpansion) return host_->make_solve(masks);
     return std::make_unique<VulkanSolve>(machine_, expanded(masks).view());
   }
   [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
@@ -103,6 +103,7 @@ class VulkanBackend final : public Backend, public FairBuilder, public PatchEval
 
  private:
   std::shared_ptr<VulkanMachine> machine_;
+  std::unique_ptr<Backend> host_ = make_cpu_backend();  // of solves that it takes
 };
 
 void VulkanBackend::apply(const StencilView<double>& view, const DevicePoints& source,
