@@ -8,7 +8,7 @@
 
 #include "planish/mesh/polygon_mesh.h"
 
-namespace planish::testing {
+namespace planish {
 namespace {
 
 // Two triangles along an edge, numbered so that vertices 0 and 3 have no face.
@@ -65,4 +65,4 @@ TEST(UsedVertices, LeaveWhatRidesOnFacesAsItIs) {
 }
 
 }  // namespace
-}  // namespace planish::testing
+}  // namespace planish
