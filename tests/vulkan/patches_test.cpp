@@ -18,6 +18,7 @@
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/evaluate/gpu_first_step.h"
 #include "planish/vulkan/evaluate/gpu_ring_sums.h"
+#include "planish/vulkan/evaluate/state_owners.h"
 #include "planish/vulkan/host/surface_records.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

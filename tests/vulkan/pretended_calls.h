@@ -8,6 +8,22 @@
 #include <string>
 #include <string_view>
 
+#include "planish/vulkan/device/functions.h"
+
+// All functions that a program is given.
+#define PRETENDED_OTHERS(X)          \
+  X(vkCreateInstance)                \
+  X(vkCreateDebugUtilsMessengerEXT)  \
+  X(vkDestroyDebugUtilsMessengerEXT) \
+  X(vkSetDebugUtilsObjectNameEXT)    \
+  X(vkCmdBeginDebugUtilsLabelEXT)    \
+  X(vkCmdEndDebugUtilsLabelEXT)
+
+#define PRETENDED_ALL(X)               \
+  PLANISH_VULKAN_INSTANCE_FUNCTIONS(X) \
+  PLANISH_VULKAN_DEVICE_FUNCTIONS(X)   \
+  PRETENDED_OTHERS(X)
+
 namespace planish::testing {
 
 /// What a function makes or destroys; empty for others, and for what pools free.

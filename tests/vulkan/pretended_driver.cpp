@@ -16,19 +16,6 @@ namespace planish::testing {
 
 namespace {
 
-#define PRETENDED_OTHERS(X)          \
-  X(vkCreateInstance)                \
-  X(vkCreateDebugUtilsMessengerEXT)  \
-  X(vkDestroyDebugUtilsMessengerEXT) \
-  X(vkSetDebugUtilsObjectNameEXT)    \
-  X(vkCmdBeginDebugUtilsLabelEXT)    \
-  X(vkCmdEndDebugUtilsLabelEXT)
-
-#define PRETENDED_ALL(X)               \
-  PLANISH_VULKAN_INSTANCE_FUNCTIONS(X) \
-  PLANISH_VULKAN_DEVICE_FUNCTIONS(X)   \
-  PRETENDED_OTHERS(X)
-
 #define PRETENDED_SLOT(name) Slot_##name,
 #define PRETENDED_NAME(name) #name,
 #define PRETENDED_MEMBER(name) PFN_##name name = nullptr;

@@ -6,6 +6,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/vulkan/evaluate/gpu_patches.h"
+#include "planish/vulkan/evaluate/state_owners.h"
 
 namespace planish::vulkan {
 

@@ -6,6 +6,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/group_by.h"
+#include "planish/vulkan/evaluate/state_owners.h"
 
 namespace planish::vulkan {
 

@@ -48,10 +48,6 @@ struct PatchLimits {
   }
 };
 
-/// Where the points of the state of level 1 are seen from: the vertex of a corner; of a curve point
-/// the end of its edge that it lies next to; a corner vertex itself.
-[[nodiscard]] std::vector<std::int32_t> state_owners(const PatchMesh& mesh);
-
 /// The surface's patches as kernels take them; see shaders/shared.h.
 struct PatchRecords {
   using Link = std::array<std::uint32_t, 2>;

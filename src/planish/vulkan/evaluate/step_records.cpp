@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/patches/ring_sums.h"
+#include "planish/vulkan/evaluate/state_owners.h"
 
 namespace planish::vulkan {
 
