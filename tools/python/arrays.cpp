@@ -199,8 +199,7 @@ py::object faces_view(std::span<const std::int32_t> offsets, std::span<const std
   const auto count = static_cast<py::ssize_t>(offsets.size()) - 1;
   const std::int32_t size = count > 0 ? offsets[1] : 3;
   bool alike = true;
-  for (py::ssize_t f = 0; f < count && alike; ++f)
-    alike = offsets[static_cast<std::size_t>(f) + 1] - offsets[f] == size;
+  for (py::ssize_t f = 0; f < count && alike; ++f) alike = offsets[f + 1] - offsets[f] == size;
   if (alike) return view(vertices.data(), {count, size}, owner);
   std::vector<std::int32_t> sizes(static_cast<std::size_t>(count));
   for (std::size_t f = 0; f < sizes.size(); ++f) sizes[f] = offsets[f + 1] - offsets[f];

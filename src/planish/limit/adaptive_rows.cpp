@@ -181,9 +181,9 @@ bool AdaptiveRows::owns_trailing(std::int32_t corner) const {
 }
 
 std::int64_t AdaptiveRows::first_trailing(std::int32_t corner) const {
-  return owns_trailing(corner) ? first_[static_cast<std::size_t>(corner) + 1] -
-                                     static_cast<std::int64_t>(sides_.trailing(corner).size())
-                               : first_of(sides_.across(corner));
+  return owns_trailing(corner)
+             ? first_[corner + 1] - static_cast<std::int64_t>(sides_.trailing(corner).size())
+             : first_of(sides_.across(corner));
 }
 
 void AdaptiveRows::along_edge(std::int32_t corner, std::vector<std::uint16_t>& places,

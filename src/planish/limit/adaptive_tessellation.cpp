@@ -346,8 +346,7 @@ void Tessellation::finish(AdaptiveSurface& surface) const {
   result.face_groups.resize(groups.empty() ? 0 : count);
   for (std::int32_t c = 0; c < topology_.corner_count(); ++c) {
     const std::int32_t face = topology_.face_of(c);
-    for (std::int64_t t = first_triangle_[c]; t < first_triangle_[static_cast<std::size_t>(c) + 1];
-         ++t) {
+    for (std::int64_t t = first_triangle_[c]; t < first_triangle_[c + 1]; ++t) {
       const auto at = static_cast<std::size_t>(t);
       surface.ancestors[at] = face;
       if (!groups.empty()) result.face_groups[at] = groups[face];
