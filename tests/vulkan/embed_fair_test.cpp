@@ -302,10 +302,6 @@ TEST_F(EmbedFair, RefusesWhatItCannotDo) {
     EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
     EXPECT_THAT(error.what(), HasSubstr("fair_decisions are of 1 vertices, but faces name 42"));
   }
-  // The tables of one method are not those of the other.
-  const System progressive(test::icosphere(1));
-  std::vector<std::byte> staging(topology->device.upload_bytes());
-  EXPECT_THROW(topology->device.write_upload(progressive, staging), Error);
 }
 
 TEST_F(EmbedFair, NamesTheLimitThatAMeshExceeds) {

@@ -277,12 +277,25 @@ TEST_F(Embedding, RefusesLayoutsThatCannotBe) {
   refuse({.max_iterations = 0}, "max_iterations 0 is outside 1 to");
 }
 
-TEST_F(Embedding, UploadsOnlyWhatItWasMadeFor) {
-  const HostTopology topology(*context_, test::cube());
-  std::vector<std::byte> staging(topology.device.upload_bytes());
-  EXPECT_THROW(topology.device.write_upload(System(test::icosphere(1)), staging), Error);
-  staging.pop_back();
-  EXPECT_THROW(topology.device.write_upload(topology.system, staging), Error);
+TEST_F(Embedding, WritesOneUploadOfWhatItWasMadeFor) {
+  System system(test::cube());
+  const vulkan::DeviceSystem tables(*context_, system);
+  std::vector<std::byte> staging(tables.upload_bytes());
+  const auto refuse = [&](const System& from, std::size_t size, const std::string& words) {
+    try {
+      tables.write_upload(from, std::span(staging).first(size));
+      ADD_FAILURE() << "nothing thrown: " << words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(words));
+    }
+  };
+  refuse(System(test::icosphere(1)), staging.size(), "not of the System");
+  refuse(System(test::cube()), staging.size(), "not of the System");
+  refuse(system, staging.size() - 1, "bytes of staging memory");
+  const System moved = std::move(system);
+  tables.write_upload(moved, staging);
+  refuse(moved, staging.size(), "was written before");
 }
 
 }  // namespace

@@ -246,7 +246,8 @@ class DeviceSystem {
   /// Bytes of staging memory that the upload takes.
   [[nodiscard]] std::uint64_t upload_bytes() const;
   /// Fills the host's staging memory, upload_bytes() long; `system` is the one that this was made
-  /// from. May run on any thread. Throws Error{InvalidArgument} for another size.
+  /// from. Once: until then tables are held in the host's memory, too. May run on any thread.
+  /// Throws Error{InvalidArgument} for another size or System, and the second time.
   void write_upload(const System& system, std::span<std::byte> staging) const;
   /// Copies from [offset, offset + upload_bytes()) of the host's buffer, which has
   /// VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. The host's writes have been made

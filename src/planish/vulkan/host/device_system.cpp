@@ -53,16 +53,17 @@ DeviceTable make_masks(const Maker& on, const System& system) {
 
 }  // namespace
 
-/// What of a System's surface goes to a device. Made anew for each use, since it is as large as the
-/// device's own.
+/// What of a System's surface goes to a device: as large as what the device gets, and kept for
+/// write_upload() alone.
 struct DeviceSystem::Parts::PackedSurface {
   /// What only some hosts ask for.
   struct Wanted {
     bool places, edits;
   };
   PackedSurface(const System& system, const PatchLimits& limits, const DeviceTable& masks,
-                const Wanted& wanted) {
-    const SurfaceRecords& surface = system.surface_records();
+                const Wanted& wanted)
+      : source(&system.surface_records()) {
+    const SurfaceRecords& surface = *source;
     const PatchMesh& mesh = surface.patch_mesh;
     if (surface.sharp_rows)
       step = step_records(mesh, surface.weights, surface.sharp_rows->view(), limits);
@@ -96,6 +97,7 @@ struct DeviceSystem::Parts::PackedSurface {
     if (wanted.places) places = place_records(mesh, weights, limits);
     if (wanted.edits) edits = edit_records(mesh, patches, masks.slots());
   }
+  const SurfaceRecords* source;  // by which the System is known
   std::int64_t point_count = 0;
   PatchRecords patches;
   std::optional<StepRecords> step;
@@ -103,6 +105,8 @@ struct DeviceSystem::Parts::PackedSurface {
   std::optional<EditRecords> edits;
   std::vector<PatchRecords> levels;
 };
+
+DeviceSystem::Parts::~Parts() = default;
 
 DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystemOptions& options)
     : context(on),
@@ -117,8 +121,10 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
       vertices(arena, used_vertices.size() * sizeof(std::int32_t), MemoryUse::Device,
                "planish vertices") {
   require_editable_system(system, options);
-  const PackedSurface surface(system, patch_limits(on, max_vertex_stride), masks,
-                              {options.answers_places, options.takes_edits});
+  packed = std::make_unique<const PackedSurface>(
+      system, patch_limits(on, max_vertex_stride), masks,
+      PackedSurface::Wanted{options.answers_places, options.takes_edits});
+  const PackedSurface& surface = *packed;
   patches.emplace(arena, surface.patches, surface.point_count);
   if (surface.step) step.emplace(arena, *surface.step);
   if (surface.places) places.emplace(arena, *surface.places);
@@ -129,7 +135,7 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
   if (const BendingRecords* records = system.bending_records()) bending.emplace(arena, *records);
   arena.finish();
   plan_masks();
-  for_each(system, surface, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
+  for_each(system, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
     copies.push_back({buffer.handle(), bytes.size()});
   });
   for (const Copy& copy : copies) device_bytes += copy.bytes;
@@ -148,8 +154,8 @@ void DeviceSystem::Parts::plan_masks() {
 }
 
 template <class Take>
-void DeviceSystem::Parts::for_each(const System& system, const PackedSurface& surface,
-                                   const Take& take) const {
+void DeviceSystem::Parts::for_each(const System& system, const Take& take) const {
+  const PackedSurface& surface = *packed;
   patches->for_each(surface.patches, take);
   if (step) step->for_each(*surface.step, take);
   if (places) places->for_each(*surface.places, take);
@@ -191,26 +197,19 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
     throw Error(ErrorCode::InvalidArgument, "the upload takes " + std::to_string(upload_bytes()) +
                                                 " bytes of staging memory, not " +
                                                 std::to_string(staging.size()));
-  const auto refuse = [] {
+  if (!parts_->packed)
+    throw Error(ErrorCode::InvalidArgument,
+                "the upload was written before, and what it is made of is gone; copy its bytes, or "
+                "make another DeviceSystem");
+  if (parts_->packed->source != &system.surface_records())
     throw Error(ErrorCode::InvalidArgument, "the upload is not of the System that it was made for");
-  };
-  if (system.vertex_count() != vertex_count() || system.triangles().size() != index_count() ||
-      parts_->fair.has_value() != (system.fair_records() != nullptr) ||
-      level_vertex_counts().size() != system.surface_records().levels.levels.size() ||
-      parts_->bending.has_value() != (system.bending_records() != nullptr))
-    refuse();
-  const Parts::PackedSurface surface(
-      system, patch_limits(parts_->context, parts_->max_vertex_stride), parts_->masks,
-      {parts_->places.has_value(), parts_->edits.has_value()});
-  std::size_t copy = 2 * parts_->masks.slices().size();
-  parts_->for_each(system, surface, [&](const Buffer&, std::span<const std::byte> bytes) {
-    if (bytes.size() != parts_->copies[copy++].bytes) refuse();
-  });
   StagingWriter writer(staging);
   writer.write_table(parts_->masks, system.limit_masks());
-  parts_->for_each(system, surface,
+  parts_->for_each(system,
                    [&](const Buffer&, std::span<const std::byte> bytes) { writer.write(bytes); });
   writer.write(system.triangles());
+  parts_->packed.reset();
+  parts_->masks.finish_packing();
 }
 
 void DeviceSystem::record_upload(VkCommandBuffer commands, VkBuffer staging, VkDeviceSize offset,

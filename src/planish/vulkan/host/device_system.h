@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,9 @@ namespace planish::vulkan {
 /// What a DeviceSystem holds, for the Solves made on it.
 struct DeviceSystem::Parts {
   Parts(Context& context, const System& system, const DeviceSystemOptions& options);
+  ~Parts();
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
 
   /// Bytes of the staging range that go to the start of a buffer.
   struct Copy {
@@ -27,9 +31,10 @@ struct DeviceSystem::Parts {
   };
   struct PackedSurface;
   void plan_masks();
-  /// Calls take(buffer, bytes) for all that comes after the masks, in the order of copies.
+  /// Calls take(buffer, bytes) for all that comes after the masks, in the order of copies; while
+  /// there is `packed`.
   template <class Take>
-  void for_each(const System& system, const PackedSurface& surface, const Take& take) const;
+  void for_each(const System& system, const Take& take) const;
 
   Context& context;
   Arena arena;  // of all that follows
@@ -41,14 +46,15 @@ struct DeviceSystem::Parts {
   DeviceTable masks;
   std::int32_t vertex_count;
   std::optional<PatchTables> patches;
-  std::optional<BendingTables> bending;  // where points may be moved
-  std::optional<StepTables> step;        // where the method is not fair
-  std::optional<FairTables> fair;        // where that is the method
-  std::optional<PlaceTables> places;     // where they were asked for
-  std::optional<EditTables> edits;       // likewise
-  std::optional<LevelSetTables> levels;  // where the System has some
-  Buffer vertices;                       // used_vertices, on the device
-  std::vector<Copy> copies;              // in the order of their bytes; indices come after them
+  std::optional<BendingTables> bending;         // where points may be moved
+  std::optional<StepTables> step;               // where the method is not fair
+  std::optional<FairTables> fair;               // where that is the method
+  std::optional<PlaceTables> places;            // where they were asked for
+  std::optional<EditTables> edits;              // likewise
+  std::optional<LevelSetTables> levels;         // where the System has some
+  Buffer vertices;                              // used_vertices, on the device
+  std::unique_ptr<const PackedSurface> packed;  // until the upload is written
+  std::vector<Copy> copies;  // in the order of their bytes; indices come after them
   std::uint64_t device_bytes = 0;
 };
 
