@@ -53,6 +53,20 @@ std::vector<Triangle> unturned(std::vector<Triangle> triangles) {
   return triangles;
 }
 
+// CGAL says nothing of how far it is.
+TEST(AdvancingFront, SaysHowFarItIsFromFirstToLast) {
+  double done = 0, widest = 0;
+  Callbacks callbacks;
+  callbacks.progress = [&](std::string_view, double fraction) {
+    EXPECT_GE(fraction, done);
+    widest = std::max(widest, fraction - done);
+    done = fraction;
+  };
+  (void)mesh_by_advancing_front(test::torus_points(50'000, 25), callbacks);
+  EXPECT_EQ(done, 1);
+  EXPECT_LT(widest, 0.08);
+}
+
 // A power of two keeps every bit of a double, so that the triangles must be the same ones.
 // A front closes the bays of a rim and half of a hole by triangles as long as the sheet.
 TEST(AdvancingFront, LeavesRimAndHoleOfASheetOpen) {

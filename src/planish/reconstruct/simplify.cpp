@@ -20,6 +20,8 @@ namespace {
 constexpr int kMostRounds = 12;
 // A round that takes a smaller share is the last.
 constexpr double kLeastShare = 0.002;
+// Of the time that is left, what the first round takes, and what each of the others does.
+constexpr double kFirstRound = 0.6, kFurtherRound = 0.5;
 
 void check_simplify_options(const SimplifyOptions& options) {
   const auto refuse = [](const std::string& what) {
@@ -39,7 +41,11 @@ void run_rounds(SimplifyState& state) {
   CollapsePass collapses(state);
   FlipPass flips(state);
   MovePass moves(state);
+  double done = 0;
   for (int round = 0; round < kMostRounds && !state.is_done(); ++round) {
+    const double begun = done;
+    done += (1 - done) * (round == 0 ? kFirstRound : kFurtherRound);
+    state.begin_round(begun, done);
     const std::int64_t before = state.result.collapse_count;
     collapses.run();
     flips.run();

@@ -51,7 +51,7 @@ SimplifyState::SimplifyState(const OrderedPoints& given_points, WitnessedMesh wi
       options.max_valence < 0 ? default_max_valence(options.spacing) : options.max_valence;
   for (const Triangle& t : witnessed.triangles) add_plane(t);
   for (std::int32_t v = 0; v < static_cast<std::int32_t>(positions.size()); ++v) touch(v);
-  initial_count_ = result.vertex_count = std::ssize(positions);
+  result.vertex_count = std::ssize(positions);
 }
 
 std::vector<PackedNormal> SimplifyState::normals_of_points(const WitnessedMesh& witnessed) const {
@@ -93,13 +93,20 @@ TriangleQuality SimplifyState::worst_of(const Fan& fan) const {
   return worst;
 }
 
+void SimplifyState::begin_round(double begin, double end) {
+  round_begin_ = begin;
+  round_end_ = end;
+  round_count_ = result.vertex_count;
+  options.callbacks.report("simplify", begin);
+}
+
 void SimplifyState::count_step() {
   // A step looks at the points of all triangles around a vertex: thousands in a dense cloud.
   if (++steps_ % kStepsPerLook == 0) check_stop();
   if (steps_ % kStepsPerReport != 0) return;
-  options.callbacks.report("simplify",
-                           1 - static_cast<double>(result.vertex_count) /
-                                   static_cast<double>(std::max<std::int64_t>(initial_count_, 1)));
+  const double left = static_cast<double>(result.vertex_count) /
+                      static_cast<double>(std::max<std::int64_t>(round_count_, 1));
+  options.callbacks.report("simplify", std::lerp(round_end_, round_begin_, left));
 }
 
 }  // namespace planish

@@ -56,6 +56,8 @@ class SimplifyState {
     return point_normals[point].get();
   }
 
+  /// Shares of the time when a round begins and ends, for progress.
+  void begin_round(double begin, double end);
   /// To be called for each small piece of work: reports progress. Throws Error{Cancelled}.
   void count_step();
   [[nodiscard]] bool is_done() const {
@@ -88,7 +90,9 @@ class SimplifyState {
   void add_plane(const Triangle& triangle);
   [[nodiscard]] std::vector<PackedNormal> normals_of_points(const WitnessedMesh& witnessed) const;
 
-  std::int64_t initial_count_ = 0, steps_ = 0;
+  double round_begin_ = 0, round_end_ = 1;
+  std::int64_t round_count_ = 0;  // of vertices when it began
+  std::int64_t steps_ = 0;
 };
 
 }  // namespace planish

@@ -61,7 +61,8 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   // Weights by what the steps take; those of a level grow with its points.
   std::vector<PlannedStep> steps{{"read", 2}};
   if (job.sampling) steps.push_back({"sample", 4});
-  if (job.sampling || may_be_points(job)) steps.push_back({"points", 80});
+  const bool brings_points = job.sampling || may_be_points(job);
+  if (brings_points) steps.push_back({"points", 80});
   if (!job.source.empty()) steps.push_back({"read", 2});
   steps.push_back({"check", 1});
   steps.push_back({"fit", 8});
@@ -94,6 +95,10 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
       steps.push_back({"write", 2.5 * std::ldexp(1.0, 2 * output.fineness.level)});
   for (const PlannedOutput& output : outputs)
     if (info_of(output.format).is_brep) steps.push_back({"faces", 60});
+  if (job.settings.scheme == Scheme::DooSabin) {
+    if (brings_points) steps.push_back({"distances", 10});
+    if (!job.source.empty()) steps.push_back({"distances", 10});
+  }
   if (!job.page.empty()) steps.push_back({"page", 8});
   return steps;
 }

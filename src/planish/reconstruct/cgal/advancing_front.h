@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -16,5 +17,12 @@ namespace planish {
 /// line, Error{Cancelled}.
 [[nodiscard]] std::vector<Triangle> mesh_by_advancing_front(std::span<const glm::dvec3> points,
                                                             const Callbacks& callbacks = {});
+
+using TakeTriangles = std::function<void(std::vector<Triangle>)>;
+
+/// The same, with `take` called before the triangulation's memory is given back, which takes a
+/// twentieth of the time: who ends then need not wait for it.
+void advance_front(std::span<const glm::dvec3> points, const TakeTriangles& take,
+                   const Callbacks& callbacks = {});
 
 }  // namespace planish

@@ -84,10 +84,12 @@ void mesh_points() {
     write_message(kMesherProgress, fraction);
     flush();
   };
-  const std::vector<Triangle> triangles = mesh_by_advancing_front(points, callbacks);
-  write_message(kMesherTriangles, static_cast<std::int64_t>(triangles.size()));
-  write_bytes(triangles.data(), triangles.size() * sizeof(Triangle));
-  flush();
+  const auto answer = [](const std::vector<Triangle>& triangles) {
+    write_message(kMesherTriangles, static_cast<std::int64_t>(triangles.size()));
+    write_bytes(triangles.data(), triangles.size() * sizeof(Triangle));
+    flush();
+  };
+  advance_front(points, answer, callbacks);
 }
 
 int run() {
