@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -239,7 +240,6 @@ TEST(DetectCreases, KeepsRimsOfRoundFacesThatTurnByHalfARightAngle) {
   EXPECT_LT(with_detected_creases(uneven).creases.size(), 3u);
 }
 
-// Every edge of an icosahedron turns by 42 degrees: it is a coarse sphere.
 // That of a shaft's end, with flat ends.
 PolygonMesh turned_and_closed(std::span<const glm::dvec2> profile, int n) {
   PolygonMesh mesh = turned(profile, n);
@@ -261,6 +261,61 @@ TEST(DetectCreases, TellsNarrowChamfersFromTheStripsOfACoarseRound) {
   EXPECT_EQ(with_detected_creases(turned_and_closed(octagon, 32)).creases.size(), 0u);
 }
 
+// Of a knob: its head, its stem and the chamfer between both, in 40 sides of 9 degrees.
+TEST(DetectCreases, FindsTheChamferBetweenAStemAndItsHead) {
+  const std::array<glm::dvec2, 8> knob{
+      {{.95, 0}, {1, .05}, {1, .4}, {.95, .45}, {.4, .45}, {.35, .5}, {.35, 1}, {.3, 1.05}}};
+  EXPECT_EQ(with_detected_creases(turned_and_closed(knob, 40)).creases.size(), 320u);
+}
+
+// A prism of n walls, its ends chamfered all around, in triangles but for the ends themselves.
+PolygonMesh chamfered_prism(int n) {
+  const std::array<glm::dvec2, 4> profile{{{.9, 0}, {1, .1}, {1, .7}, {.9, .8}}};
+  return turned_and_closed(profile, n);
+}
+
+// At a corner of its walls four lines meet, of which none turns by twice the third: the wall's own
+// edge, two of the chamfer, and between two chamfers one that turns by less.
+TEST(DetectCreases, FindsChamfersOfPrisms) {
+  for (const int n : {4, 5, 6})
+    EXPECT_EQ(with_detected_creases(chamfered_prism(n)).creases.size(), 7u * n) << n;
+}
+
+// A block of which every edge and corner is bevelled is meant to be round: nothing else in it is
+// sharp.
+TEST(DetectCreases, LeavesBevelsAllAroundRound) {
+  constexpr double kBevel = 0.15;
+  PolygonMesh block;
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 p;
+      for (int k = 0; k < 3; ++k)
+        p[k] = ((corner >> k & 1) != 0 ? 1 : -1) * (k == axis ? 1 : 1 - kBevel);
+      block.positions.push_back(p);
+    }
+  }
+  const auto add = [&](std::vector<std::int32_t> face) {
+    const auto &a = block.positions[face[0]], &b = block.positions[face[1]],
+               &c = block.positions[face[2]];
+    if (glm::dot(glm::cross(b - a, c - b), a) < 0) std::ranges::reverse(face);
+    for (std::size_t i = 1; i + 1 < face.size(); ++i)
+      block.add_face(std::array{face[0], face[i], face[i + 1]});
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, w = 1 << axis;
+    for (const int side : {0, w})
+      add({3 * side + axis, 3 * (side | u) + axis, 3 * (side | u | v) + axis,
+           3 * (side | v) + axis});
+    const int first = (axis + 1) % 3, second = (axis + 2) % 3;
+    for (const int edge : {0, u, v, u | v})
+      add({3 * edge + first, 3 * (edge | w) + first, 3 * (edge | w) + second, 3 * edge + second});
+  }
+  for (int corner = 0; corner < 8; ++corner) add({3 * corner, 3 * corner + 1, 3 * corner + 2});
+  EXPECT_EQ(block.face_count(), 44);
+  EXPECT_TRUE(with_detected_creases(block).creases.empty());
+}
+
+// Every edge of an icosahedron turns by 42 degrees: it is a coarse sphere.
 TEST(DetectCreases, FindsNothingWhereAllEdgesAreAlike) {
   PolygonMesh mesh;
   const double g = (1 + std::sqrt(5.0)) / 2;

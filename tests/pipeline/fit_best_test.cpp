@@ -155,6 +155,16 @@ TEST(FitBest, TakesCreasesThatAreClear) {
   EXPECT_FALSE(fit_best(tagged, *backend).creased.has_value()) << "who tags has chosen";
 }
 
+// Of a bolt's head all edges are sharp, as those of a cube are that is meant to be round: its
+// chamfers say that it is a part.
+TEST(FitBest, KeepsPrismsWithChamfersAsTheyAre) {
+  const auto backend = make_cpu_backend();
+  const BestFit best = fit_best(chamfered_prism(6), *backend);
+  ASSERT_TRUE(best.creased.has_value());
+  EXPECT_NEAR(best.creased->rms_normal_deviation, 0, 1e-4);
+  EXPECT_EQ(best.mesh(chamfered_prism(6)).creases.size(), 42u);
+}
+
 // Coarse balls turn at all of their edges, and round ones at none.
 TEST(FitBest, RoundShapesHaveNoCreases) {
   const auto backend = make_cpu_backend();

@@ -145,6 +145,17 @@ PolygonMesh gear(int n) {
   return mesh;
 }
 
+// Two hubs whose edges all turn, up and down in turns: a square where each is held against all.
+PolygonMesh folded_hubs(int n) {
+  PolygonMesh mesh = bipyramid(n);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    dvec3& p = mesh.positions[v];
+    const double wave = (v % 2 == 0 ? 3 : -3) * std::numbers::pi / n;
+    if (p.x != 0 || p.y != 0) p = {p.x * (1 + wave), p.y * (1 + wave), wave};
+  }
+  return mesh;
+}
+
 struct Case {
   const char* name;
   PolygonMesh (*make)(int);
@@ -196,9 +207,11 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"bipyramid", bipyramid, {2000, 120, 12}},
                     Case{"drum", prism, {2000, 100, 12}}, Case{"wreath", wreath, {1000, 10, 12}},
                     Case{"creased_hub", creased_hub, {1500, 200, 12}},
+                    Case{"folded_hubs", folded_hubs, {1500, 100, 50}},
+                    Case{"chamfered_prism", chamfered_prism, {1500, 10, 40}},
                     Case{"hub_on_boundary", open_fan, {900, 10, 12}},
                     Case{"hubs_of_a_hundred", hubs_of_a_hundred, {900, 10, 12}, 2, 10},
-                    Case{"crossing_slivers", crossing_slivers, {18'000, 400, 12}, 100, 1000},
+                    Case{"crossing_slivers", crossing_slivers, {18'000, 400, 50}, 100, 1000},
                     Case{"gear", gear, {24'000, 500, 60}}),
     [](const auto& info) { return std::string(info.param.name); });
 

@@ -1,5 +1,6 @@
 #include "support/meshes.h"
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -107,6 +108,25 @@ PolygonMesh bipyramid(int n) {
     faces.push_back({i, (i + 1) % n, n});
     faces.push_back({(i + 1) % n, i, n + 1});
   }
+  return make_mesh(positions, faces);
+}
+
+PolygonMesh chamfered_prism(int n) {
+  std::vector<dvec3> positions;
+  FaceList faces;
+  const std::array<std::array<double, 2>, 4> profile{{{.9, 0}, {1, .1}, {1, .7}, {.9, .8}}};
+  for (const auto& [radius, z] : profile)
+    for (int i = 0; i < n; ++i) positions.push_back(radius * on_circle(i, n, 0) + dvec3(0, 0, z));
+  std::vector<std::int32_t> bottom, top;
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    for (int ring = 0; ring < 3 * n; ring += n)
+      faces.push_back({ring + i, ring + next, ring + n + next, ring + n + i});
+    bottom.push_back(n - 1 - i);
+    top.push_back(3 * n + i);
+  }
+  faces.push_back(bottom);
+  faces.push_back(top);
   return make_mesh(positions, faces);
 }
 

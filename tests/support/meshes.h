@@ -28,6 +28,8 @@ using FaceList = std::vector<std::vector<std::int32_t>>;
 [[nodiscard]] PolygonMesh dodecahedron();
 /// Two n-gons joined by n quads.
 [[nodiscard]] PolygonMesh prism(int n);
+/// A prism of n walls whose ends have chamfers all around: 2 n-gons and 3 n quads.
+[[nodiscard]] PolygonMesh chamfered_prism(int n);
 /// Two apexes of valence n over a ring of n vertices.
 [[nodiscard]] PolygonMesh bipyramid(int n);
 /// `around` x `across` quads; the tube's circle has radius `minor`.

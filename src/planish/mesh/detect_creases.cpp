@@ -16,6 +16,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/core/raw_vector.h"
+#include "planish/core/work.h"
 #include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/coherent_edges.h"
@@ -35,6 +36,10 @@ constexpr double kRightAngle = std::numbers::pi / 2;
 constexpr double kFoldBackDegrees = 15;
 // A line goes on straight where it turns by less.
 constexpr double kStraightDegrees = 30;
+// Where more lines meet, none goes on.
+constexpr std::size_t kMostLines = 16;
+// Of so many lines that meet the last one goes with the others: it crosses them.
+constexpr std::size_t kCrossing = 4;
 // What the sharpest edge of a line has to turn by where none is beyond doubt.
 constexpr double kLineDegrees = 50;
 // What a ring of weaker edges has to have: so many, and of the sharpest one's turn each so much.
@@ -146,7 +151,8 @@ glm::dvec3 along(const PolygonMesh& mesh, const Edge& edge, std::int32_t from) {
   return mesh.positions[edge.v0 == from ? edge.v1 : edge.v0] - mesh.positions[from];
 }
 
-// Edges that do not stand out stay only where they carry a line on that does.
+// Edges that do not stand out stay only where they carry a line on that does, or are all that is
+// left where four meet.
 void drop_incoherent(const PolygonMesh& mesh, std::vector<Edge>& edges) {
   const Groups<std::int32_t> sharp = edges_of_vertices(mesh, edges);
   std::vector<std::int32_t> reached;
@@ -160,11 +166,16 @@ void drop_incoherent(const PolygonMesh& mesh, std::vector<Edge>& edges) {
     const std::int32_t e = reached.back();
     reached.pop_back();
     for (const std::int32_t vertex : {edges[e].v0, edges[e].v1}) {
-      for (const std::int32_t other : sharp.of(vertex)) {
+      const auto at = sharp.of(vertex);
+      if (at.size() > kMostLines) continue;
+      count_work(Work::Pairs, static_cast<std::int64_t>(at.size()));
+      const auto left = std::ranges::count_if(at, [&](std::int32_t i) { return stays[i] == 0; });
+      const bool is_crossing = left == 1 && at.size() == kCrossing;
+      for (const std::int32_t other : at) {
         if (stays[other]) continue;
         const double turn =
             angle_between(-along(mesh, edges[e], vertex), along(mesh, edges[other], vertex));
-        if (turn > kStraightDegrees * kRadians) continue;
+        if (turn > kStraightDegrees * kRadians && !is_crossing) continue;
         stays[other] = 1;
         reached.push_back(other);
       }

@@ -9,6 +9,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/coherent_edges.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/outline_corners.h"
@@ -139,7 +140,11 @@ bool are_creases_clear(const PolygonMesh& mesh,
     if (is_crease[e] != 0) of_creases += turn * turn * weight;
   }
   if (of_creases < kClearShare * all) return false;
-  return is_any_smooth || !concave_faces(used.mesh).empty();
+  if (is_any_smooth || !concave_faces(used.mesh).empty()) return true;
+  const EdgeTurns turns(used.mesh, topology, areas);
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e)
+    if (turns.bounds_chamfer(e)) return true;
+  return false;
 }
 
 }  // namespace
