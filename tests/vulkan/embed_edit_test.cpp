@@ -366,7 +366,7 @@ TEST_F(EmbedEdit, WhatCannotBeHadIsRefusedByName) {
     });
   };
   expect_limit(80000,
-               "points of level 1 take 81280 bytes, which are bound as one, but "
+               "points of level 1 take 81280 bytes of one binding, but "
                "maxStorageBufferRange is 80000");
   expect_limit(85000, "the limit masks are in 2 slices, edits take one");
 }

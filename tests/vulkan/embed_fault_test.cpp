@@ -11,6 +11,7 @@
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/backend/vulkan_solve.h"
 #include "planish/vulkan/device/result.h"
+#include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"
@@ -265,6 +266,22 @@ TEST_F(EmbedFaults, WhatNoSliceMeetsIsRefusedByName) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
     EXPECT_THAT(error.what(), ::testing::HasSubstr("maxStorageBufferRange is 4096"));
+  }
+}
+
+// Of several limits that a binding has, the one that is met.
+TEST_F(EmbedFaults, TexelsAreALimitOfBytesWhereTheyAreRead) {
+  PretendedDriver::pretence().texel_elements = 65536;
+  for (const bool texels : {true, false}) {
+    open({.variant = texels ? kSoftwareVariant : kHardwareVariant});
+    EXPECT_EQ(context_->max_storage_range() == 262144, texels);
+    if (!texels) continue;
+    EXPECT_NO_THROW(make_bindable(*context_, 262144, "words"));
+    EXPECT_THAT(
+        test::message_of(ErrorCode::OutOfMemory,
+                         [&] { static_cast<void>(make_bindable(*context_, 262148, "words")); }),
+        ::testing::HasSubstr("words take 262148 bytes of one binding, but 4 * "
+                             "maxTexelBufferElements is 262144; use"));
   }
 }
 

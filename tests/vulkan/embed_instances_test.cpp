@@ -258,18 +258,18 @@ TEST_F(EmbedInstances, LimitsAreNamed) {
   // 240 points of level 1, of 16 bytes.
   options.instances = 5;
   expect_refusal(small.device, options, ErrorCode::OutOfMemory,
-                 "points of level 1 of 5 instances span 19200 bytes of one binding, but "
+                 "points of level 1 of 5 instances take 19200 bytes of one binding, but "
                  "maxStorageBufferRange is 16384; make Solves of at most 4 instances");
   options.instances = 4;
   const vulkan::Solve solve(*context_, small.device, options);
   options.vertices.instance_stride = 8192;
-  expect_refusal(small.device, options, ErrorCode::OutOfMemory, "vertices of 4 instances span");
+  expect_refusal(small.device, options, ErrorCode::OutOfMemory, "vertices of 4 instances take");
   options.vertices.instance_stride = 0;
   options.given = {target.handle(), 0, 12, 8192};
-  expect_refusal(small.device, options, ErrorCode::OutOfMemory, "given points of 4 instances span");
+  expect_refusal(small.device, options, ErrorCode::OutOfMemory, "given points of 4 instances take");
   options.given = {};
   options.max_iterations = 400;
-  expect_refusal(small.device, options, ErrorCode::OutOfMemory, "steps of 4 instances span");
+  expect_refusal(small.device, options, ErrorCode::OutOfMemory, "steps of 4 instances take");
 }
 
 using InstancesWithPlaces = PlacesOnDevice;

@@ -227,7 +227,7 @@ TEST_F(PlaceLists, LowLimitsAreNamed) {
                                  DeviceSystem(*context_, system,
                                               {.max_vertex_stride = 24, .answers_places = true});
                                }),
-              HasSubstr("kinds of corners span"));
+              HasSubstr("kinds of corners take"));
 }
 
 }  // namespace

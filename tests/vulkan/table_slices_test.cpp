@@ -16,8 +16,7 @@ using namespace vulkan;
 
 SliceLimits no_limits() {
   SliceLimits limits;
-  limits.max_range = limits.max_elements = limits.max_chunks =
-      std::numeric_limits<std::uint64_t>::max();
+  limits.range.bytes = limits.max_chunks = std::numeric_limits<std::uint64_t>::max();
   return limits;
 }
 
@@ -76,11 +75,10 @@ TEST(TableSlices, EndWhereALimitIsReached) {
     }
   }
   table.close(count);
-  SliceLimits by_range = no_limits(), by_chunks = no_limits(), by_elements = no_limits();
-  by_range.max_range = 2 * 1024 * 4 * sizeof(PackedEntry);
-  by_chunks.max_chunks = 40;        // two windows of 16 chunks
-  by_elements.max_elements = 8192;  // two windows of 4096 entries
-  for (const SliceLimits& limits : {by_range, by_chunks, by_elements}) {
+  SliceLimits by_range = no_limits(), by_chunks = no_limits();
+  by_range.range.bytes = 2 * 1024 * 4 * sizeof(PackedEntry);
+  by_chunks.max_chunks = 40;  // two windows of 16 chunks
+  for (const SliceLimits& limits : {by_range, by_chunks}) {
     const TablePlan plan = plan_table(table.view(), limits);
     EXPECT_EQ(plan.slices.size(), 5u);
     expect_same_table(table.view(), plan);
@@ -95,7 +93,7 @@ TEST(TableSlices, EndWhereALimitIsReached) {
 TEST(TableSlices, ShrinkToSingleChunksWhereLimitsAreLow) {
   const StencilTable table = random_table(200, 100);
   SliceLimits limits = no_limits();
-  limits.max_range = 12 * 64 * sizeof(PackedEntry);  // the longest rows, 64 of them
+  limits.range.bytes = 12 * 64 * sizeof(PackedEntry);  // the longest rows, 64 of them
   const TablePlan plan = plan_table(table.view(), limits);
   EXPECT_EQ(plan.slices.size(), 4u);
   expect_same_table(table.view(), plan);
@@ -103,14 +101,12 @@ TEST(TableSlices, ShrinkToSingleChunksWhereLimitsAreLow) {
 
 TEST(TableSlices, RefuseByTheNameOfTheLimit) {
   const StencilTable table = random_table(5000, 5000);
-  SliceLimits by_range = no_limits(), by_chunks = no_limits(), by_elements = no_limits();
-  by_range.max_range = 5000;
+  SliceLimits by_range = no_limits(), by_chunks = no_limits();
+  by_range.range.bytes = 5000;
   by_chunks.max_chunks = 0;
-  by_elements.max_elements = 1000;
   const std::pair<SliceLimits, const char*> cases[] = {
       {by_range, "maxStorageBufferRange is 5000"},
-      {by_chunks, "maxComputeWorkGroupCount allows 0"},
-      {by_elements, "maxTexelBufferElements is 1000"}};
+      {by_chunks, "maxComputeWorkGroupCount allows 0"}};
   for (const auto& [limits, words] : cases) try {
       static_cast<void>(plan_table(table.view(), limits));
       FAIL() << words;

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "planish/core/error.h"
 #include "shaders/shared.h"
 
 namespace planish::osd {
@@ -24,12 +23,7 @@ static_assert(sizeof(PatchParam) == vulkan::shared::kPatchParamWords * sizeof(fl
 vulkan::Buffer Upload(std::span<std::byte const> bytes, char const* name,
                       VkDeviceContext& deviceContext) {
   vulkan::Context& context = deviceContext.GetContext();
-  if (bytes.size() > context.max_storage_range())
-    throw Error(ErrorCode::OutOfMemory,
-                formatted("{}: a patch table needs {} bytes in one binding, but "
-                          "maxStorageBufferRange is {}; use a smaller mesh",
-                          context.capabilities().name, bytes.size(), context.max_storage_range()));
-  vulkan::Buffer buffer(context, bytes.size(), vulkan::MemoryUse::Device, name);
+  vulkan::Buffer buffer = vulkan::make_bindable(context, bytes.size(), name);
   deviceContext.Upload(buffer.handle(), 0, bytes);
   return buffer;
 }

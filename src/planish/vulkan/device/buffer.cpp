@@ -51,28 +51,13 @@ Buffer::Buffer(const Maker& on, std::uint64_t size, MemoryUse use, const char* n
 }
 
 Buffer make_bindable(const Maker& on, std::uint64_t bytes, const char* name) {
-  const Context& context = on.context();
-  if (bytes > context.max_storage_range())
-    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": " + std::to_string(bytes) +
-                                            " bytes are needed in one binding (" + name +
-                                            "), but maxStorageBufferRange is " +
-                                            std::to_string(context.max_storage_range()) +
-                                            "; use --device cpu or a smaller mesh");
+  require_binding(on.context(), bytes, name);
   return Buffer(on, bytes, MemoryUse::Device, name);
 }
 
-void require_one_binding(const Context& context, std::uint64_t bytes, std::uint64_t texel_bytes,
-                         const char* what) {
-  const auto refuse = [&](const std::string& limit, std::uint64_t value) {
-    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": " + what + " take " +
-                                            std::to_string(bytes) + " bytes, which are bound as " +
-                                            "one, but " + limit + " is " + std::to_string(value) +
-                                            "; use a smaller mesh or fewer instances");
-  };
-  if (bytes > context.max_storage_range())
-    refuse("maxStorageBufferRange", context.max_storage_range());
-  if (texel_bytes > 0 && bytes / texel_bytes > context.max_texel_elements())
-    refuse("maxTexelBufferElements", context.max_texel_elements());
+void require_binding(const Context& context, std::uint64_t bytes, const std::string& what,
+                     const std::string& remedy) {
+  context.binding_limit().require(bytes, context.capabilities().name + ": " + what, remedy);
 }
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {

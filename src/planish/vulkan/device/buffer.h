@@ -46,10 +46,9 @@ class Buffer {
 /// that it exceeds.
 [[nodiscard]] Buffer make_bindable(const Maker& on, std::uint64_t bytes, const char* name);
 
-/// Throws Error{OutOfMemory} where a device has no binding of so many bytes, read by texels of
-/// `texel_bytes` (0: as words that kernels write), naming `what` and the limit.
-void require_one_binding(const Context& context, std::uint64_t bytes, std::uint64_t texel_bytes,
-                         const char* what);
+/// The same for bytes of any buffer.
+void require_binding(const Context& context, std::uint64_t bytes, const std::string& what,
+                     const std::string& remedy = kSmallerMesh);
 
 /// A multiple of every alignment that Vulkan allows a device to ask of a binding's offset.
 inline constexpr VkDeviceSize kBindingAlignment = 256;

@@ -1,7 +1,6 @@
 #include "planish/vulkan/device/context.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "planish/core/error.h"
@@ -39,6 +38,19 @@ Number lowered(Number limit, Number option) {
   return option ? std::min(limit, option) : limit;
 }
 
+BindingLimit binding_limit_of(const Capabilities& device, const PipelineVariant& variant,
+                              const ContextOptions& options) {
+  BindingLimit limit{lowered(device.max_storage_range, options.max_storage_range)};
+  const auto lower = [&](const BindingLimit& other) {
+    if (other.bytes < limit.bytes) limit = other;
+  };
+  lower({device.max_allocation, "maxMemoryAllocationSize"});
+  // Texels may be as small as a float; of larger ones there are fewer in as many bytes.
+  if (variant.read_path == ReadPath::Texel)
+    lower({device.max_texel_elements * sizeof(float), "4 * maxTexelBufferElements"});
+  return limit;
+}
+
 DeviceFunctions load_functions(const HostDevice& host) {
   const InstanceFunctions functions =
       InstanceFunctions::load(host.get_instance_proc, host.instance);
@@ -51,11 +63,9 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
     : device_(host.device),
       callbacks_(host.allocation_callbacks),
       capabilities_(usable_capabilities(host)),
-      max_storage_range_(
-          lowered(std::min(capabilities_.max_storage_range, capabilities_.max_allocation),
-                  options.max_storage_range)),
-      max_group_count_(lowered(capabilities_.max_group_count, options.max_group_count)),
       variant_(options.variant.value_or(suitable_variant(capabilities_))),
+      binding_limit_(binding_limit_of(capabilities_, variant_, options)),
+      max_group_count_(lowered(capabilities_.max_group_count, options.max_group_count)),
       further_usage_(options.further_usage),
       log_(host.log),
       functions_(load_functions(host)),
@@ -65,21 +75,12 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
       memory_(functions_, device_, capabilities_, callbacks_, host.memory,
               (options.further_usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0),
       pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_, labels_) {
-  // Texels may be as small as a float.
-  if (variant_.read_path == ReadPath::Texel)
-    max_storage_range_ =
-        std::min(max_storage_range_, capabilities_.max_texel_elements * sizeof(float));
   log("planish: " + capabilities_.name + ", " +
       (variant_.read_path == ReadPath::Texel ? "texel" : "storage") + " buffers, " +
-      std::to_string(max_storage_range_) + " bytes a binding");
+      std::to_string(binding_limit_.bytes) + " bytes a binding");
 }
 
 Context::Context(const OwnDevice& own, const ContextOptions& options)
     : Context(own.host_device(), options) {}
-
-std::uint64_t Context::max_texel_elements() const {
-  return variant_.read_path == ReadPath::Texel ? capabilities_.max_texel_elements
-                                               : std::numeric_limits<std::uint64_t>::max();
-}
 
 }  // namespace planish::vulkan

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "planish/vulkan/device/binding_limit.h"
 #include "planish/vulkan/device/capabilities.h"
 #include "planish/vulkan/device/debug_labels.h"
 #include "planish/vulkan/device/functions.h"
@@ -73,10 +74,11 @@ class Context {
   [[nodiscard]] MemoryAllocator& memory() { return memory_; }
   [[nodiscard]] const Pipelines& pipelines() const { return pipelines_; }
 
-  [[nodiscard]] std::uint64_t max_storage_range() const { return max_storage_range_; }
+  /// Of maxStorageBufferRange, maxMemoryAllocationSize and, where kernels read texel buffers,
+  /// maxTexelBufferElements of four bytes, the smallest that they have.
+  [[nodiscard]] const BindingLimit& binding_limit() const { return binding_limit_; }
+  [[nodiscard]] std::uint64_t max_storage_range() const { return binding_limit_.bytes; }
   [[nodiscard]] std::uint32_t max_group_count() const { return max_group_count_; }
-  /// Elements that a texel buffer may have; no limit where kernels read storage buffers.
-  [[nodiscard]] std::uint64_t max_texel_elements() const;
   [[nodiscard]] const PipelineVariant& variant() const { return variant_; }
   [[nodiscard]] VkBufferUsageFlags further_usage() const { return further_usage_; }
 
@@ -89,9 +91,9 @@ class Context {
   VkDevice device_;
   const VkAllocationCallbacks* callbacks_;
   Capabilities capabilities_;
-  std::uint64_t max_storage_range_;
-  std::uint32_t max_group_count_;
   PipelineVariant variant_;
+  BindingLimit binding_limit_;
+  std::uint32_t max_group_count_;
   VkBufferUsageFlags further_usage_;
   std::function<void(std::string_view)> log_;
   DeviceFunctions functions_;

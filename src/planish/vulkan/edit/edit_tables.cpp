@@ -9,8 +9,7 @@ namespace {
 
 Buffer make_words(const Maker& on, const std::vector<std::uint32_t>& words, const char* name) {
   const std::uint64_t bytes = words.size() * sizeof(std::uint32_t);
-  require_one_binding(on.context(), bytes, sizeof(std::uint32_t), name);
-  return {on, bytes, MemoryUse::Device, name};
+  return make_bindable(on, bytes, name);
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ GpuEdit::GpuEdit(const Maker& on, const EditedParts& parts, std::int32_t given_c
                  std::span<const FrameSlot> slots)
     : context_(on.context()), parts_(parts), instances_(parts.solve.instances()) {
   const auto points = static_cast<std::uint64_t>(parts.patches.point_count);
-  require_one_binding(context_, instances_.bytes(points), kPointBytes, "points of level 1");
-  require_one_binding(context_, parts.patches.links.size(), 2 * kEditWordBytes, "corners");
+  require_binding(context_, instances_.bytes(points), "points of level 1", kFewerInstances);
+  require_binding(context_, parts.patches.links.size(), "corners", kFewerInstances);
   if (parts.masks.slices().size() != 1)
     throw Error(ErrorCode::OutOfMemory,
                 context_.capabilities().name + ": the limit masks are in " +
@@ -98,7 +98,7 @@ void GpuEdit::make_slot(const Maker& on, const FrameSlot& slot, std::uint32_t nu
   made.moves = {
       slot.moved.buffer, aligned,
       (made.parameters.moves_shift + 1 + std::uint64_t(slot.moved.max_count)) * kEditWordBytes};
-  require_one_binding(context_, made.moves.size, 0, "lists of moved points");
+  require_binding(context_, made.moves.size, "lists of moved points", kFewerInstances);
   if (slot.vertices.buffer)
     made.evaluation.emplace(on, parts_.patches, parts_.given.given(), parts_.step.state(),
                             slot.vertices, common.row_count, instances_,
@@ -122,7 +122,7 @@ void GpuEdit::make_work(const Maker& on, shared::EditParameters& parameters) {
     next += std::uint64_t(instances_.count) * slices[i].group_count * shared::kPatchLanes;
   }
   parameters.first_listed = static_cast<std::uint32_t>(words.size());
-  require_one_binding(context_, next * kEditWordBytes, 0, "lists of rows and patches");
+  require_binding(context_, next * kEditWordBytes, "lists of rows and patches", kFewerInstances);
   head_bytes_ = words.size() * kEditWordBytes;
   // The heads of stale lists, and the lists where other slots have edits.
   for (std::uint32_t i = 0; i < parameters.slot_count; ++i) {
@@ -132,7 +132,8 @@ void GpuEdit::make_work(const Maker& on, shared::EditParameters& parameters) {
   parameters.most_stale = parameters.slot_count > 1 ? static_cast<std::uint32_t>(rows) : 0;
   const std::uint64_t stale_words =
       parameters.slot_count * (shared::kStaleWords + std::uint64_t(parameters.most_stale));
-  require_one_binding(context_, stale_words * kEditWordBytes, 0, "lists of rows of all slots");
+  require_binding(context_, stale_words * kEditWordBytes, "lists of rows of all slots",
+                  kFewerInstances);
   stale_ = Buffer(on, stale_words * kEditWordBytes, MemoryUse::Device, "planish stale rows");
   template_ = Buffer(on, words.size() * kEditWordBytes, MemoryUse::Upload, "planish empty lists");
   template_.write(std::as_bytes(std::span(words)));

@@ -56,7 +56,7 @@ Target target_of(const Context& context, const VertexLayout& layout, const Index
         normals.range, window(attributes, layout.tangent_offset, layout.tangent_format).range);
   if (in_one) target.positions = target.attributes = joined(target.positions, target.attributes);
   const auto word = [&](const ElementWindow& first, const BufferRange& range) {
-    check_range(context, {range, 0});
+    require_window(context, {range, 0});
     return static_cast<std::uint32_t>((first.range.offset - range.offset) / kWordBytes) +
            first.shift;
   };

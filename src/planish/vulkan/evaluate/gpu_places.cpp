@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <string>
 
-#include "planish/core/error.h"
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/tables/stencil_pass.h"
 
@@ -36,17 +35,6 @@ std::uint64_t places_at_once(const Context& context, std::uint32_t stride) {
       1, std::min(fit, std::uint64_t(context.max_group_count()) * kPlaceLanes));
 }
 
-// The kernel reads any point.
-void require_bindable(const Context& context, const BufferRange& points, const char* what) {
-  const std::uint64_t count = points.size / (shared::kPointFloats * kWord);
-  if (points.size <= context.max_storage_range() && count <= context.max_texel_elements()) return;
-  throw Error(ErrorCode::OutOfMemory,
-              context.capabilities().name + ": " + what + " span " + std::to_string(points.size) +
-                  " bytes of one binding, but maxStorageBufferRange is " +
-                  std::to_string(context.max_storage_range()) + " and maxTexelBufferElements " +
-                  std::to_string(context.max_texel_elements()) + "; take a smaller mesh");
-}
-
 }  // namespace
 
 std::uint64_t result_bytes(const PlaceLayout& layout) {
@@ -70,16 +58,17 @@ GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTa
                      const BufferRange& given, const BufferRange& state, const PlaceList& list,
                      const PlaceLayout& layout)
     : context_(context), pipeline_(context.pipelines().specialised(Kernel::SurfacePlaces, {})) {
-  require_bindable(context, state, "control points");
-  require_bindable(context, given, "given points");
+  // The kernel reads any point.
+  require_binding(context, state.size, "control points", "take a smaller mesh");
+  require_binding(context, given.size, "given points", "take a smaller mesh");
   const std::uint64_t step = places_at_once(context, std::max(list.stride, layout.stride));
   std::vector<BoundKernel> bound;
   for (std::uint64_t first = 0; first < list.count; first += step) {
     const std::uint64_t count = std::min(step, list.count - first);
     const ElementWindow from = element_window(list_elements(list), first, count);
     const ElementWindow to = element_window(result_elements(layout), first, count);
-    check_range(context, from);
-    check_range(context, to);
+    require_window(context, from);
+    require_window(context, to);
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.first = static_cast<std::uint32_t>(first);
     shared::PlaceParameters& parameters = dispatch.parameters;

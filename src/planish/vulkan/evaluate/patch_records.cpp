@@ -124,9 +124,9 @@ class Packer {
   }
   [[nodiscard]] bool fits(const PatchSlice& slice) const {
     const auto words = static_cast<std::uint64_t>(slice.words.count);
-    return words * sizeof(std::uint32_t) <= limits_.max_range && words <= limits_.max_elements &&
-           fits(slice.weights) && fits(slice.points) && fits(slice.vertices) &&
-           row_bytes(slice.rows) <= limits_.max_range &&
+    return limits_.range.allows(words * sizeof(std::uint32_t)) && fits(slice.weights) &&
+           fits(slice.points) && fits(slice.vertices) &&
+           limits_.range.allows(row_bytes(slice.rows)) &&
            std::uint64_t(slice.group_count) * slice.chunk_count <= limits_.max_units;
   }
   [[noreturn]] void refuse(const PatchSlice& slice) const;
@@ -364,13 +364,12 @@ void Packer::refuse(const PatchSlice& slice) const {
                                  static_cast<std::uint64_t>(slice.weights.count) * kWidestPoint,
                                  static_cast<std::uint64_t>(slice.vertices.count) * kWidestPoint,
                                  row_bytes(slice.rows)});
+  limits_.range.require(largest, "a patch's points, weights or rows",
+                        "use --device cpu, a lower level or a smaller mesh");
   throw Error(ErrorCode::OutOfMemory,
-              "a patch spans " + std::to_string(largest) +
-                  " bytes of one binding, but maxStorageBufferRange is " +
-                  std::to_string(limits_.max_range) + ", maxTexelBufferElements " +
-                  std::to_string(limits_.max_elements) + " and work groups allow " +
-                  std::to_string(limits_.max_units) +
-                  " chunks; use --device cpu, a lower level or a smaller mesh");
+              "a patch takes more than the " + std::to_string(limits_.max_units) +
+                  " chunks of one dispatch that maxComputeWorkGroupCount allows; use --device cpu "
+                  "or a lower level");
 }
 
 }  // namespace

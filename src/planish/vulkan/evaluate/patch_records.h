@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planish/patches/patch_surface.h"
+#include "planish/vulkan/device/binding_limit.h"
 #include "planish/vulkan/evaluate/texture_rows.h"
 #include "shaders/shared.h"
 
@@ -34,17 +35,15 @@ struct PatchSlice {
 };
 
 struct PatchLimits {
-  std::uint64_t max_range = 0;     ///< bytes that a binding may span
-  std::uint64_t max_elements = 0;  ///< points, links or vertices that a binding may have
-  std::uint64_t max_groups = 0;    ///< work groups of one dispatch
-  std::uint64_t max_units = 0;     ///< groups times chunks in one dispatch
-  std::uint64_t row_stride = 24;   ///< bytes from one row of the output to the next, at most
-  bool joins_ways = false;         ///< one slice of shared::kGatherAny, where all of it fits
+  BindingLimit range;
+  std::uint64_t max_groups = 0;   ///< work groups of one dispatch
+  std::uint64_t max_units = 0;    ///< groups times chunks in one dispatch
+  std::uint64_t row_stride = 24;  ///< bytes from one row of the output to the next, at most
+  bool joins_ways = false;        ///< one slice of shared::kGatherAny, where all of it fits
 
   /// Whether a binding may have so many points.
   [[nodiscard]] bool allow_points(std::int64_t count) const {
-    const auto points = static_cast<std::uint64_t>(count);
-    return points * shared::kPointFloats * sizeof(float) <= max_range && points <= max_elements;
+    return range.allows(static_cast<std::uint64_t>(count) * shared::kPointFloats * sizeof(float));
   }
 };
 

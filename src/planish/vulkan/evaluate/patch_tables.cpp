@@ -1,26 +1,13 @@
 #include "planish/vulkan/evaluate/patch_tables.h"
 
-#include <string>
-
-#include "planish/core/error.h"
-
 namespace planish::vulkan {
 
 namespace {
 
-// Of texels as the kernel's binding has them.
+// Items that one binding spans.
 template <class Items>
-Buffer make_patch_buffer(const Maker& on, const Items& items, std::uint64_t texel_bytes,
-                         const char* name) {
-  const Context& context = on.context();
-  const std::uint64_t bytes = std::as_bytes(std::span(items)).size();
-  if (bytes / texel_bytes > context.max_texel_elements())
-    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": " + name + " have " +
-                                            std::to_string(bytes / texel_bytes) +
-                                            " texels, but maxTexelBufferElements is " +
-                                            std::to_string(context.max_texel_elements()) +
-                                            "; use --device cpu, a lower level or a smaller mesh");
-  return make_bindable(on, bytes, name);
+Buffer make_whole(const Maker& on, const Items& items, const char* name) {
+  return make_bindable(on, std::as_bytes(std::span(items)).size(), name);
 }
 
 // Items of which bindings span windows: only all of them together may be more than a limit.
@@ -33,8 +20,7 @@ Buffer make_windowed(const Maker& on, const Items& items, const char* name) {
 
 PatchLimits patch_limits(const Context& context, std::uint32_t row_stride) {
   PatchLimits limits;
-  limits.max_range = context.max_storage_range();
-  limits.max_elements = context.max_texel_elements();
+  limits.range = context.binding_limit();
   limits.max_groups = context.max_group_count();
   limits.max_units = limits.max_groups * context.variant().chunks_per_group;
   limits.row_stride = row_stride;
@@ -49,17 +35,16 @@ PatchTables::PatchTables(const Maker& on, const PatchRecords& records, std::int6
       first_sum(records.first_sum),
       slices(records.slices),
       links(make_windowed(on, records.links, "planish corner links")),
-      groups(
-          make_patch_buffer(on, records.groups, 4 * sizeof(std::uint32_t), "planish patch groups")),
+      groups(make_whole(on, records.groups, "planish patch groups")),
       words(make_windowed(on, records.words, "planish patch words")),
       weights(make_windowed(on, records.weights, "planish patch weights")),
-      rings(make_patch_buffer(on, records.rings, sizeof(std::uint32_t), "planish rings")) {}
+      rings(make_whole(on, records.rings, "planish rings")) {}
 
 StepTables::StepTables(const Maker& on, const StepRecords& records)
     : slices(records.slices),
       rule(records.rule),
       vertices(make_windowed(on, records.vertices, "planish corner vertices")),
-      words(make_patch_buffer(on, records.words, sizeof(std::uint32_t), "planish step words")) {}
+      words(make_whole(on, records.words, "planish step words")) {}
 
 BufferRange window_range(const Buffer& items, const IndexWindow& window, std::uint64_t item_bytes) {
   if (window.count == 0) return {items.handle(), 0, item_bytes};

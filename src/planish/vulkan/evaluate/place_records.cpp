@@ -4,12 +4,10 @@
 #include "planish/vulkan/evaluate/place_records.h"
 
 #include <map>
-#include <span>
 #include <string>
 #include <utility>
 
 #include "planish/core/assert.h"
-#include "planish/core/error.h"
 #include "planish/patches/patch_form.h"
 
 namespace planish::vulkan {
@@ -125,17 +123,9 @@ void PlacePacker::list_classes() {
 }
 
 void PlacePacker::require_fit() const {
-  const auto refuse = [&](const std::string& what, std::uint64_t bytes) {
-    throw Error(ErrorCode::OutOfMemory,
-                "places of the surface: " + what + " span " + std::to_string(bytes) +
-                    " bytes of one binding, but maxStorageBufferRange is " +
-                    std::to_string(limits_.max_range) + " and maxTexelBufferElements " +
-                    std::to_string(limits_.max_elements) +
-                    "; ask a LimitSurface on the CPU, or take a smaller mesh");
-  };
   const auto check = [&](const std::string& what, std::uint64_t count, std::uint64_t item_bytes) {
-    if (count * item_bytes > limits_.max_range || count > limits_.max_elements)
-      refuse(what, count * item_bytes);
+    limits_.range.require(count * item_bytes, "places of the surface: " + what,
+                          "ask a LimitSurface on the CPU, or take a smaller mesh");
   };
   check("the weights of " + std::to_string(classes_.size()) + " kinds of corners", texel_count_,
         sizeof records_.weights[0]);

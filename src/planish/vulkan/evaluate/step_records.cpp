@@ -90,7 +90,7 @@ void add_sharp(const StencilView<double>& rows, std::span<const std::int32_t> ow
 bool slice_fits(const StepSlice& slice, const PatchLimits& limits) {
   for (const IndexWindow& window : {slice.points, slice.corners, slice.vertices}) {
     const auto count = static_cast<std::uint64_t>(from_a_multiple(window).count);
-    if (count * kStepPointBytes > limits.max_range || count > limits.max_elements) return false;
+    if (!limits.range.allows(count * kStepPointBytes)) return false;
   }
   // Of large faces a group does one after the other, of all else it does its lanes' points only.
   return slice.kind == shared::kStepLargeFaces ||
@@ -102,14 +102,13 @@ void require_fit(const StepSlice& slice, const PatchLimits& limits) {
   if (slice_fits(slice, limits)) return;
   const std::int64_t most =
       std::max({slice.points.count, slice.corners.count, slice.vertices.count}) + kSliceLanes;
+  const std::string what =
+      slice.kind == shared::kStepSharp ? "the points beside sharp edges" : "a face's points";
+  limits.range.require(static_cast<std::uint64_t>(most) * kStepPointBytes, what);
   throw Error(ErrorCode::OutOfMemory,
-              std::string(slice.kind == shared::kStepSharp ? "the points beside sharp edges"
-                                                           : "a face's points") +
-                  " span " + std::to_string(most * static_cast<std::int64_t>(kStepPointBytes)) +
-                  " bytes of one binding, but maxStorageBufferRange is " +
-                  std::to_string(limits.max_range) + ", maxTexelBufferElements " +
-                  std::to_string(limits.max_elements) + " and maxComputeWorkGroupCount " +
-                  std::to_string(limits.max_groups) + "; use --device cpu or a smaller mesh");
+              what + " take more than the " + std::to_string(limits.max_groups) +
+                  " work groups of one dispatch that maxComputeWorkGroupCount allows; " +
+                  kSmallerMesh);
 }
 
 // Of the small faces, or of the large ones, whose words begin at `word`.

@@ -78,11 +78,10 @@ struct DeviceSystem::Parts::PackedSurface {
       return;
     }
     if (!levels.empty())
-      throw Error(ErrorCode::OutOfMemory,
-                  "levels to choose from take " + std::to_string(mesh.point_count()) +
-                      " points of level 1 and sums of large rings in one binding, but "
-                      "maxStorageBufferRange is " +
-                      std::to_string(limits.max_range) + "; use a smaller mesh, or one level");
+      limits.range.require(
+          static_cast<std::uint64_t>(mesh.point_count()) * shared::kPointFloats * sizeof(float),
+          "levels to choose from, whose points of level 1 and sums of large rings",
+          "use a smaller mesh, or one level");
     // A binding has not both a patch's own points and its sums: by points, in slices.
     const PatchMesh by_points(*surface.topology, surface.features);
     const PatchSurface rows(by_points, surface.patch_options(system.level()));

@@ -70,16 +70,11 @@ struct Span {
   std::uint64_t bytes, each;
 };
 
-// Where kernels read texel buffers, the range is what texels of one float allow.
 void check_span(const Context& context, std::uint32_t instances, const Span& span) {
-  const std::uint64_t most = context.max_storage_range();
-  if (span.bytes <= most) return;
-  throw Error(ErrorCode::OutOfMemory,
-              context.capabilities().name + ": " + span.what + " of " + std::to_string(instances) +
-                  " instances span " + std::to_string(span.bytes) +
-                  " bytes of one binding, but maxStorageBufferRange is " + std::to_string(most) +
-                  "; make Solves of at most " +
-                  std::to_string(std::max<std::uint64_t>(most / span.each, 1)) + " instances");
+  const std::uint64_t fit = std::max<std::uint64_t>(context.max_storage_range() / span.each, 1);
+  const std::string what = std::string(span.what) + " of " + std::to_string(instances);
+  require_binding(context, span.bytes, what + " instances",
+                  "make Solves of at most " + std::to_string(fit) + " instances");
 }
 
 void check_instance_stride(VkDeviceSize stride, std::uint64_t needed) {

@@ -41,7 +41,7 @@ GpuLevels::GpuLevels(const Maker& on, const ChosenParts& parts, const Tessellati
   place_.numbers_draws = options.numbers_draws ? 1 : 0;
   for (std::size_t k = 0; k < parts.set.levels.size(); ++k)
     choose_.chords[k] = parts.set.levels[k].chord;
-  require_one_binding(context_, parts.hull.size(), kPointBytes, "points around instances");
+  require_binding(context_, parts.hull.size(), "points around instances", kFewerInstances);
   levels_ = Buffer(on, 2 * count * kLevelWordBytes, MemoryUse::Device, "planish levels");
   draws_ =
       Buffer(on, count * shared::kDrawWords * kLevelWordBytes, MemoryUse::Device, "planish draws");
@@ -79,7 +79,7 @@ void GpuLevels::make_work(const Maker& on, const TessellationOptions& options) {
   }
   place_.segment_count = static_cast<std::uint32_t>(words.segment_count);
   first_segment_ = words.first_segment * kLevelWordBytes;
-  require_one_binding(context_, words.end * kLevelWordBytes, 0, "lists of instances");
+  require_binding(context_, words.end * kLevelWordBytes, "lists of instances", kFewerInstances);
   work_ = Buffer(on, words.end * kLevelWordBytes, MemoryUse::Device, "planish instances");
   make_surface(on, words);
   make_patches(on, options, words);

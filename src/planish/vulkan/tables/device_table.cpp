@@ -15,9 +15,8 @@ DeviceTable::DeviceTable(const Maker& on, const StencilView<Real>& table,
       has_derivatives_(options.has_derivatives) {
   const Context& context = context_;
   SliceLimits limits;
-  limits.max_range = context.max_storage_range();
+  limits.range = context.binding_limit();
   limits.max_chunks = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
-  limits.max_elements = context.max_texel_elements();
   limits.source_stride = options.source_stride;
   limits.target_stride = options.target_stride;
   limits.includes_own_rows = options.includes_own_rows;

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "planish/core/assert.h"
-#include "planish/core/error.h"
 #include "planish/vulkan/device/commands.h"
 
 namespace planish::vulkan {
@@ -43,13 +42,8 @@ ElementWindow element_window(const FloatElements& elements, std::uint64_t first,
   return window;
 }
 
-void check_range(const Context& context, const ElementWindow& window) {
-  if (window.range.size > context.max_storage_range())
-    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": elements span " +
-                                            std::to_string(window.range.size) +
-                                            " bytes of one binding, but maxStorageBufferRange is " +
-                                            std::to_string(context.max_storage_range()) +
-                                            "; use smaller strides");
+void require_window(const Context& context, const ElementWindow& window) {
+  require_binding(context, window.range.size, "elements", "use smaller strides");
 }
 
 void StencilPass::compile(const Context& context, std::uint32_t length, std::uint32_t source_stride,
@@ -76,8 +70,8 @@ StencilPass::StencilPass(Context& context, const DeviceTable& table, const Float
       const std::int32_t end = std::min(rows.end, window_end);
       if (begin >= end) continue;
       const ElementWindow to = element_window(target, begin, end - begin);
-      check_range(context, from);
-      check_range(context, to);
+      require_window(context, from);
+      require_window(context, to);
       // A sort window's rows lie anywhere in its chunks, but in no others.
       const std::int32_t first_chunk = (begin - part.first_row) / kSortWindow * kWindowChunks;
       const std::int32_t end_chunk =

@@ -31,7 +31,7 @@ struct ElementWindow {
                                            std::uint64_t count);
 
 /// Throws Error{OutOfMemory}, naming the limit, where no binding can span the window.
-void check_range(const Context& context, const ElementWindow& window);
+void require_window(const Context& context, const ElementWindow& window);
 
 /// Element i of the target = row i of the table applied to the source, for a range of rows. Source
 /// and target may lie in one buffer where their floats are not the same ones. The table outlives

@@ -89,15 +89,9 @@ std::string exceeded(const TableSlice& slice, const SliceLimits& limits) {
        slice.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
        slice.row_count * std::max(limits.target_stride, limits.source_stride) + kTargetSlack,
        slice.source_count * limits.source_stride});
-  if (bytes > limits.max_range)
-    return std::to_string(bytes) + " bytes in one binding, but maxStorageBufferRange is " +
-           std::to_string(limits.max_range);
-  const std::uint64_t elements =
-      std::max({slice.entry_count, std::uint64_t(slice.chunk_count * shared::kChunkWords),
-                std::uint64_t(slice.row_count), std::uint64_t(slice.source_count)});
-  if (elements > limits.max_elements)
-    return std::to_string(elements) + " elements in one binding, but maxTexelBufferElements is " +
-           std::to_string(limits.max_elements);
+  if (!limits.range.allows(bytes))
+    return std::to_string(bytes) + " bytes of one binding, but " + limits.range.name + " is " +
+           std::to_string(limits.range.bytes);
   if (slice.chunk_count > limits.max_chunks)
     return std::to_string(slice.chunk_count) + " chunks in one dispatch, but " +
            "maxComputeWorkGroupCount allows " + std::to_string(limits.max_chunks);

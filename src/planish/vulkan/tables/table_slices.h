@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planish/stencil/stencil_table.h"
+#include "planish/vulkan/device/binding_limit.h"
 #include "shaders/shared.h"
 
 namespace planish::vulkan {
@@ -32,9 +33,8 @@ struct TablePlan {
 };
 
 struct SliceLimits {
-  std::uint64_t max_range = 0;       ///< bytes that a binding may span
+  BindingLimit range;
   std::uint64_t max_chunks = 0;      ///< that one dispatch may walk
-  std::uint64_t max_elements = 0;    ///< entries, words or points that a binding may have
   std::uint64_t source_stride = 16;  ///< bytes from one point of the source to the next
   std::uint64_t target_stride = 16;  ///< bytes that a row takes in the target
   bool includes_own_rows = false;    ///< row i also reads source i
