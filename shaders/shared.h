@@ -140,16 +140,14 @@ PLANISH_SHARED_CONSTANT kHasNormals = 16u;
 // are: 4^n - 1.
 PLANISH_SHARED_CONSTANT kSampleChunk = 3u;
 
-// Push constants of corner_patches. Windows begin with first_word, first_weight, the state's
-// first_state, given's first_vertex and the target's first_row.
+// Push constants of corner_patches. Windows begin with first_word, first_weight and the target's
+// first_row.
 struct CornerPatchParameters {
   uint unit_count;  // groups times chunks of samples
   uint chunk_count;
   uint first_group;
   uint first_word;
   uint first_weight;
-  uint first_state;
-  uint first_vertex;
   uint first_row;
   // Words from the window's start to first_row's position and normal, from a row to the next, and
   // from an instance to the next.
@@ -207,12 +205,9 @@ PLANISH_SHARED_CONSTANT kLargeFaceWords = 3u;
 
 // Push constants of first_step.
 struct FirstStepParameters {
-  uint count;         // of points, or of large faces
-  uint first_point;   // of the state, that lane 0 does
-  uint first_corner;  // that the windows of links and vertices begin with
-  uint first_vertex;  // that the windows of points begin with
-  uint first_target;  // of the state, that the target's window begins with
-  uint first_word;    // of the sharp points or large faces
+  uint count;        // of points, or of large faces
+  uint first_point;  // of the state, that lane 0 does
+  uint first_word;   // of the sharp points or large faces
   // From an instance to the next: points of the state, given points.
   uint instance_points;
   uint instance_rows;
@@ -319,8 +314,8 @@ struct EditParameters {
   uint moves_shift;  // words between the window's start and the count
   uint most_moves;
   uint given_count;
-  uint first_vertex, source_shift, source_stride, instance_floats;  // as in VectorParameters
-  uint first_source;                                                // residual: of the slice
+  uint source_shift, source_stride, instance_floats;  // as in VectorParameters
+  uint first_source;                                  // residual: of the slice
   uint first_sharp;   // places from here on are points beside sharp edges
   uint first_word;    // of those points
   uint point_stride;  // points of the state, from an instance to the next
@@ -332,13 +327,11 @@ struct EditParameters {
 // Push constants of the kernels that walk vectors or partial sums.
 struct VectorParameters {
   uint count;
-  uint first_group;
   float stop_square;
   uint first_side;
   float x, y, z;
   uint step_count;       // steps that move; one more only measures
-  uint first_vertex;     // that a window of strided points begins with
-  uint source_shift;     // floats between the window's start and it
+  uint source_shift;     // floats between the start of a window of strided points and the first
   uint source_stride;    // floats from one point to the next
   uint warm;             // 1: from the last displacement, 0: from none
   uint keeps_side;       // 1: the steps were those of an edit, which goes round in no buffers

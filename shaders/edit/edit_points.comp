@@ -17,7 +17,6 @@ layout(std430, set = 0, binding = 7) restrict readonly buffer Work { uint work[]
 #include "evaluate/step_points.glsl"
 
 void main() {
-  first_corner = 0u;
   uint count = work[kEditRows];
   for (uint i = gl_GlobalInvocationID.x; i < count; i += lane_count()) {
     uint place = work[parameters.first_listed + i];

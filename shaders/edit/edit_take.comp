@@ -37,7 +37,7 @@ void take(uint move) {
   uint row = row_of(vertex);
   if (row == kNone) return;
   uint place = parameters.source_shift + instance * parameters.instance_floats +
-               (vertex - parameters.first_vertex) * parameters.source_stride;
+               vertex * parameters.source_stride;
   vec3 point = vec3(source[place], source[place + 1u], source[place + 2u]);
   // One bad point must not spoil all that edits reach.
   if (!(is_finite(point.x) && is_finite(point.y) && is_finite(point.z))) return;

@@ -13,9 +13,7 @@ layout(std430, set = 0, binding = 5) restrict writeonly buffer Control { vec4 co
 layout(std430, set = 0, binding = 6) restrict writeonly buffer Moved { vec4 moved[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
-void main() {
-  uint row = gl_GlobalInvocationID.x;
-  if (row >= parameters.count) return;
+void move(uint row) {
   row += gl_WorkGroupID.y * parameters.instance_rows;
   uint side = statuses[gl_WorkGroupID.y].side;
   vec4 displacement = side2[row];
@@ -23,4 +21,10 @@ void main() {
   if (side == 1u) displacement = side1[row];
   moved[row] = displacement;
   control[row] = given[row] + displacement;
+}
+
+void main() {
+  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
+       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
+    move(row);
 }

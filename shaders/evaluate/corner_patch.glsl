@@ -57,13 +57,13 @@ PatchGroup group_of(uint i) {
 }
 
 // The corner counter-clockwise at the same vertex, and the next one in the face.
-uvec2 link_of(uint corner) { return links_at(corner - parameters.first_state); }
+uvec2 link_of(uint corner) { return links_at(corner); }
 // Where the instance's points of the state, given points, positions and normals begin.
 uint first_point, first_given, first_position, first_normal;
-vec4 point_of(uint i) { return state_at(first_point + (i - parameters.first_state)); }
+vec4 point_of(uint i) { return state_at(first_point + i); }
 vec3 vertex_of(vec4 point) {
   uint vertex = floatBitsToUint(point.w) & ~kVertexTag;
-  return given_at(first_given + (vertex - parameters.first_vertex)).xyz;
+  return given_at(first_given + vertex).xyz;
 }
 
 vec4 own;

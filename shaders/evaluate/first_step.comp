@@ -68,20 +68,20 @@ void step_large_face(uint head, uint lane) {
 }
 
 void main() {
-  first_corner = parameters.first_corner;
   uint instance = gl_WorkGroupID.y;
   if (parameters.first_listed != kNone) instance = listed[parameters.first_listed + instance];
-  first_row = instance * parameters.instance_rows - parameters.first_vertex;
-  first_point = instance * parameters.instance_points - parameters.first_target;
+  first_row = instance * parameters.instance_rows;
+  first_point = instance * parameters.instance_points;
   if (kStep == kStepLargeFaces) {
     for (uint face = gl_WorkGroupID.x; face < parameters.count; face += gl_NumWorkGroups.x)
       step_large_face(parameters.first_word + kLargeFaceWords * face, gl_LocalInvocationIndex);
     return;
   }
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= parameters.count) return;
-  if (kStep == kStepSharp)
-    step_sharp(parameters.first_point + i, parameters.first_word + 2u * i);
-  else
-    step_corner(parameters.first_point + i);
+  for (uint i = gl_GlobalInvocationID.x; i < parameters.count;
+       i += gl_NumWorkGroups.x * kStepLanes) {
+    if (kStep == kStepSharp)
+      step_sharp(parameters.first_point + i, parameters.first_word + 2u * i);
+    else
+      step_corner(parameters.first_point + i);
+  }
 }

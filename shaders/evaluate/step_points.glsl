@@ -1,11 +1,10 @@
 // One point of the first step by one lane: a corner's of a small face, or one beside a sharp edge.
 // The including kernel declares words, links, vertices, given, moved and state[].
 
-// The corner that the windows of links and vertices begin with, and where the instance's vertices
-// and points would begin in the windows that hold them: sums wrap around.
-uint first_corner, first_row, first_point;
+// Where the instance's vertices and points begin.
+uint first_row, first_point;
 
-uint next_corner(uint corner) { return links_at(corner - first_corner).y; }
+uint next_corner(uint corner) { return links_at(corner).y; }
 
 // A control point of the cage seen from a given vertex.
 vec3 from(vec3 origin, uint vertex) {
@@ -21,7 +20,7 @@ void write_point(uint point, uint vertex, vec3 offset) {
   state[first_point + point] = vec4(offset, uintBitsToFloat(vertex | kVertexTag));
 }
 
-uint vertex_of(uint corner) { return vertices_at(corner - first_corner); }
+uint vertex_of(uint corner) { return vertices_at(corner); }
 
 // The words begin with the place of each size's weights. Large faces are left to others.
 void step_corner(uint corner) {

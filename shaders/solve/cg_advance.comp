@@ -17,10 +17,10 @@ layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 void main() {
   vec3 alpha = vec3(parameters.x, parameters.y, parameters.z);
-  uint row = gl_GlobalInvocationID.x;
   precise vec4 value = vec4(0.0);
   uint largest = 0u;
-  if (row < parameters.count) {
+  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
+       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
     precise vec3 rest;
     for (uint c = 0u; c < 3u; ++c) {
       uint at = kPointFloats * row + c;
@@ -31,8 +31,8 @@ void main() {
       rest[c] = left;
     }
     precise float square = rest.x * rest.x + rest.y * rest.y + rest.z * rest.z;
-    value = vec4(weights[row] * rest * rest, square);
-    largest = min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u);
+    value += vec4(weights[row] * rest * rest, square);
+    largest = max(largest, min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u));
   }
-  write_group_sums(value, largest, parameters.first_group + gl_WorkGroupID.x);
+  write_group_sums(value, largest, gl_WorkGroupID.x);
 }

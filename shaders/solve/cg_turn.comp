@@ -10,10 +10,11 @@ layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 void main() {
   vec3 beta = vec3(parameters.x, parameters.y, parameters.z);
-  uint row = gl_GlobalInvocationID.x;
-  if (row >= parameters.count) return;
-  for (uint c = 0u; c < 3u; ++c) {
-    precise float turned = residual[kPointFloats * row + c] + beta[c] * step[kPointFloats * row + c];
-    step[kPointFloats * row + c] = turned;
-  }
+  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
+       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
+    for (uint c = 0u; c < 3u; ++c) {
+      uint at = kPointFloats * row + c;
+      precise float turned = residual[at] + beta[c] * step[at];
+      step[at] = turned;
+    }
 }

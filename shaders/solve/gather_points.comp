@@ -10,10 +10,11 @@ layout(std430, set = 0, binding = 2) restrict writeonly buffer Target { vec4 tar
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 void main() {
-  uint row = gl_GlobalInvocationID.x;
-  if (row >= parameters.count) return;
-  uint place = parameters.source_shift + gl_WorkGroupID.y * parameters.instance_floats +
-               (vertices[row] - parameters.first_vertex) * parameters.source_stride;
-  target[gl_WorkGroupID.y * parameters.instance_rows + row] =
-      vec4(source[place], source[place + 1u], source[place + 2u], 0.0);
+  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
+       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+    uint place = parameters.source_shift + gl_WorkGroupID.y * parameters.instance_floats +
+                 vertices[row] * parameters.source_stride;
+    target[gl_WorkGroupID.y * parameters.instance_rows + row] =
+        vec4(source[place], source[place + 1u], source[place + 2u], 0.0);
+  }
 }

@@ -11,9 +11,7 @@ layout(std430, set = 0, binding = 2) restrict buffer Side2 { vec4 side2[]; };
 layout(std430, set = 0, binding = 3) restrict readonly buffer Status { SolveStatus statuses[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
-void main() {
-  uint row = gl_GlobalInvocationID.x;
-  if (row >= parameters.count) return;
+void take_up(uint row) {
   row += gl_WorkGroupID.y * parameters.instance_rows;
   vec3 start = vec3(0.0);
   if (parameters.warm != 0u) {
@@ -29,4 +27,10 @@ void main() {
   }
   side0[row] = vec4(start, 0.0);
   side2[row] = vec4(start, 0.0);
+}
+
+void main() {
+  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
+       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
+    take_up(row);
 }

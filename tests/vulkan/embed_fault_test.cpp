@@ -166,7 +166,8 @@ TEST_F(EmbedFaults, FourKibibyteRangesSliceWithEqualResults) {
     }
 }
 
-// Every dispatch is looked at; llvmpipe's kernels do 16 chunks a work group.
+// Every dispatch is looked at; llvmpipe's kernels do 16 chunks a work group. Vectors take more
+// groups than there may be, whose lanes go on.
 TEST_F(EmbedFaults, FewWorkGroupsSliceWithEqualResults) {
   const PolygonMesh meshes[] = {test::torus(40, 30, 2, 0.7),
                                 test::with_random_creases(test::random_open_mesh(2), 0.1, 3)};
@@ -177,9 +178,10 @@ TEST_F(EmbedFaults, FewWorkGroupsSliceWithEqualResults) {
       open(options);
       const std::vector<Vertex> whole = surface_of(mesh, 2);
       const std::size_t whole_slices = slice_count_;
-      PretendedDriver::pretence().group_count = 6;
+      const std::uint32_t few = variant.chunks_per_group > 1 ? 1 : 6;
+      PretendedDriver::pretence().group_count = few;
       open(options);
-      EXPECT_EQ(context_->max_group_count(), 6u);
+      EXPECT_EQ(context_->max_group_count(), few);
       const std::vector<Vertex> sliced = surface_of(mesh, 2);
       PretendedDriver::pretence().group_count = 0;
       EXPECT_GT(slice_count_, whole_slices);

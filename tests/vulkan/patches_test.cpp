@@ -223,7 +223,7 @@ TEST_F(EmbedPatches, FirstStepsAreTheCpus) {
       PatchRecords patches = patch_records(surface.patches, limits);
       add_rings(surface.patch_mesh, patches);
       const StepRecords step =
-          step_records(surface.patch_mesh, surface.weights, surface.sharp_rows->view(), limits);
+          step_records(surface.patch_mesh, surface.weights, surface.sharp_rows->view());
       const PatchTables patch_tables(machine.context, patches, surface.patch_mesh.point_count());
       const StepTables step_tables(machine.context, step);
       const auto upload = [&](const Buffer& buffer, std::span<const std::byte> bytes) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -79,6 +80,12 @@ class Context {
   [[nodiscard]] const BindingLimit& binding_limit() const { return binding_limit_; }
   [[nodiscard]] std::uint64_t max_storage_range() const { return binding_limit_.bytes; }
   [[nodiscard]] std::uint32_t max_group_count() const { return max_group_count_; }
+  /// Work groups of a dispatch whose lanes go on with further items after their own: as many as
+  /// `count` items need, or may be.
+  [[nodiscard]] std::uint32_t groups_of(std::uint64_t count, std::uint32_t lanes = 64) const {
+    return static_cast<std::uint32_t>(
+        std::min<std::uint64_t>((count + lanes - 1) / lanes, max_group_count_));
+  }
   [[nodiscard]] const PipelineVariant& variant() const { return variant_; }
   [[nodiscard]] VkBufferUsageFlags further_usage() const { return further_usage_; }
 

@@ -42,9 +42,6 @@ PatchLists patch_lists_of(const Buffer& work, std::uint32_t job_count) {
 GpuEdit::GpuEdit(const Maker& on, const EditedParts& parts, std::int32_t given_count,
                  std::span<const FrameSlot> slots)
     : context_(on.context()), parts_(parts), instances_(parts.solve.instances()) {
-  const auto points = static_cast<std::uint64_t>(parts.patches.point_count);
-  require_binding(context_, instances_.bytes(points), "points of level 1", kFewerInstances);
-  require_binding(context_, parts.patches.links.size(), "corners", kFewerInstances);
   if (parts.masks.slices().size() != 1)
     throw Error(ErrorCode::OutOfMemory,
                 context_.capabilities().name + ": the limit masks are in " +
@@ -69,8 +66,8 @@ shared::EditParameters GpuEdit::common_parameters(std::int32_t given_count) cons
   result.first_source = static_cast<std::uint32_t>(parts_.masks.slices()[0].rows.first_source);
   result.first_sharp =
       static_cast<std::uint32_t>(parts_.patches.links.size() / (2 * kEditWordBytes));
-  for (const StepSlice& slice : parts_.steps.slices)
-    if (slice.kind == shared::kStepSharp) result.first_word = slice.first_word;
+  for (const StepPart& part : parts_.steps.parts)
+    if (part.kind == shared::kStepSharp) result.first_word = part.first_word;
   result.point_stride = static_cast<std::uint32_t>(
       instances_.stride(static_cast<std::uint64_t>(parts_.patches.point_count)));
   result.job_count = static_cast<std::uint32_t>(parts_.edits.job_count);
@@ -82,15 +79,10 @@ void GpuEdit::make_slot(const Maker& on, const FrameSlot& slot, std::uint32_t nu
   Slot& made = slots_.emplace_back(Slot{slot.moved.buffer != VK_NULL_HANDLE, common, {}, {}});
   made.parameters.slot = number;
   if (!made.has_list) return;
-  const std::span<const GpuGather::Gather> gathers = parts_.given.gather().gathers(number);
-  if (gathers.size() != 1)
-    throw Error(ErrorCode::OutOfMemory,
-                context_.capabilities().name +
-                    ": given points are in several bindings, edits take one; use a smaller mesh");
-  made.parameters.first_vertex = gathers[0].first_vertex;
-  made.parameters.source_shift = gathers[0].shift;
-  made.parameters.source_stride = gathers[0].source_stride;
-  made.parameters.instance_floats = gathers[0].instance_floats;
+  const GpuGather::Source& source = parts_.given.gather().source(number);
+  made.parameters.source_shift = source.shift;
+  made.parameters.source_stride = source.stride;
+  made.parameters.instance_floats = source.instance_floats;
   const VkDeviceSize aligned = slot.moved.offset - slot.moved.offset % kBindingAlignment;
   made.parameters.moves_shift =
       static_cast<std::uint32_t>((slot.moved.offset - aligned) / kEditWordBytes);
@@ -170,8 +162,8 @@ void GpuEdit::bind(const Maker& on) {
     const BufferRange moves = slots_[i].has_list ? slots_[i].moves : work;
     bound.push_back({Kernel::EditBegin, {moves, work}});
     bound.push_back({Kernel::EditTake,
-                     {moves, whole(parts_.vertices), parts_.given.gather().gathers(i)[0].source,
-                      given, velocity, flags, work}});
+                     {moves, whole(parts_.vertices), parts_.given.gather().source(i).range, given,
+                      velocity, flags, work}});
   }
   sets_ = DescriptorSets(on, bound);
   for (std::size_t i = 0; i < kStages; ++i)

@@ -21,8 +21,8 @@ GpuFirstStep::GpuFirstStep(const Maker& on, const PatchTables& patches, const St
     : context_(on.context()),
       instances_(instances),
       own_state_(std::make_unique<Buffer>(
-          on, instances.bytes(static_cast<std::uint64_t>(patches.point_count)), MemoryUse::Device,
-          "planish points of level 1")),
+          make_bindable(on, instances.bytes(static_cast<std::uint64_t>(patches.point_count)),
+                        "planish points of level 1"))),
       points_{&given, &displacement, vertex_count, own_state_.get()} {
   bind(on, patches, tables, {});
 }
@@ -38,19 +38,14 @@ void GpuFirstStep::bind(const Maker& on, const PatchTables& patches, const StepT
   const auto [given, displacement, vertex_count, state] = points_;
   const auto point_count = static_cast<std::uint64_t>(patches.point_count);
   std::vector<BoundKernel> bound;
-  for (const StepSlice& slice : tables.slices) {
-    const std::int64_t shift = slice.points.first % kStepLanes;
-    const IndexWindow target{slice.points.first - shift, slice.points.count + shift};
-    const std::uint32_t constants[] = {slice.kind};
+  for (const StepPart& part : tables.parts) {
+    const std::uint32_t constants[] = {part.kind};
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.pipeline = context_.pipelines().specialised(Kernel::FirstStep, constants);
     shared::FirstStepParameters& parameters = dispatch.parameters;
-    parameters.count = slice.count;
-    parameters.first_point = static_cast<std::uint32_t>(slice.points.first);
-    parameters.first_corner = static_cast<std::uint32_t>(slice.corners.first);
-    parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
-    parameters.first_target = static_cast<std::uint32_t>(target.first);
-    parameters.first_word = slice.first_word;
+    parameters.count = part.count;
+    parameters.first_point = part.first_point;
+    parameters.first_word = part.first_word;
     parameters.instance_points = static_cast<std::uint32_t>(instances_.stride(point_count));
     parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(vertex_count));
     parameters.own = static_cast<float>(tables.rule.own);
@@ -58,24 +53,17 @@ void GpuFirstStep::bind(const Maker& on, const PatchTables& patches, const StepT
     parameters.mean = static_cast<float>(tables.rule.mean);
     parameters.turn = static_cast<float>(tables.rule.turn);
     parameters.first_listed = listed.first;
-    dispatch.is_of_large = slice.kind == shared::kStepLargeFaces;
-    dispatch.groups = dispatch.is_of_large ? std::min(slice.count, context_.max_group_count())
-                                           : (slice.count + kStepLanes - 1) / kStepLanes;
-    bound.push_back(
-        {Kernel::FirstStep,
-         {whole(tables.words),
-          window_range(patches.links, slice.corners, sizeof(PatchRecords::Link)),
-          window_range(tables.vertices, slice.corners, sizeof(std::uint32_t)),
-          instances_.widened(window_range(*given, slice.vertices, kPointBytes), vertex_count),
-          instances_.widened(window_range(*displacement, slice.vertices, kPointBytes),
-                             vertex_count),
-          instances_.widened(window_range(*state, target, kPointBytes), point_count),
-          whole(listed.words ? *listed.words : tables.words)}});
+    dispatch.is_of_large = part.kind == shared::kStepLargeFaces;
+    dispatch.groups = context_.groups_of(part.count, dispatch.is_of_large ? 1 : kStepLanes);
+    bound.push_back({Kernel::FirstStep,
+                     {whole(tables.words), whole(patches.links), whole(tables.vertices),
+                      whole(*given), whole(*displacement), whole(*state),
+                      whole(listed.words ? *listed.words : tables.words)}});
   }
   sets_ = DescriptorSets(on, bound);
 }
 
-// Windows of neighbouring dispatches may share their edge: a round each.
+// All parts write one binding: a round each.
 Wait GpuFirstStep::record_round(VkCommandBuffer commands, std::size_t round) const noexcept {
   if (round >= dispatches_.size()) return {};
   const Dispatch& dispatch = dispatches_[round];

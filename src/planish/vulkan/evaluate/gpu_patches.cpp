@@ -75,7 +75,6 @@ GpuPatches::GpuPatches(const Maker& on, const PatchTables& tables, const Buffer&
       work_(lists.work ? lists.work->handle() : VK_NULL_HANDLE) {
   const Context& context = context_;
   const Kernel kernel = work_ ? lists.kernel : Kernel::CornerPatches;
-  const Buffer& all_links = lists.links ? *lists.links : tables.links;
   const Instances& places = kernel == Kernel::InstancePatches ? lists.places : instances;
   const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::uint32_t units_per_group = context.variant().chunks_per_group;
@@ -102,8 +101,6 @@ GpuPatches::GpuPatches(const Maker& on, const PatchTables& tables, const Buffer&
     parameters.first_group = slice.first_group;
     parameters.first_word = static_cast<std::uint32_t>(slice.words.first);
     parameters.first_weight = static_cast<std::uint32_t>(slice.weights.first);
-    parameters.first_state = static_cast<std::uint32_t>(slice.points.first);
-    parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
     parameters.first_row = static_cast<std::uint32_t>(slice.rows.first);
     parameters.first_position = target.position;
     parameters.position_stride = layout.stride / kWordBytes;
@@ -127,18 +124,10 @@ GpuPatches::GpuPatches(const Maker& on, const PatchTables& tables, const Buffer&
     dispatch.arguments =
         (lists.first_arguments + lists.arguments_step * number) * sizeof(std::uint32_t);
     dispatch.groups = (parameters.unit_count + units_per_group - 1) / units_per_group;
-    // Points behind the corners' have no links.
-    const std::uint64_t link_bytes = sizeof(PatchRecords::Link);
-    const auto link_count = static_cast<std::int64_t>(all_links.size() / link_bytes);
-    const std::int64_t first_link = std::min(slice.points.first, link_count - 1) / 64 * 64;
-    const IndexWindow links{
-        first_link, std::min(slice.points.first + slice.points.count, link_count) - first_link};
     bound.push_back(
         {kernel,
          {whole(tables.groups), window_range(tables.words, slice.words, sizeof(std::uint32_t)),
-          window_range(all_links, links, link_bytes),
-          instances.widened(window_range(state, slice.points, kPointBytes), point_count),
-          instances.widened(window_range(given, slice.vertices, kPointBytes), vertex_count),
+          whole(lists.links ? *lists.links : tables.links), whole(state), whole(given),
           window_range(tables.weights, slice.weights, sizeof(PatchRecords::Weight)),
           target.positions, work_ ? whole(*lists.work) : target.attributes}});
   }

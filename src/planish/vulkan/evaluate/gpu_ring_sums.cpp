@@ -14,7 +14,7 @@ GpuRingSums::GpuRingSums(const Maker& on, const PatchTables& tables, const Buffe
     : context_(on.context()),
       instances_(instances),
       pipeline_(context_.pipelines().specialised(Kernel::RingSums, {})),
-      groups_(std::min(tables.ring_count, context_.max_group_count())) {
+      groups_(context_.groups_of(tables.ring_count, 1)) {
   constexpr std::int64_t kWindowStep = 64;
   const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::int64_t first = tables.first_sum / kWindowStep * kWindowStep;

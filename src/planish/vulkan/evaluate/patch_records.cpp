@@ -70,11 +70,11 @@ class Packer {
         mesh_(surface.mesh()),
         limits_(limits),
         with_owners_(with_owners),
-        frames_(frames),
-        owners_(state_owners(mesh_)) {
-    all_points_ = {0, mesh_.point_count()};
-    all_vertices_ = {0, mesh_.topology().vertex_count()};
-    windows_matter_ = !fits(all_points_) || !fits(all_vertices_);
+        frames_(frames) {
+    // Kernels read any of them.
+    const auto points =
+        static_cast<std::uint64_t>(std::max(mesh_.point_count(), mesh_.topology().vertex_count()));
+    limits.range.require(points * kWidestPoint, "points of level 1");
   }
 
   PatchRecords pack() {
@@ -112,22 +112,19 @@ class Packer {
   void add_frames(const PatchTile& tile, const PatchBucket& bucket,
                   std::span<const PatchItem> items);
   [[nodiscard]] std::uint32_t first_weight(const PatchBucket& bucket, std::uint32_t samples);
-  void measure(const PatchTile& tile, const PatchBucket& bucket, std::span<const PatchItem> items,
-               PatchSlice& extent);
   void join_passes();
 
-  [[nodiscard]] bool fits(const IndexWindow& window) const {
-    return limits_.allow_points(aligned_window(window).count);
-  }
   [[nodiscard]] std::uint64_t row_bytes(const IndexWindow& rows) const {
     return static_cast<std::uint64_t>(rows.count) * limits_.row_stride + kRowSlack;
   }
   [[nodiscard]] bool fits(const PatchSlice& slice) const {
-    const auto words = static_cast<std::uint64_t>(slice.words.count);
-    return limits_.range.allows(words * sizeof(std::uint32_t)) && fits(slice.weights) &&
-           fits(slice.points) && fits(slice.vertices) &&
-           limits_.range.allows(row_bytes(slice.rows)) &&
+    return limits_.range.allows(largest_binding(slice)) &&
            std::uint64_t(slice.group_count) * slice.chunk_count <= limits_.max_units;
+  }
+  [[nodiscard]] std::uint64_t largest_binding(const PatchSlice& slice) const {
+    return std::max({static_cast<std::uint64_t>(slice.words.count) * sizeof(std::uint32_t),
+                     static_cast<std::uint64_t>(slice.weights.count) * kWidestPoint,
+                     row_bytes(slice.rows)});
   }
   [[noreturn]] void refuse(const PatchSlice& slice) const;
 
@@ -136,9 +133,6 @@ class Packer {
   const PatchLimits& limits_;
   bool with_owners_;
   std::span<const RowFrame> frames_;
-  std::vector<std::int32_t> owners_;
-  IndexWindow all_points_, all_vertices_;
-  bool windows_matter_ = false;
   PatchRecords records_;
   std::map<PassKey, Pass> passes_;
   std::map<std::tuple<std::int32_t, std::int32_t, std::int32_t>, std::uint32_t> weights_;
@@ -174,30 +168,6 @@ void Packer::add_bucket(const PatchTile& tile, const PatchBucket& bucket,
   }
 }
 
-// What a group's patches read and write.
-void Packer::measure(const PatchTile& tile, const PatchBucket& bucket,
-                     std::span<const PatchItem> items, PatchSlice& extent) {
-  extent.points = extent.vertices = extent.rows = {};
-  for (const PatchItem& item : items)
-    extent.rows =
-        extent.rows.joined({tile.first_row + item.target, std::int64_t{bucket.sample_count}});
-  if (!windows_matter_) {
-    extent.points = all_points_;
-    extent.vertices = all_vertices_;
-    return;
-  }
-  for (const PatchItem& item : items) {
-    gathered_.resize(static_cast<std::size_t>(item.place.patch.column_count()));
-    mesh_.gather(item.place, gathered_.data(), 1);
-    for (const std::int32_t point : gathered_) {
-      extent.points.take(point);
-      extent.vertices.take(owners_[point]);
-    }
-  }
-  extent.points = aligned_window(extent.points);
-  extent.vertices = aligned_window(extent.vertices);
-}
-
 // A group for each block of chunks, of which each says what the dispatch would.
 void join_ways(PatchSlice& extent) {
   extent.group_count = (extent.chunk_count + shared::kBlockChunks - 1) / shared::kBlockChunks;
@@ -208,7 +178,10 @@ void join_ways(PatchSlice& extent) {
 
 void Packer::add_group(const PatchTile& tile, const PatchBucket& bucket,
                        std::span<const PatchItem> items, Pass& pass, PatchSlice extent) {
-  measure(tile, bucket, items, extent);
+  extent.rows = {};
+  for (const PatchItem& item : items)
+    extent.rows =
+        extent.rows.joined({tile.first_row + item.target, std::int64_t{bucket.sample_count}});
   if (!fits(extent)) {
     if (items.size() == 1) refuse(extent);
     const std::size_t half = items.size() / 2;
@@ -241,8 +214,6 @@ void Packer::add_group(const PatchTile& tile, const PatchBucket& bucket,
     longer.group_count += extent.group_count;
     longer.words = longer.words.joined(extent.words);
     longer.weights = longer.weights.joined(extent.weights);
-    longer.points = longer.points.joined(extent.points);
-    longer.vertices = longer.vertices.joined(extent.vertices);
     longer.rows = longer.rows.joined(extent.rows);
     if (fits(longer)) {
       pass.slices.back() = longer;
@@ -360,11 +331,7 @@ void Packer::join_passes() {
 }
 
 void Packer::refuse(const PatchSlice& slice) const {
-  const auto largest = std::max({static_cast<std::uint64_t>(slice.points.count) * kWidestPoint,
-                                 static_cast<std::uint64_t>(slice.weights.count) * kWidestPoint,
-                                 static_cast<std::uint64_t>(slice.vertices.count) * kWidestPoint,
-                                 row_bytes(slice.rows)});
-  limits_.range.require(largest, "a patch's points, weights or rows",
+  limits_.range.require(largest_binding(slice), "a patch's words, weights or rows",
                         "use --device cpu, a lower level or a smaller mesh");
   throw Error(ErrorCode::OutOfMemory,
               "a patch takes more than the " + std::to_string(limits_.max_units) +

@@ -18,20 +18,17 @@ struct IndexWindow {
   std::int64_t first = 0, count = 0;
   /// The smallest that holds both.
   [[nodiscard]] IndexWindow joined(const IndexWindow& other) const;
-  void take(std::int64_t index) { *this = joined({index, 1}); }
 };
 
-/// Patches that one dispatch does, with what its bindings must span. Windows but that of rows
-/// begin at multiples of 64.
+/// Patches that one dispatch does, with what its bindings of tables and output must span. Windows
+/// of tables begin at multiples of 64.
 struct PatchSlice {
   std::uint32_t gather = 0;   ///< shared::kGatherCorner, ...
   std::uint32_t samples = 1;  ///< that a lane evaluates at once, chunk_count times
   std::uint32_t chunk_count = 1;
   std::uint32_t first_group = 0, group_count = 0;
   IndexWindow words, weights;
-  IndexWindow points;    ///< of the state of level 1
-  IndexWindow vertices;  ///< of the mesh
-  IndexWindow rows;      ///< of the output
+  IndexWindow rows;  ///< of the output
 };
 
 struct PatchLimits {
@@ -40,11 +37,6 @@ struct PatchLimits {
   std::uint64_t max_units = 0;    ///< groups times chunks in one dispatch
   std::uint64_t row_stride = 24;  ///< bytes from one row of the output to the next, at most
   bool joins_ways = false;        ///< one slice of shared::kGatherAny, where all of it fits
-
-  /// Whether a binding may have so many points.
-  [[nodiscard]] bool allow_points(std::int64_t count) const {
-    return range.allows(static_cast<std::uint64_t>(count) * shared::kPointFloats * sizeof(float));
-  }
 };
 
 /// The surface's patches as kernels take them; see shaders/shared.h.
@@ -66,8 +58,9 @@ struct PatchRecords {
   std::vector<std::int32_t> owners;
 };
 
-/// All but the rings, see add_rings(). Throws Error{OutOfMemory}, naming the limit that one patch
-/// alone exceeds. `frames`: one a row where tangents can be asked for, else none.
+/// All but the rings, see add_rings(). Throws Error{OutOfMemory}, naming the limit that the points
+/// of level 1 exceed, or one patch alone. `frames`: one a row where tangents can be asked for, else
+/// none.
 [[nodiscard]] PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits,
                                          bool with_owners = false,
                                          std::span<const RowFrame> frames = {});

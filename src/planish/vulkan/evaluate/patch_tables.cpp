@@ -21,8 +21,7 @@ Buffer make_windowed(const Maker& on, const Items& items, const char* name) {
 PatchLimits patch_limits(const Context& context, std::uint32_t row_stride) {
   PatchLimits limits;
   limits.range = context.binding_limit();
-  limits.max_groups = context.max_group_count();
-  limits.max_units = limits.max_groups * context.variant().chunks_per_group;
+  limits.max_units = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
   limits.row_stride = row_stride;
   limits.joins_ways = context.variant().read_path == ReadPath::Storage;
   return limits;
@@ -34,16 +33,16 @@ PatchTables::PatchTables(const Maker& on, const PatchRecords& records, std::int6
       has_frames(records.has_frames),
       first_sum(records.first_sum),
       slices(records.slices),
-      links(make_windowed(on, records.links, "planish corner links")),
+      links(make_whole(on, records.links, "planish corner links")),
       groups(make_whole(on, records.groups, "planish patch groups")),
       words(make_windowed(on, records.words, "planish patch words")),
       weights(make_windowed(on, records.weights, "planish patch weights")),
       rings(make_whole(on, records.rings, "planish rings")) {}
 
 StepTables::StepTables(const Maker& on, const StepRecords& records)
-    : slices(records.slices),
+    : parts(records.parts),
       rule(records.rule),
-      vertices(make_windowed(on, records.vertices, "planish corner vertices")),
+      vertices(make_whole(on, records.vertices, "planish corner vertices")),
       words(make_whole(on, records.words, "planish step words")) {}
 
 BufferRange window_range(const Buffer& items, const IndexWindow& window, std::uint64_t item_bytes) {

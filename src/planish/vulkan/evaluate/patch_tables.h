@@ -42,7 +42,7 @@ struct PatchTables {
 struct StepTables {
   StepTables(const Maker& on, const StepRecords& records);
 
-  std::vector<StepSlice> slices;
+  std::vector<StepPart> parts;
   FaceSumRule rule;
   Buffer vertices, words;
 

@@ -6,19 +6,16 @@
 #include "planish/doosabin/face_rule.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/stencil/stencil_table.h"
-#include "planish/vulkan/evaluate/patch_records.h"
+#include "shaders/shared.h"
 
 namespace planish::vulkan {
 
-/// Points of the state of level 1 that one dispatch makes, with what its bindings must span.
-/// Windows begin at multiples of 64.
-struct StepSlice {
+/// Points of the state of level 1 that one dispatch makes.
+struct StepPart {
   std::uint32_t kind = shared::kStepFaces;
-  std::uint32_t count = 0;       ///< of points, or of large faces
-  std::uint32_t first_word = 0;  ///< of the sharp points or large faces
-  IndexWindow points;            ///< that are made
-  IndexWindow corners;           ///< of the faces that are read
-  IndexWindow vertices;          ///< of the mesh
+  std::uint32_t count = 0;        ///< of points, or of large faces
+  std::uint32_t first_point = 0;  ///< where the points are no large faces'
+  std::uint32_t first_word = 0;   ///< of the sharp points or large faces
 };
 
 /// The first step as its kernel takes it, beside PatchRecords::links.
@@ -29,13 +26,11 @@ struct StepRecords {
   /// begin, and pairs of a vertex and a weight.
   std::vector<std::uint32_t> words;
   FaceSumRule rule{};
-  std::vector<StepSlice> slices;
+  std::vector<StepPart> parts;
 };
 
-/// `sharp_rows`: the rows of the first step behind those of the corners. Throws Error{OutOfMemory},
-/// naming the limit that one face alone exceeds, or the sharp points together.
+/// `sharp_rows`: the rows of the first step behind those of the corners.
 [[nodiscard]] StepRecords step_records(const PatchMesh& mesh, Weights weights,
-                                       const StencilView<double>& sharp_rows,
-                                       const PatchLimits& limits);
+                                       const StencilView<double>& sharp_rows);
 
 }  // namespace planish::vulkan

@@ -13,8 +13,6 @@ namespace planish::vulkan {
 
 /// Collects passes with the buffers that their kernels bind.
 struct GpuFair::Binder {
-  static constexpr std::uint32_t kLanes = 64;
-
   const Context& context;
   shared::FairParameters common;
   std::vector<BoundKernel> bound{};
@@ -23,9 +21,8 @@ struct GpuFair::Binder {
             std::initializer_list<const Buffer*> buffers) {
     BoundKernel& kernel_buffers = bound.emplace_back(BoundKernel{kernel, {}});
     for (const Buffer* buffer : buffers) kernel_buffers.buffers.push_back(whole(*buffer));
-    const std::uint32_t wanted = count / kLanes + (count % kLanes ? 1 : 0);
     Pass pass{context.pipelines().specialised(kernel, {}), bound.size() - 1, common,
-              std::min(wanted, context.max_group_count())};
+              context.groups_of(count)};
     pass.parameters.count = count;
     return passes.emplace_back(pass);
   }

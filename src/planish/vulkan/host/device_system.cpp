@@ -65,35 +65,15 @@ struct DeviceSystem::Parts::PackedSurface {
       : source(&system.surface_records()) {
     const SurfaceRecords& surface = *source;
     const PatchMesh& mesh = surface.patch_mesh;
-    if (surface.sharp_rows)
-      step = step_records(mesh, surface.weights, surface.sharp_rows->view(), limits);
+    if (surface.sharp_rows) step = step_records(mesh, surface.weights, surface.sharp_rows->view());
     for (const LevelRecords& level : surface.levels.levels) {
       levels.push_back(patch_records(level.patches, limits, false, level.frames));
       levels.back().links.clear();  // which are the other ones'
     }
-    if (!mesh.has_sums() || limits.allow_points(mesh.point_count())) {
-      patches = patch_records(surface.patches, limits, wanted.edits, surface.frames);
-      add_rings(mesh, patches);
-      take_points(mesh, surface.weights, limits, masks, wanted);
-      return;
-    }
-    if (!levels.empty())
-      limits.range.require(
-          static_cast<std::uint64_t>(mesh.point_count()) * shared::kPointFloats * sizeof(float),
-          "levels to choose from, whose points of level 1 and sums of large rings",
-          "use a smaller mesh, or one level");
-    // A binding has not both a patch's own points and its sums: by points, in slices.
-    const PatchMesh by_points(*surface.topology, surface.features);
-    const PatchSurface rows(by_points, surface.patch_options(system.level()));
-    std::vector<RowFrame> frames;
-    if (surface.uvs) frames = row_frames(rows, surface.weights, surface.corner_values());
-    patches = patch_records(rows, limits, wanted.edits, frames);
-    take_points(by_points, surface.weights, limits, masks, wanted);
-  }
-  void take_points(const PatchMesh& mesh, Weights weights, const PatchLimits& limits,
-                   const DeviceTable& masks, const Wanted& wanted) {
+    patches = patch_records(surface.patches, limits, wanted.edits, surface.frames);
+    add_rings(mesh, patches);
     point_count = mesh.point_count();
-    if (wanted.places) places = place_records(mesh, weights, limits);
+    if (wanted.places) places = place_records(mesh, surface.weights, limits);
     if (wanted.edits) edits = edit_records(mesh, patches, masks.slots());
   }
   const SurfaceRecords* source;  // by which the System is known
@@ -187,7 +167,7 @@ std::vector<std::int32_t> DeviceSystem::level_vertex_counts() const {
 }
 std::size_t DeviceSystem::slice_count() const {
   return parts_->masks.slices().size() + parts_->patches->slices.size() +
-         (parts_->step ? parts_->step->slices.size() : 0);
+         (parts_->step ? parts_->step->parts.size() : 0);
 }
 std::uint64_t DeviceSystem::device_bytes() const { return parts_->device_bytes; }
 

@@ -12,21 +12,20 @@ GpuConjugateGradients::GpuConjugateGradients(Context& context, const DeviceTable
     : context_(context), masks_(masks) {
   const std::uint64_t scalar_bytes = std::uint64_t(masks.row_count()) * sizeof(float);
   for (Buffer* vector : {&displacement_, &step_, &image_, &residual_})
-    *vector = Buffer(context, shared::kPointFloats * scalar_bytes, MemoryUse::Device);
+    *vector = make_bindable(context, shared::kPointFloats * scalar_bytes, "planish gradients");
   weights_ = Buffer(context, scalar_bytes, MemoryUse::Device);
-  pieces_ = cut_rows(context, masks.row_count(), shared::kPointFloats * sizeof(float));
-  if (!pieces_.empty()) piece_groups_ = pieces_.back().first_group + pieces_.back().group_count;
+  row_groups_ = context.groups_of(static_cast<std::uint64_t>(masks.row_count()));
   const std::uint64_t sum_bytes = shared::kSumFloats * sizeof(std::uint32_t);
   partials_ =
-      Buffer(context, std::max(piece_groups_, masks.group_total()) * sum_bytes, MemoryUse::Device);
+      Buffer(context, std::max(row_groups_, masks.group_total()) * sum_bytes, MemoryUse::Device);
   sums_ = Buffer(context, sum_bytes, MemoryUse::Device);
   bind(context);
 }
 
 void GpuConjugateGradients::bind(Context& context) {
-  const auto weight_range = [&](std::int32_t first, std::int32_t count) {
-    return BufferRange{weights_.handle(), std::uint64_t(first) * sizeof(float),
-                       std::uint64_t(count) * sizeof(float)};
+  const auto weight_range = [&](const TableSlice& rows) {
+    return BufferRange{weights_.handle(), std::uint64_t(rows.first_row) * sizeof(float),
+                       std::uint64_t(rows.row_count) * sizeof(float)};
   };
   std::vector<BoundKernel> bound;
   for (const DeviceTable::Slice& slice : masks_.slices()) {
@@ -34,21 +33,13 @@ void GpuConjugateGradients::bind(Context& context) {
     bound.push_back({Kernel::CgApply,
                      {whole(slice.entries), whole(slice.chunks),
                       point_range(step_, rows.first_source, rows.source_count),
-                      point_range(image_, rows.first_row, rows.row_count),
-                      weight_range(rows.first_row, rows.row_count), whole(partials_)}});
+                      point_range(image_, rows.first_row, rows.row_count), weight_range(rows),
+                      whole(partials_)}});
   }
-  for (const VectorPiece& piece : pieces_) {
-    const auto own = [&](const Buffer& points) {
-      return point_range(points, piece.first_row, piece.row_count);
-    };
-    bound.push_back({Kernel::CgAdvance,
-                     {own(displacement_), own(step_), own(residual_), own(image_),
-                      weight_range(piece.first_row, piece.row_count), whole(partials_)}});
-  }
-  for (const VectorPiece& piece : pieces_)
-    bound.push_back({Kernel::CgTurn,
-                     {point_range(step_, piece.first_row, piece.row_count),
-                      point_range(residual_, piece.first_row, piece.row_count)}});
+  bound.push_back({Kernel::CgAdvance,
+                   {whole(displacement_), whole(step_), whole(residual_), whole(image_),
+                    whole(weights_), whole(partials_)}});
+  bound.push_back({Kernel::CgTurn, {whole(step_), whole(residual_)}});
   bound.push_back({Kernel::ReduceSums, {whole(partials_), whole(sums_)}});
   sets_ = DescriptorSets(context, bound);
 }
@@ -74,37 +65,33 @@ void GpuConjugateGradients::record_apply(VkCommandBuffer commands) const noexcep
 
 void GpuConjugateGradients::record_advance(VkCommandBuffer commands,
                                            const glm::vec3& alpha) const noexcept {
-  record_pieces(commands, Kernel::CgAdvance, masks_.slices().size(), alpha);
-  record_reduce(commands, piece_groups_);
+  record_rows(commands, Kernel::CgAdvance, kAdvance, alpha);
+  record_reduce(commands, row_groups_);
 }
 
 void GpuConjugateGradients::record_turn(VkCommandBuffer commands,
                                         const glm::vec3& beta) const noexcept {
-  record_pieces(commands, Kernel::CgTurn, masks_.slices().size() + pieces_.size(), beta);
+  record_rows(commands, Kernel::CgTurn, kTurn, beta);
 }
 
-void GpuConjugateGradients::record_pieces(VkCommandBuffer commands, Kernel kernel,
-                                          std::size_t first_set,
-                                          const glm::vec3& factor) const noexcept {
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    shared::VectorParameters parameters{};
-    parameters.count = static_cast<std::uint32_t>(pieces_[i].row_count);
-    parameters.first_group = pieces_[i].first_group;
-    parameters.x = factor.x;
-    parameters.y = factor.y;
-    parameters.z = factor.z;
-    record_dispatch(context_, commands, kernel, sets_[first_set + i], &parameters,
-                    pieces_[i].group_count);
-    record_barrier(context_, commands, kKernelScope, kEntryScope);
-  }
+void GpuConjugateGradients::record_rows(VkCommandBuffer commands, Kernel kernel, BehindMasks set,
+                                        const glm::vec3& factor) const noexcept {
+  shared::VectorParameters parameters{};
+  parameters.count = static_cast<std::uint32_t>(masks_.row_count());
+  parameters.x = factor.x;
+  parameters.y = factor.y;
+  parameters.z = factor.z;
+  record_dispatch(context_, commands, kernel, sets_[masks_.slices().size() + set], &parameters,
+                  row_groups_);
+  record_barrier(context_, commands, kKernelScope, kEntryScope);
 }
 
 void GpuConjugateGradients::record_reduce(VkCommandBuffer commands,
                                           std::uint32_t group_count) const noexcept {
   shared::VectorParameters parameters{};
   parameters.count = group_count;
-  record_dispatch(context_, commands, Kernel::ReduceSums,
-                  sets_[masks_.slices().size() + 2 * pieces_.size()], &parameters, 1);
+  record_dispatch(context_, commands, Kernel::ReduceSums, sets_[masks_.slices().size() + kReduce],
+                  &parameters, 1);
   record_barrier(context_, commands, kKernelScope, kEntryScope);
 }
 

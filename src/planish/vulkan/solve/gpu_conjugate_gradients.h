@@ -2,10 +2,8 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <vector>
 
 #include "planish/vulkan/tables/device_table.h"
-#include "planish/vulkan/tables/vector_pieces.h"
 
 namespace planish::vulkan {
 
@@ -34,16 +32,17 @@ class GpuConjugateGradients {
 
  private:
   void bind(Context& context);
-  void record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
-                     const glm::vec3& factor) const noexcept;
+  /// Descriptor sets behind those of the masks' slices.
+  enum BehindMasks : std::size_t { kAdvance, kTurn, kReduce };
+  void record_rows(VkCommandBuffer commands, Kernel kernel, BehindMasks set,
+                   const glm::vec3& factor) const noexcept;
   void record_reduce(VkCommandBuffer commands, std::uint32_t group_count) const noexcept;
 
   Context& context_;
   const DeviceTable& masks_;
-  std::vector<VectorPiece> pieces_;
-  std::uint32_t piece_groups_ = 0;
+  std::uint32_t row_groups_;  // of the kernels that walk vectors
   Buffer displacement_, step_, image_, residual_, weights_, partials_, sums_;
-  DescriptorSets sets_;  // apply per slice, advance per piece, turn per piece, reduce
+  DescriptorSets sets_;
 };
 
 }  // namespace planish::vulkan

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,26 +26,21 @@ class GpuGather {
   /// shared::kPointFloats floats per row, instance by instance.
   [[nodiscard]] const Buffer& points() const { return points_; }
 
-  /// Rows whose points one binding spans.
-  struct Gather {
-    std::int32_t first_row, row_count;
-    BufferRange source;
-    std::uint32_t first_vertex, shift;
-    std::uint32_t source_stride, instance_floats;  // from a point to the next, from an instance
+  /// A slot's points, as its binding has them.
+  struct Source {
+    BufferRange range;
+    std::uint32_t shift;                    // floats between the range's start and point 0
+    std::uint32_t stride, instance_floats;  // from a point to the next, from an instance
   };
-  [[nodiscard]] std::span<const Gather> gathers(std::uint32_t slot) const {
-    return std::span(gathers_).subspan(firsts_[slot], firsts_[slot + 1] - firsts_[slot]);
-  }
+  [[nodiscard]] const Source& source(std::uint32_t slot) const { return sources_[slot]; }
 
  private:
-  void cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given);
-  void bind(const Maker& on, const Buffer& vertices);
+  [[nodiscard]] Source source_of(std::int32_t last_vertex, const GivenPoints& given) const;
 
   Context& context_;
   Instances instances_;
   std::uint64_t row_count_;
-  std::vector<Gather> gathers_;      // slot by slot
-  std::vector<std::size_t> firsts_;  // of each slot, and their number
+  std::vector<Source> sources_;
   Buffer points_;
   DescriptorSets sets_;
 };

@@ -8,7 +8,6 @@
 #include "planish/vulkan/solve/gpu_gather.h"
 #include "planish/vulkan/solve/gpu_solve.h"
 #include "planish/vulkan/tables/device_table.h"
-#include "planish/vulkan/tables/vector_pieces.h"
 
 namespace planish::vulkan {
 
@@ -36,18 +35,16 @@ class GpuGiven {
 
  private:
   void bind(const Maker& on, const GpuSolve& solve);
-  void separate(VkCommandBuffer commands, std::size_t part) const noexcept;
-  void record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
-                     bool warm_start) const noexcept;
+  void record_rows(VkCommandBuffer commands, Kernel kernel, std::size_t set,
+                   bool warm_start) const noexcept;
 
   Context& context_;
   const DeviceTable& masks_;
   Instances instances_;
   std::uint64_t row_count_;
-  std::vector<VectorPiece> pieces_;
   GpuGather gather_;
   Buffer control_, moved_;
-  DescriptorSets sets_;  // take up per piece, control points per piece, slices of masks
+  DescriptorSets sets_;
 };
 
 }  // namespace planish::vulkan

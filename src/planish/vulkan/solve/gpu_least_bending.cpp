@@ -30,7 +30,7 @@ GpuLeastBending::GpuLeastBending(const Maker& on, const BendingTables& tables, c
                   tables.bound,
                   0,
                   0},
-      groups_(std::min((tables.vertex_count + kLanes - 1) / kLanes, context_.max_group_count())),
+      groups_(context_.groups_of(tables.vertex_count)),
       momenta_(nesterov_momenta()) {
   for (std::size_t i = 0; i < kKernels.size(); ++i)
     pipelines_[i] = context_.pipelines().specialised(kKernels[i], {});

@@ -37,9 +37,8 @@ GpuSolve::GpuSolve(const Maker& on, const DeviceTable& masks, const GpuSolveOpti
   PLANISH_ASSERT(!sums_squares_ || instances_.count == 1);
   const auto rows = static_cast<std::uint64_t>(masks.row_count());
   const std::uint64_t point_bytes = instances_.bytes(rows);
-  for (Buffer& side : sides_)
-    side = Buffer(on, point_bytes, MemoryUse::Device, "planish displacement");
-  initial_ = Buffer(on, point_bytes, MemoryUse::Device, "planish first residual");
+  for (Buffer& side : sides_) side = make_bindable(on, point_bytes, "planish displacement");
+  initial_ = make_bindable(on, point_bytes, "planish first residual");
   const std::uint64_t step_bytes =
       std::uint64_t(max_steps_) * instances_.count * sizeof(shared::StepRecord);
   plan_ = Buffer(on, step_bytes, MemoryUse::Upload, "planish plan");
