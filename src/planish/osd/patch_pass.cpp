@@ -14,14 +14,6 @@ constexpr std::uint32_t kGroupSize = 64;
 constexpr std::uint64_t kCoordBytes = shared::kPatchCoordWords * sizeof(float);
 static_assert(kGroupSize * kCoordBytes % vulkan::kBindingAlignment == 0);
 
-/// Whole work groups of coordinates that one dispatch and its bindings can span.
-std::uint64_t CoordsPerDispatch(vulkan::Context const& context, std::uint32_t targetStride) {
-  std::uint64_t const bytes = std::max<std::uint64_t>(kCoordBytes, targetStride * sizeof(float));
-  std::uint64_t const fit =
-      (context.max_storage_range() - vulkan::kBindingAlignment) / bytes / kGroupSize;
-  return std::clamp<std::uint64_t>(fit, 1, context.max_group_count()) * kGroupSize;
-}
-
 }  // namespace
 
 PatchPass::PatchPass(vulkan::Context& context, PatchBuffers const& patches,
@@ -33,7 +25,8 @@ PatchPass::PatchPass(vulkan::Context& context, PatchBuffers const& patches,
   _pipeline = context.pipelines().specialised(vulkan::Kernel::EvalPatches, constants);
   vulkan::ElementWindow const from = vulkan::element_window(source, 0, patches.numPoints);
   require_window(context, from);
-  std::uint64_t const step = CoordsPerDispatch(context, target.stride);
+  std::uint64_t const step = vulkan::elements_at_once(
+      context, std::max(shared::kPatchCoordWords, target.stride), kGroupSize);
   std::vector<vulkan::BoundKernel> bound;
   for (std::uint64_t first = 0; first < std::uint64_t(coords.count); first += step) {
     std::uint64_t const count = std::min(step, coords.count - first);

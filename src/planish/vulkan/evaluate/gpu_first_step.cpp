@@ -2,8 +2,6 @@
 // equation (1), in differences between neighbours; its twin is patches/first_step.cpp.
 #include "planish/vulkan/evaluate/gpu_first_step.h"
 
-#include <algorithm>
-
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/tables/table_slices.h"
 

@@ -27,14 +27,6 @@ FloatElements result_elements(const PlaceLayout& layout) {
           static_cast<std::uint32_t>(result_bytes(layout) / kWord), layout.stride / kWord};
 }
 
-// Places that one dispatch does: as many as bindings can span and work groups may be.
-std::uint64_t places_at_once(const Context& context, std::uint32_t stride) {
-  const std::uint64_t range = context.max_storage_range();
-  const std::uint64_t fit = range > kBindingAlignment ? (range - kBindingAlignment) / stride : 0;
-  return std::max<std::uint64_t>(
-      1, std::min(fit, std::uint64_t(context.max_group_count()) * kPlaceLanes));
-}
-
 }  // namespace
 
 std::uint64_t result_bytes(const PlaceLayout& layout) {
@@ -61,7 +53,8 @@ GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTa
   // The kernel reads any point.
   require_binding(context, state.size, "control points", "take a smaller mesh");
   require_binding(context, given.size, "given points", "take a smaller mesh");
-  const std::uint64_t step = places_at_once(context, std::max(list.stride, layout.stride));
+  const std::uint64_t step =
+      elements_at_once(context, std::max(list.stride, layout.stride) / kWord, 1);
   std::vector<BoundKernel> bound;
   for (std::uint64_t first = 0; first < list.count; first += step) {
     const std::uint64_t count = std::min(step, list.count - first);

@@ -1,8 +1,6 @@
 // Based on: rings by sums, a derivation of our own; see patches/ring_sums.cpp, its twin.
 #include "planish/vulkan/evaluate/gpu_ring_sums.h"
 
-#include <algorithm>
-
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/tables/table_slices.h"
 

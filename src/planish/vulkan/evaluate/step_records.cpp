@@ -1,6 +1,5 @@
 #include "planish/vulkan/evaluate/step_records.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -8,7 +7,6 @@
 #include <set>
 #include <string>
 
-#include "planish/core/error.h"
 #include "planish/patches/ring_sums.h"
 #include "planish/vulkan/evaluate/state_owners.h"
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/solve/gpu_gather.h"

@@ -2,7 +2,6 @@
 // twins.
 #include "planish/vulkan/solve/gpu_least_bending.h"
 
-#include <algorithm>
 #include <array>
 
 #include "planish/vulkan/device/commands.h"

@@ -19,14 +19,6 @@ Pipeline specialised(const Context& context, std::uint32_t length, std::uint32_t
   return context.pipelines().specialised(Kernel::ApplyStencils, constants);
 }
 
-/// Whole sort windows of rows that a target's binding can span.
-std::int32_t rows_per_dispatch(const Context& context, std::uint32_t target_stride) {
-  const std::uint64_t fit =
-      (context.max_storage_range() / sizeof(float) - kWindowFloats) / target_stride;
-  return static_cast<std::int32_t>(std::clamp<std::uint64_t>(fit / kSortWindow, 1, 1 << 20) *
-                                   kSortWindow);
-}
-
 }  // namespace
 
 ElementWindow element_window(const FloatElements& elements, std::uint64_t first,
@@ -40,6 +32,13 @@ ElementWindow element_window(const FloatElements& elements, std::uint64_t first,
   window.range = {elements.buffer, (begin - window.shift) * sizeof(float),
                   (end - begin + window.shift) * sizeof(float)};
   return window;
+}
+
+std::uint64_t elements_at_once(const Context& context, std::uint64_t stride, std::uint64_t unit) {
+  const std::uint64_t floats = context.max_storage_range() / sizeof(float);
+  const std::uint64_t fit = floats > kWindowFloats ? (floats - kWindowFloats) / stride : 0;
+  const std::uint64_t lanes = std::uint64_t(context.max_group_count()) * shared::kChunkRows;
+  return std::max<std::uint64_t>(std::min(fit, lanes) / unit, 1) * unit;
 }
 
 void require_window(const Context& context, const ElementWindow& window) {
@@ -57,7 +56,9 @@ StencilPass::StencilPass(Context& context, const DeviceTable& table, const Float
       pipeline_(specialised(context, source.length, source.stride, target.stride)) {
   PLANISH_ASSERT(source.length == target.length && source.length > 0 && rows.begin >= 0 &&
                  rows.end <= table.row_count());
-  const std::int32_t step = rows_per_dispatch(context, target.stride);
+  // Whole sort windows.
+  const auto step =
+      static_cast<std::int32_t>(elements_at_once(context, target.stride, kSortWindow));
   const std::uint32_t chunks_per_group = context.variant().chunks_per_group;
   std::vector<BoundKernel> bound;
   for (const DeviceTable::Slice& slice : table.slices()) {

@@ -30,6 +30,11 @@ struct ElementWindow {
 [[nodiscard]] ElementWindow element_window(const FloatElements& elements, std::uint64_t first,
                                            std::uint64_t count);
 
+/// Elements `stride` floats apart that one dispatch does, a lane each: a multiple of `unit`, as
+/// many as one binding spans wherever they begin, and as work groups of 64 may be.
+[[nodiscard]] std::uint64_t elements_at_once(const Context& context, std::uint64_t stride,
+                                             std::uint64_t unit);
+
 /// Throws Error{OutOfMemory}, naming the limit, where no binding can span the window.
 void require_window(const Context& context, const ElementWindow& window);
 
