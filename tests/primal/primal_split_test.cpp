@@ -36,6 +36,23 @@ TEST(PrimalSplit, LoopNamesTheFirstFaceThatIsNoTriangle) {
   }
 }
 
+// Before memory is taken for it: of 100,000 corners 600 GB.
+TEST(PrimalSplit, CatmullClarkNamesAFaceThatIsTooLarge) {
+  const auto split = [](int corners) { (void)PrimalSplit(test::prism(corners), {}); };
+  EXPECT_NO_THROW(split(2896));  // two of them: 2 * 2896^2 = 16,773,632
+  try {
+    split(2897);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::UnusableMesh);
+    EXPECT_EQ(error.element(), 0);
+    EXPECT_STREQ(error.what(),
+                 "face 0 has 2897 corners: Catmull-Clark's stencils take the square of a face's "
+                 "corners, 16785218 here and 16777216 at most; split its large faces, or take "
+                 "doo-sabin");
+  }
+}
+
 TEST(PrimalSplit, TagsCanBeIgnoredAndBoundariesHaveCorners) {
   PolygonMesh mesh = test::flat_grid(2, 2);
   mesh.creases.push_back({1, 4, 2.5f});

@@ -23,11 +23,37 @@ void require_triangles(const PolygonMesh& mesh) {
   }
 }
 
+// Every vertex and edge of a face has a weight for each of its corners, about 60 bytes for a pair
+// of them in step and limits: so many pairs in large faces take 1 GiB.
+constexpr std::int64_t kMostPairs = 1 << 24;
+constexpr std::int64_t kLargeFace = 64;
+
+void require_small_faces(const PolygonMesh& mesh) {
+  std::int64_t pairs = 0;
+  std::int32_t largest = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::int64_t size = mesh.face_size(f);
+    if (size > kLargeFace) pairs += size * size;
+    if (size > mesh.face_size(largest)) largest = f;
+  }
+  if (pairs <= kMostPairs) return;
+  throw Error(ErrorCode::UnusableMesh,
+              formatted("face {} has {} corners: Catmull-Clark's stencils take the square of a "
+                        "face's corners, {} here and {} at most; split its large faces, or take "
+                        "doo-sabin",
+                        largest, mesh.face_size(largest), pairs, kMostPairs),
+              largest);
+}
+
 }  // namespace
 
 PrimalSplit::PrimalSplit(const PolygonMesh& mesh, const PrimalSplitOptions& options)
     : scheme_(options.scheme) {
-  if (scheme_ == PrimalScheme::Loop) require_triangles(mesh);
+  if (scheme_ == PrimalScheme::Loop) {
+    require_triangles(mesh);
+  } else {
+    require_small_faces(mesh);
+  }
   const RefinerOptions refined{scheme_ == PrimalScheme::Loop ? OpenSubdiv::Sdc::SCHEME_LOOP
                                                              : OpenSubdiv::Sdc::SCHEME_CATMARK,
                                options.sharp};

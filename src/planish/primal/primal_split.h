@@ -31,7 +31,8 @@ struct PrimalSplitOptions {
 class PrimalSplit {
  public:
   /// The mesh must pass check() and have no unused vertices. Throws Error{UnusableMesh} for Loop on
-  /// a mesh with other faces than triangles, naming the first.
+  /// a mesh with other faces than triangles, naming the first; for Catmull-Clark on one with faces
+  /// so large (one of 4,096 corners is not) that their stencils would take more than 1 GiB.
   PrimalSplit(const PolygonMesh& mesh, const PrimalSplitOptions& options);
   ~PrimalSplit();
 
