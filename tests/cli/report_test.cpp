@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "cli/planish_process.h"
@@ -86,6 +87,38 @@ TEST_F(Report, DescribesTheInput) {
   EXPECT_EQ(input["genus"], 0);
   EXPECT_EQ(input["sharp_edges"], 32);  // the boundary
   EXPECT_EQ(input["corners"], 0);
+}
+
+// Whatever is written; the torus by the closed formula (Willmore 1965).
+TEST_F(Report, BendingIsThatOfTheMeshForEveryLevel) {
+  constexpr double kPi = std::numbers::pi, kRatio = 1 / 0.4;
+  const double of_torus = 4 * kPi * kPi * kRatio * kRatio / std::sqrt(kRatio * kRatio - 1);
+  const std::string ball = PLANISH_SCENES "/icosphere.obj", torus = write("t.obj", torus_obj(24));
+  struct Case {
+    std::string mesh;
+    std::vector<std::string> flags;
+    double expected;
+  };
+  for (const Case& c : {Case{torus, {}, of_torus},
+                        {torus, {"--interpolation", "progressive"}, of_torus},
+                        {torus, {"--source", torus}, of_torus},
+                        {torus, {"--scheme", "catmull-clark"}, of_torus},
+                        {ball, {}, 8 * kPi},
+                        {ball, {"--scheme", "loop"}, 8 * kPi}}) {
+    double of_level_1 = 0;
+    for (const char* level : {"1", "2", "3"}) {
+      std::vector<std::string> arguments{"fit", c.mesh,     "-o",  path("s.glb"), "-f",
+                                         "-q",  "--levels", level, "--report",    path("r.json")};
+      arguments.insert(arguments.end(), c.flags.begin(), c.flags.end());
+      ASSERT_EQ(run_planish(arguments).exit_code, 0);
+      const nlohmann::json surface = read_json("r.json")["surface"];
+      EXPECT_EQ(surface["level"], std::stoi(level));
+      if (of_level_1 == 0) of_level_1 = surface["bending"];
+      EXPECT_NEAR(surface["bending"], of_level_1, 1e-12 * of_level_1)  // sums' order
+          << level << testing::PrintToString(c.flags);
+    }
+    EXPECT_NEAR(of_level_1, c.expected, 0.01 * c.expected) << testing::PrintToString(c.flags);
+  }
 }
 
 TEST_F(Report, CountsTheCornersOfTheBoundaryRule) {

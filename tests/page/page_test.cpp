@@ -303,7 +303,7 @@ TEST(Page, EveryFigureStandsBesideItsLabel) {
            {"method", "progressive, doo-sabin (doo-sabin weights), chebyshev, 2 iterations"},
            {"error, rms and largest", "1.2e-07, 3.48e-07 of the diagonal"},
            {"folded area", "0.104 %"},
-           {"bending", "69,700"},
+           {"bending, of level 1", "69,700"},
            {"measured on level", "2"},
            {"device", "cpu, 2 threads"},
            {"memory", "70.0 MiB"},

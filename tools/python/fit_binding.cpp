@@ -242,7 +242,8 @@ void add_fit_class(py::module_& module) {
            "both. Watertight where the mesh is. Raises InvalidArgument, OutOfMemory before memory "
            "is taken, Cancelled.")
       .def("quality", &quality_of, py::arg("level") = 2,
-           "The \"surface\" of a report: folded area, deviation of normals in degrees, bending.")
+           "The \"surface\" of a report: folded area, deviation of normals in degrees, bending, "
+           "which is that of level 1 whatever the level.")
       .def("__repr__", [](const PythonFit& self) {
         return "<planish.Fit: " + counted(self.fitted.mesh.vertex_count(), "vertex") + ", " +
                (self.fitted.fit.interpolation.converged ? "converged>" : "not converged>");

@@ -21,6 +21,10 @@ struct FoldedPlace {
 /// As many as SurfaceQuality names.
 inline constexpr std::size_t kNamedFolds = 3;
 
+/// A report's `bending` is of this level, whatever its other figures are of: it grows with the
+/// level where a surface bends tightly. The choice of the method measures this one anyway.
+inline constexpr int kBendingLevel = 1;
+
 /// How well the normals of a surface follow a reference. Angles in degrees, weighted by area, each
 /// face's area shared among its corners.
 struct SurfaceQuality {

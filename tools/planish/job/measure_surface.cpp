@@ -199,4 +199,17 @@ bool note_chosen_surface(const JobInput& made, JobReport& report, const JobConte
   return true;
 }
 
+void note_bending(const JobInput& made, JobSurface& surface, JobReport& report,
+                  const JobContext& context) {
+  MeasuredSurface& measured = *report.surface;
+  if (measured.level == kBendingLevel) return;
+  if (const SurfaceQuality* const known = made.fitted.chosen_quality()) {
+    measured.quality.bending = known->bending;
+    return;
+  }
+  JobLevel level = surface.level(kBendingLevel);
+  measured.quality.bending =
+      quality_of(made, level, std::nullopt, callbacks_for(report, context)).bending;
+}
+
 }  // namespace planish::command

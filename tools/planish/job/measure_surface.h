@@ -37,6 +37,11 @@ void measure_source(const JobInput& made, JobSurface& surface, JobReport& report
 [[nodiscard]] bool note_chosen_surface(const JobInput& made, JobReport& report,
                                        const JobContext& context);
 
+/// Notes the bending of kBendingLevel in place of that of the measured level; the report must have
+/// figures of the surface.
+void note_bending(const JobInput& made, JobSurface& surface, JobReport& report,
+                  const JobContext& context);
+
 /// Notes how far sheets that repair separated are from each other on the surface that the report
 /// has figures of. Null: a scheme that has no such figure.
 void note_sheet_gap(const JobInput& made, const std::shared_ptr<const DooSabinSurface>& surface,

@@ -122,6 +122,11 @@ void measure_rest(const FittedJob& work, JobSurface& all, const SurfaceOutputOpt
     timed(work.report.timing.evaluate,
           [&] { measure_source(work.made, all, work.report, work.context); });
   }
+  const bool shows_bending = !work.job.report.empty() || work.context.wants_page(work.job);
+  if (work.report.surface && shows_bending) {
+    timed(work.report.timing.evaluate,
+          [&] { note_bending(work.made, all, work.report, work.context); });
+  }
   if (work.report.surface && !work.made.fitted.separated_edges.empty())
     note_sheet_gap(work.made, all.made_doo_sabin(), work.report);
 }

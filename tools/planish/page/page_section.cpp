@@ -47,7 +47,7 @@ std::string surface_rows(const Json& surface) {
   rows += row("normals off " + reference + ", rms and largest",
               formatted("{}, {} degrees", figure(surface["rms_normal_deviation"]),
                         figure(surface["max_normal_deviation"])));
-  rows += row("bending", figure(surface["bending"]));
+  rows += row("bending, of level 1", figure(surface["bending"]));
   for (const auto& [key, label] : {std::pair{"source_distance", "off the source"},
                                    std::pair{"distance_from_source", "source off the surface"},
                                    std::pair{"point_distance", "points off the surface"}}) {
