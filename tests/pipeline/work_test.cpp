@@ -156,6 +156,30 @@ PolygonMesh folded_hubs(int n) {
   return mesh;
 }
 
+// A plate whose outline is a comb of n / 4 teeth, a strip of long needles.
+PolygonMesh comb(int n) {
+  const int teeth = n / 4;
+  std::vector<std::array<double, 2>> outline{{0, 0}};
+  for (int i = 0; i < teeth; ++i)
+    for (const auto& [x, y] : {std::array{0.0, 1.0}, {0.4, 1.0}, {0.4, 0.2}, {1.0, 0.2}})
+      outline.push_back({(i + x) / teeth, y});
+  outline.push_back({1, 0});
+  const auto count = static_cast<std::int32_t>(outline.size());
+  PolygonMesh mesh;
+  std::vector<std::int32_t> bottom, top;
+  for (const double z : {0.0, 0.2})
+    for (const auto& [x, y] : outline) mesh.positions.emplace_back(x, y, z);
+  for (std::int32_t i = 0; i < count; ++i) {
+    const std::int32_t next = (i + 1) % count;
+    mesh.add_face(std::array{next, i, count + i, count + next});
+    bottom.push_back(i);
+    top.push_back(2 * count - 1 - i);
+  }
+  mesh.add_face(bottom);
+  mesh.add_face(top);
+  return mesh;
+}
+
 struct Case {
   const char* name;
   PolygonMesh (*make)(int);
@@ -209,6 +233,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"creased_hub", creased_hub, {1500, 200, 12}},
                     Case{"folded_hubs", folded_hubs, {1500, 100, 50}},
                     Case{"chamfered_prism", chamfered_prism, {1500, 10, 40}},
+                    // Chords are tried against a few places of each part: a sum that has an end.
+                    Case{"comb", comb, {2500, 10, 600}},
                     Case{"hub_on_boundary", open_fan, {900, 10, 12}},
                     Case{"hubs_of_a_hundred", hubs_of_a_hundred, {900, 10, 12}, 2, 10},
                     Case{"crossing_slivers", crossing_slivers, {18'000, 400, 50}, 100, 1000},

@@ -3,6 +3,8 @@
 #include "planish/patches/patch_surface.h"
 
 #include <algorithm>
+#include <unordered_map>
+#include <utility>
 
 #include "planish/core/assert.h"
 #include "planish/patches/facet_normals.h"
@@ -147,13 +149,18 @@ DegenerateRows PatchSurface::grids(std::span<const glm::dvec3> state, const Plac
   if (!runner_.run_grids(corners, output_at(placement, target, 0), &state[0].x, points))
     return found;
   const PatchSamples& samples = numbering_.samples();
+  // A face's point stands in the grids of all its corners, and its normal asks all of them.
+  std::unordered_map<std::int32_t, std::pair<DegenerateRows, glm::vec3>> mended;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     for (std::int32_t b = 0; b <= samples.side(); ++b) {
       for (std::int32_t a = 0; a <= samples.side(); ++a) {
         glm::vec3& normal = target.normals[i * samples.count() + samples.index(a, b)];
         if (normal != glm::vec3(0.0f)) continue;
-        const DegenerateRows one =
-            normal_of(state, placement, numbering_.row(corners[i], a, b), normal);
+        const std::int32_t row = numbering_.row(corners[i], a, b);
+        const auto [at, is_new] = mended.try_emplace(row);
+        auto& [one, facets] = at->second;
+        if (is_new) one = normal_of(state, placement, row, facets);
+        normal = facets;
         if (samples.index(a, b) < samples.owned_count()) found.add(one);
       }
     }
