@@ -1,5 +1,5 @@
 // What the kernels of the fair construction share. An invocation does every so many elements, so
-// that the device's limit on work groups bounds nothing.
+// that the device's limit on work groups bounds nothing; where a group does an element, a group does.
 #include "surface/finite.glsl"
 #include "fair/shared_fair.h"
 #include "read.glsl"
@@ -7,9 +7,13 @@
 layout(local_size_x = 64) in;
 layout(push_constant) uniform Parameters { FairParameters parameters; };
 
-#define FOR_ELEMENTS(i)                                                 \
-  for (uint i = gl_GlobalInvocationID.x; i < parameters.count; \
-       i += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
+// Whether each element has a work group, not a lane; fair_walk.glsl.
+layout(constant_id = 3) const uint kSharedWord = 0u;
+const bool kShared = kSharedWord != 0u;
+
+#define FOR_ELEMENTS(i)                                                                            \
+  for (uint i = kShared ? gl_WorkGroupID.x : gl_GlobalInvocationID.x; i < parameters.count; \
+       i += gl_NumWorkGroups.x * (kShared ? 1u : gl_WorkGroupSize.x))
 
 #ifdef PLANISH_TEXEL
 #define SAMPLER_FairVertex usamplerBuffer
@@ -21,7 +25,7 @@ FairVertex fetch_FairVertex(usamplerBuffer from, uint i) {
   int first = 3 * int(i);
   uvec4 a = texelFetch(from, first), b = texelFetch(from, first + 1);
   uvec4 c = texelFetch(from, first + 2);
-  return FairVertex(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, 0u, 0u);
+  return FairVertex(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, 0u);
 }
 FairPlace fetch_FairPlace(usamplerBuffer from, uint i) {
   uvec4 a = texelFetch(from, int(i));
@@ -33,7 +37,7 @@ FairLinks fetch_FairLinks(usamplerBuffer from, uint i) {
 }
 FairFace fetch_FairFace(usamplerBuffer from, uint i) {
   uvec4 a = texelFetch(from, int(i));
-  return FairFace(a.x, a.y, a.z, 0u);
+  return FairFace(a.x, a.y, a.z, a.w);
 }
 FairEdge fetch_FairEdge(usamplerBuffer from, uint i) {
   int first = 2 * int(i);
@@ -47,6 +51,10 @@ FairEdge fetch_FairEdge(usamplerBuffer from, uint i) {
   layout(std430, set = 0, binding = number) restrict readonly buffer name##_block { Item name[]; }
 #define UPDATE(number, Item, name) \
   layout(std430, set = 0, binding = number) restrict buffer name##_block { Item name[]; }
+
+// Whose items lanes read that others of the group have written; fair_walk.glsl.
+#define UPDATE_TOGETHER(number, Item, name) \
+  layout(std430, set = 0, binding = number) coherent restrict buffer name##_block { Item name[]; }
 
 bool has_polygon(FairVertex vertex) { return vertex.kind == kSmooth || vertex.kind == kDart; }
 

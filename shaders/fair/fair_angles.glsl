@@ -1,5 +1,6 @@
 // The angle-weighted normal of the corners at a vertex; angle_weighted_normal() of
 // fair/vertex_frame.h. The including kernel declares places, given and face_normals.
+#include "fair_walk.glsl"
 
 // Of the sum of the angles: a normal below this is what cancellation left. Single precision leaves
 // more of it than the twin's double.
@@ -28,7 +29,7 @@ float angle_about(vec3 a, vec3 b, vec3 c, vec3 normal) {
 vec3 angle_weighted_normal(vec3 origin, uint first, uint count) {
   vec3 sum = vec3(0.0);
   float angles = 0.0;
-  for (uint i = first; i < first + count; ++i) {
+  FOR_RING(i, first, count) {
     FairPlace place = places_at(i);
     vec3 a = given_at(place.next).xyz - origin;
     vec3 b = given_at(place.previous).xyz - origin;
@@ -49,9 +50,10 @@ vec3 angle_weighted_normal(vec3 origin, uint first, uint count) {
     angles += face_angle;
     sum += face_angle * face_normal.xyz;
   }
+  sum = ring_sum(sum);
   float size = safe_length(sum);
-  if (size > kCancelled * angles) return sum / size;
+  if (size > kCancelled * ring_sum(angles)) return sum / size;
   sum = vec3(0.0);
-  for (uint i = first; i < first + count; ++i) sum += face_normals_at(places_at(i).face).xyz;
-  return normalised(sum);
+  FOR_RING(i, first, count) sum += face_normals_at(places_at(i).face).xyz;
+  return normalised(ring_sum(sum));
 }

@@ -9,30 +9,34 @@ READ(2, vec4, directions)
 READ(3, vec4, motions)
 UPDATE(4, vec4, result);
 
+#include "fair_walk.glsl"
+
 // Of a control point's distance to the vertex.
 const float kFarthestMove = 0.3;
 
 void main() {
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
     FairVertex vertex = vertices_at(v);
+    if (!is_walked(vertex.count)) continue;
     vec3 direction = directions_at(v).xyz;
     float size = length(direction);
     if (!(size > 0.0)) continue;
-    uint end = vertex.first + vertex.count;
     float mean = 0.0;
-    for (uint i = vertex.first; i < end; ++i) mean += motions_at(places_at(i).corner).z;
-    mean /= float(vertex.count);
+    FOR_RING(p, vertex.first, vertex.count) mean += motions_at(places_at(p).corner).z;
+    mean = ring_sum(mean) / float(vertex.count);
     float scale = 1.0;
-    for (uint i = vertex.first; i < end; ++i) {
-      uint c = places_at(i).corner;
+    FOR_RING(p, vertex.first, vertex.count) {
+      uint c = places_at(p).corner;
       float move = abs(motions_at(c).z - mean) * size;
       float farthest = kFarthestMove * safe_length(result[c].xyz);
       if (move > farthest) scale = min(scale, farthest / move);
       if (!is_finite(move)) scale = 0.0;
     }
+    scale = ring_min(scale);
     if (scale == 0.0) continue;
-    for (uint i = vertex.first; i < end; ++i) {
-      uint c = places_at(i).corner;
+    FOR_RING(p, vertex.first, vertex.count) {
+      uint c = places_at(p).corner;
       result[c].xyz += (motions_at(c).z - mean) * scale * direction;
     }
   }

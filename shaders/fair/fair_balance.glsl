@@ -1,5 +1,6 @@
 // Positive weights with which the points of the including kernel, balance_point(i), have their sum at
 // 0; balance() of fair/balanced_weights.h.
+#include "fair_walk.glsl"
 #define INFINITE uintBitsToFloat(0x7f800000u)
 const int kNewtonSteps = 6;
 const float kLongestStep = 1.5;
@@ -15,7 +16,8 @@ float ramp(float value, float limit) { return clamp(2.0 - value / limit, 0.0, 1.
 float balance(uint count, out vec2 y) {
   y = vec2(0.0);
   float square = 0.0;
-  for (uint i = 0u; i < count; ++i) square += dot(balance_point(i), balance_point(i));
+  FOR_RING(i, 0u, count) square += dot(balance_point(i), balance_point(i));
+  square = ring_sum(square);
   if (!(square > 0.0)) return 0.0;
   float unit = float(count) / square;  // 1 / rms^2
   float sum = 0.0, largest = 0.0;
@@ -24,8 +26,8 @@ float balance(uint count, out vec2 y) {
     moment = vec2(0.0);
     sum = 0.0;
     largest = 0.0;
-    float xx = kDamping / unit, xy = 0.0, yy = kDamping / unit;
-    for (uint i = 0u; i < count; ++i) {
+    float xx = leads() ? kDamping / unit : 0.0, xy = 0.0, yy = xx;
+    FOR_RING(i, 0u, count) {
       vec2 point = balance_point(i);
       float s = exp(-dot(y, point));
       sum += s;
@@ -35,7 +37,13 @@ float balance(uint count, out vec2 y) {
       xy += s * point.x * point.y;
       yy += s * point.y * point.y;
     }
+    moment = ring_sum(moment);
+    sum = ring_sum(sum);
+    largest = ring_max(largest);
     if (step == kNewtonSteps) break;
+    xx = ring_sum(xx);
+    xy = ring_sum(xy);
+    yy = ring_sum(yy);
     float determinant = xx * yy - xy * xy;
     if (!(determinant > 0.0)) return 0.0;
     vec2 move = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;

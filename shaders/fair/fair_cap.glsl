@@ -1,16 +1,17 @@
 // Directions seen from the faces at a vertex; fair/smallest_cap.h. The including kernel declares
 // places and face_normals.
+#include "fair_walk.glsl"
 FairVertex seen_vertex;
 
 // The normal of the face that is seen worst from a direction, and its cosine with that.
 vec4 worst_seen(vec3 direction) {
   vec4 worst = vec4(0.0, 0.0, 0.0, 2.0);
-  for (uint i = seen_vertex.first; i < seen_vertex.first + seen_vertex.count; ++i) {
+  FOR_RING(i, seen_vertex.first, seen_vertex.count) {
     vec3 normal = face_normals_at(places_at(i).face).xyz;
     float cosine = dot(direction, normal);
     if (cosine < worst.w) worst = vec4(normal, cosine);
   }
-  return worst;
+  return ring_least(worst);
 }
 vec3 as_view(vec3 v, vec3 otherwise) {
   float size = safe_length(v);

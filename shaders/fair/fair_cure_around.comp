@@ -15,6 +15,7 @@ READ(6, vec4, result)
 UPDATE(7, uint, flags);
 
 #include "fair_cure.glsl"
+#include "fair_walk.glsl"
 
 const float kTurn = 6.28318531;
 
@@ -55,15 +56,14 @@ struct Pair {
 };
 Pair pair_of(FairVertex vertex) {
   Pair pair = Pair(vec3(0.0), vec3(0.0), vec3(0.0));
-  for (uint i = 0u; i < vertex.count; ++i) {
+  FOR_RING(i, 0u, vertex.count) {
     vec3 own = result_at(places_at(vertex.first + i).corner).xyz;
     float angle = kTurn * (float(i) / float(vertex.count));
     pair.mean += own;
     pair.cosine += cos(angle) * own;
     pair.sine += sin(angle) * own;
   }
-  pair.mean /= float(vertex.count);
-  return pair;
+  return Pair(ring_sum(pair.mean) / float(vertex.count), ring_sum(pair.cosine), ring_sum(pair.sine));
 }
 vec3 in_polygon(FairVertex vertex, Pair pair, uint i) {
   float angle = kTurn * (float(i) / float(vertex.count));
@@ -101,19 +101,21 @@ float least_beside(uint v, FairVertex vertex, Pair pair, uint i) {
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
-    uint word = flags[v];
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i), word = flags[v];
     if ((word & kTouched) == 0u || (word & kBad) != 0u) continue;
     FairVertex vertex = vertices_at(v);
-    if (!has_polygon(vertex)) continue;
+    if (!is_walked(vertex.count) || !has_polygon(vertex)) continue;
     float wanted = uintBitsToFloat(word & ~kCureFlags);
     if (!(wanted > 0.0)) continue;
     origin = given_at(v).xyz;
     Pair pair = pair_of(vertex);
-    for (uint i = 0u; i < vertex.count; ++i) {
-      if (least_beside(v, vertex, pair, i) >= wanted) continue;
-      flags[v] = word | kBad;
+    bool is_bad = false;
+    FOR_RING(p, 0u, vertex.count) {
+      if (least_beside(v, vertex, pair, p) >= wanted) continue;
+      is_bad = true;
       break;
     }
+    if (ring_any(is_bad) && leads()) flags[v] = word | kBad;
   }
 }

@@ -11,7 +11,7 @@ READ(3, vec4, given)
 READ(4, vec4, face_normals)
 UPDATE(5, vec4, planes);
 READ_STORED(6, uint, flags);
-UPDATE(7, vec4, result);
+UPDATE_TOGETHER(7, vec4, result);
 
 #include "fair_angles.glsl"
 #include "fair_chain.glsl"
@@ -45,12 +45,12 @@ float angle_of(uint i) {
 }
 
 // How many faces of a reflex sector see its limit normal from behind.
-uint turned_faces(CurveSector sector) {
+float turned_faces(CurveSector sector) {
   vec3 normal = cross(result[sector.curve1].xyz, result[sector.curve0].xyz);
-  uint count = 0u;
-  for (uint i = sector.first; i < sector.first + sector.count; ++i)
+  float count = 0.0;
+  FOR_RING(i, sector.first, sector.count)
     if (!(dot(normal, face_normals_at(places_at(i).face).xyz) > 0.0)) ++count;
-  return count;
+  return ring_sum(count);
 }
 
 vec3 in_plane(vec3 v, vec3 normal) { return unit_or_zero(v - dot(v, normal) * normal); }
@@ -64,7 +64,7 @@ void draw(uint curve, vec3 direction, uint i, vec3 middle, vec3 side, float sign
   share *= clamp((kWideGap - angle) / (kWideGap - least), 0.0, 1.0);
   vec3 offset = result[curve].xyz;
   vec3 drawn = safe_length(offset) * (cos(angle) * middle + sign * sin(angle) * side);
-  result[curve] = vec4(offset + share * (drawn - offset), 0.0);
+  if (leads()) result[curve] = vec4(offset + share * (drawn - offset), 0.0);
 }
 
 // Where the sharp edges on both sides of a reflex sector meet or cross, draws their curve points
@@ -72,25 +72,31 @@ void draw(uint curve, vec3 direction, uint i, vec3 middle, vec3 side, float sign
 bool open_sector(CurveSector sector) {
   uint last = sector.first + sector.count - 1u;
   float sum = 0.0;
-  for (uint i = sector.first; i <= last; ++i) sum += angle_of(i);
+  FOR_RING(i, sector.first, sector.count) sum += angle_of(i);
+  sum = ring_sum(sum);
   float share = clamp((sum / kReflexAngle - kNearlyReflex) / (1.0 - kNearlyReflex), 0.0, 1.0);
   vec3 normal = angle_weighted_normal(origin, sector.first, sector.count);
   vec3 a = in_plane(result[sector.curve0].xyz, normal);
   vec3 b = in_plane(result[sector.curve1].xyz, normal);
   vec3 middle = unit_or_zero(a + b), side = cross(normal, middle);
   if (!(share > 0.0) || middle == vec3(0.0)) return false;
+  ring_sync();
   draw(sector.curve0, a, sector.first, middle, side, 1.0, share);
   draw(sector.curve1, b, last, middle, side, -1.0, share);
+  ring_sync();
   return sum > kReflexAngle;
 }
 
 // Whether opening the sector turns fewer faces back; does it then.
 bool open_where_better(CurveSector sector) {
   vec4 own0 = result[sector.curve0], own1 = result[sector.curve1];
-  uint own_count = turned_faces(sector);
+  float own_count = turned_faces(sector);
   if (open_sector(sector) && turned_faces(sector) < own_count) return true;
-  result[sector.curve0] = own0;
-  result[sector.curve1] = own1;
+  if (leads()) {
+    result[sector.curve0] = own0;
+    result[sector.curve1] = own1;
+  }
+  ring_sync();
   return false;
 }
 
@@ -99,16 +105,18 @@ void build(FairVertex vertex, uint v) {
   // Within the size at right angles, where the point is farther than the circle.
   float radius = size * sqrt(2.0) / 2.0;
   uint end = vertex.first + vertex.count;
-  for (uint i = vertex.first; i < end; ++i) {
+  FOR_RING(i, vertex.first, vertex.count) {
     FairPlace place = places_at(i);
     vec3 next = unit_or_zero(given_at(place.next).xyz - origin);
     vec3 previous = unit_or_zero(given_at(place.previous).xyz - origin);
     float widening = max(1.0 + dot(next, previous), kWidestAngle);
     FairLinks beside = links_at(place.corner);
     result[place.corner] = vec4(radius / widening * (next + previous), 0.0);
+    // Two lanes may write a curve point, the same to it.
     if (beside.before >= parameters.corner_count) result[beside.before] = vec4(radius * next, 0.0);
     if (beside.after >= parameters.corner_count) result[beside.after] = vec4(radius * previous, 0.0);
   }
+  ring_sync();
   bool is_chosen = planes[v].x < uintBitsToFloat(kNoLeanBits);
   uint opened = is_chosen ? uint(planes[v].x) : 0u, bit = 1u;
   CurveSector sector;
@@ -120,15 +128,16 @@ void build(FairVertex vertex, uint v) {
       opened |= bit;
     bit = min(2u * bit, kLastSectorBit);
   }
-  planes[v].xy = vec2(float(opened), 0.0);
+  ring_sync();
+  if (leads()) planes[v].xy = vec2(float(opened), 0.0);
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
-    uint word = flags[v];
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i), word = flags[v];
     if ((word & kChanged) == 0u) continue;
     FairVertex vertex = vertices_at(v);
-    if (vertex.kind != kCorner) continue;
+    if (!is_walked(vertex.count) || vertex.kind != kCorner) continue;
     origin = given_at(v).xyz;
     if ((word & kRebuild) != 0u) build(vertex, v);
     float factor = quarters(word);

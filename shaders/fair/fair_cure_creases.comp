@@ -11,7 +11,7 @@ READ(3, vec4, given)
 READ(4, vec4, face_normals)
 UPDATE(5, vec4, planes);
 READ_STORED(6, uint, flags);
-UPDATE(7, vec4, result);
+UPDATE_TOGETHER(7, vec4, result);
 
 #include "fair_angles.glsl"
 #include "fair_cure.glsl"
@@ -52,13 +52,13 @@ vec2 balance_point(uint i) {
 // Among directions at right angles to the curve.
 vec4 worst_seen(vec3 direction) {
   vec4 worst = vec4(0.0, 0.0, 0.0, 2.0);
-  for (uint i = sector.first; i < sector.first + sector.count; ++i) {
+  FOR_RING(i, sector.first, sector.count) {
     vec3 normal = face_normals_at(places_at(i).face).xyz;
     normal -= dot(normal, along) * along;
     float cosine = dot(direction, normal);
     if (cosine < worst.w) worst = vec4(normal, cosine);
   }
-  return worst;
+  return ring_least(worst);
 }
 vec3 as_view(vec3 v, vec3 otherwise) {
   vec3 upright = unit_or_zero(v - dot(v, along) * along);
@@ -70,11 +70,13 @@ vec3 as_view(vec3 v, vec3 otherwise) {
 // the two times; 0 where they all lie to one side. Of unit vectors those nearest to the line make it.
 float highest_across() {
   vec2 right = vec2(-1.0), left = vec2(1.0);  // none
-  for (uint i = 0u; i <= sector.count; ++i) {
+  FOR_RING(i, 0u, sector.count + 1u) {
     vec2 edge = edge_direction(i);
     if (edge.x >= 0.0 && (right.x < 0.0 || edge.y > right.y)) right = edge;
     if (edge.x < 0.0 && (left.x >= 0.0 || edge.y > left.y)) left = edge;
   }
+  right = ring_least(vec4(right, 0.0, right.x < 0.0 ? INFINITE : -right.y)).xy;
+  left = ring_least(vec4(left, 0.0, left.x >= 0.0 ? INFINITE : -left.y)).xy;
   if (right.x < 0.0 || left.x >= 0.0) return 0.0;
   return max((right.x * left.y - left.x * right.y) / (right.x - left.x), 0.0);
 }
@@ -108,17 +110,20 @@ void enter(CurveSector at, FairVertex vertex, vec3 direction) {
 float shape_sector(out vec2 y, out float scale) {
   y = vec2(0.0);
   scale = 0.0;
-  for (uint i = 0u; i <= sector.count; ++i)
-    if (edge_direction(i) == vec2(0.0)) return 0.0;
+  bool stands = false;
+  FOR_RING(i, 0u, sector.count + 1u) stands = stands || edge_direction(i) == vec2(0.0);
+  if (ring_any(stands)) return 0.0;
   float highest = highest_across();
   rise = kAcrossShare * highest;
   if (!(rise > 0.0)) return 0.0;
   spread = 0.0;
-  for (uint i = 0u; i <= sector.count; ++i) spread = max(spread, abs(edge_direction(i).y - rise));
+  FOR_RING(i, 0u, sector.count + 1u) spread = max(spread, abs(edge_direction(i).y - rise));
+  spread = ring_max(spread);
   float usable = min(balance(sector.count + 1u, y), highest / kFullRise);
   if (!(usable > 0.0)) return 0.0;
   float sum = 0.0;
-  for (uint i = 0u; i <= sector.count; ++i) sum += weight(i, y) * edge_direction(i).y;
+  FOR_RING(i, 0u, sector.count + 1u) sum += weight(i, y) * edge_direction(i).y;
+  sum = ring_sum(sum);
   if (!(sum > 0.0)) return 0.0;
   scale = 2.0 / sum;
   return usable;
@@ -128,23 +133,37 @@ vec2 side(uint i, vec2 y, float scale) {
   return scale * weight(i, y) * vec2(-edge.y, edge.x);
 }
 
+// Where the chain stands when the lane's piece begins.
+vec2 chain_start(vec2 y, float scale) {
+  vec2 piece = vec2(0.0);
+  if (kShared) {
+    FOR_RING(i, 0u, sector.count) piece += side(i, y, scale);
+  }
+  return vec2(1.0, 0.0) + ring_before(piece);
+}
+
 // The farthest of a chain's points, and how far the chain is to be used.
 vec2 measured_chain() {
-  vec2 y, at = vec2(1.0, 0.0);
+  vec2 y;
   float scale, usable = shape_sector(y, scale), farthest = 1.0;
-  for (uint i = 0u; usable > 0.0 && i < sector.count; ++i) {
+  if (!(usable > 0.0)) return vec2(farthest, usable);
+  vec2 at = chain_start(y, scale);
+  FOR_RING(i, 0u, sector.count) {
     at += side(i, y, scale);
     farthest = max(farthest, length(at));
   }
-  return vec2(farthest, usable);
+  return vec2(ring_max(farthest), usable);
 }
 
 // `chain` of the length goes to the chain, what is left to the half circle.
 void write_points(float chain, float handle, float radius) {
   vec2 y = vec2(0.0), at = vec2(1.0, 0.0);
   float scale = 0.0;
-  if (chain > 0.0) shape_sector(y, scale);
-  for (uint i = 0u; i < sector.count; ++i) {
+  if (chain > 0.0) {
+    shape_sector(y, scale);
+    at = chain_start(y, scale);
+  }
+  FOR_RING(i, 0u, sector.count) {
     float angle = kHalfTurn * (float(i) + 0.5) / float(sector.count);
     vec2 point = radius * vec2(cos(angle), sin(angle));
     if (chain > 0.0) {
@@ -174,23 +193,24 @@ void build(FairVertex vertex, uint v) {
     usable = min(usable, measured.y);
   }
   is_chosen = true;
-  planes[v].xy = leans;
+  if (leads()) planes[v].xy = leans;
   float chain = chain_share(usable);
   float handle = chain * size / farthest, radius = (1.0 - chain) * size;
   for (uint first = vertex.first; first < end && sector_from(first, end, at); first += at.count) {
     enter(at, vertex, direction);
     write_points(chain, handle, radius);
   }
+  if (!leads()) return;
   result[vertex.curve0] = vec4((handle + radius) * direction, 0.0);
   result[vertex.curve1] = -result[vertex.curve0];
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
-    uint word = flags[v];
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i), word = flags[v];
     if ((word & kChanged) == 0u) continue;
     FairVertex vertex = vertices_at(v);
-    if (vertex.kind != kCrease) continue;
+    if (!is_walked(vertex.count) || vertex.kind != kCrease) continue;
     origin = given_at(v).xyz;
     if ((word & kRebuild) != 0u) build(vertex, v);
     float factor = quarters(word);

@@ -14,6 +14,7 @@ UPDATE(6, uint, flags);
 
 #include "fair_cure.glsl"
 #include "fair_changed.glsl"
+#include "fair_walk.glsl"
 
 const float kPartOfBest = 0.5;
 
@@ -40,9 +41,10 @@ void test_edge(uint corner, vec3 face_normal) {
 }
 
 void main() {
-  FOR_ELEMENTS(f) {
+  FOR_ELEMENTS(i) {
+    uint f = ELEMENT(faces_at, i);
     FairFace face = faces_at(f);
-    for (uint c = face.first; c < face.first + face.count; ++c)
-      test_edge(c, face_normals_at(f).xyz);
+    if (!is_walked(face.count)) continue;
+    FOR_RING(c, face.first, face.count) test_edge(c, face_normals_at(f).xyz);
   }
 }

@@ -29,25 +29,29 @@ vec3 face_point(uint i) {
 #include "fair_limit_normal.glsl"
 
 bool any_changed(FairFace face) {
-  for (uint i = face.first; i < face.first + face.count; ++i)
-    if (is_changed(owners_at(i))) return true;
-  return false;
+  bool is_any = false;
+  FOR_RING(c, face.first, face.count) {
+    is_any = is_changed(owners_at(c));
+    if (is_any) break;
+  }
+  return ring_any(is_any);
 }
 
 void main() {
-  FOR_ELEMENTS(f) {
+  FOR_ELEMENTS(i) {
+    uint f = ELEMENT(faces_at, i);
     FairFace face = faces_at(f);
+    if (!is_walked(face.count)) continue;
     bool only_counts = parameters.only_counts != 0u;
     if (!only_counts && !any_changed(face)) continue;
     first_corner = face.first;
     origin = given_at(owners_at(first_corner)).xyz;
     float cosine = cosine_of(limit_normal(face.count, face.circle), face_normals_at(f).xyz);
     if (only_counts) {
-      if (cosine < 0.0) atomicAdd(counts[parameters.place], 1u);
+      if (cosine < 0.0 && leads()) atomicAdd(counts[parameters.place], 1u);
       continue;
     }
     uint found = cosine < kPartOfBest ? kTouched | kBad : kTouched;
-    for (uint i = face.first; i < face.first + face.count; ++i)
-      atomicOr(flags[owners_at(i)], found);
+    FOR_RING(c, face.first, face.count) atomicOr(flags[owners_at(c)], found);
   }
 }

@@ -20,25 +20,31 @@ UPDATE(7, vec4, planes);  // the lean, and the size
 
 // Of the least height of the faces around.
 const float kSize = 0.5;
+#define INFINITE uintBitsToFloat(0x7f800000u)
 
 float perpendicular_size(FairVertex vertex) {
-  float least = 0.0;
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+  float least = INFINITE;
+  FOR_RING(i, vertex.first, vertex.count) {
     float height = heights_at(places_at(i).face);
-    if (height > 0.0 && (least == 0.0 || height < least)) least = height;
+    if (height > 0.0) least = min(least, height);
   }
-  return kSize * least;
+  least = ring_min(least);
+  return least < INFINITE ? kSize * least : 0.0;
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
     if ((flags[v] & kRebuild) == 0u) continue;
     FairVertex vertex = vertices_at(v);
+    if (!is_walked(vertex.count)) continue;
     if (has_polygon(vertex) && planes[v].x >= NO_LEAN) {
       vec3 origin = given_at(v).xyz;
       vec3 normal = angle_weighted_normal(origin, vertex.first, vertex.count);
-      planes[v].xy = lean_towards(vertex, origin, normal, tilted_normal(vertex, normal));
+      vec2 lean = lean_towards(vertex, origin, normal, tilted_normal(vertex, normal));
+      if (leads()) planes[v].xy = lean;
     }
-    planes[v].z = perpendicular_size(vertex);
+    float size = perpendicular_size(vertex);
+    if (leads()) planes[v].z = size;
   }
 }

@@ -44,30 +44,47 @@ vec2 circle_start() {
   return rotated(ring_direction(vertex, origin, frame), vec2(cos(half_step), sin(half_step)));
 }
 
+// Where the chain stands when the lane's piece begins.
+vec2 chain_start(vec2 y) {
+  vec2 piece = vec2(0.0);
+  if (kShared) {
+    FOR_RING(i, 0u, vertex.count) piece += side(i, y);
+  }
+  return ring_before(piece);
+}
+
+void centre_ring(vec3 sum) {
+  vec3 mean = ring_sum(sum) / float(vertex.count);
+  FOR_RING(i, vertex.first, vertex.count) result[places_at(i).corner].xyz -= mean;
+}
+
 void build(vec3 normal, vec4 plane) {
   frame = frame_of(leaning_normal(vertex, origin, normal, plane.xy));
   vec2 y;
   float usable = balance(vertex.count, y);
-  vec2 mean = vec2(0.0), at = vec2(0.0);
+  vec2 mean = vec2(0.0), at = vec2(0.0), start_at = vec2(0.0);
   float farthest = 0.0;
   if (usable > 0.0) {
-    for (uint i = 0u; i < vertex.count; ++i) {
+    start_at = chain_start(y);
+    at = start_at;
+    FOR_RING(i, 0u, vertex.count) {
       at += side(i, y);
       mean += at;
     }
-    mean /= float(vertex.count);
-    at = vec2(0.0);
-    for (uint i = 0u; i < vertex.count; ++i) {
+    mean = ring_sum(mean) / float(vertex.count);
+    at = start_at;
+    FOR_RING(i, 0u, vertex.count) {
       at += side(i, y);
       farthest = max(farthest, length(at - mean));
     }
+    farthest = ring_max(farthest);
   }
   float chain = farthest > 0.0 ? chain_share(usable) : 0.0;
   // As far as the edges do not surround the vertex, the points of a circle.
   vec2 start = chain < 1.0 ? circle_start() : vec2(0.0);
   vec3 centre = vec3(0.0);
-  at = vec2(0.0);
-  for (uint i = 0u; i < vertex.count; ++i) {
+  at = start_at;
+  FOR_RING(i, 0u, vertex.count) {
     vec2 point = (1.0 - chain) * plane.z * rotated(start, circle_at(vertex.circle + i));
     if (chain > 0.0) {
       at += side(i, y);
@@ -77,42 +94,37 @@ void build(vec3 normal, vec4 plane) {
     centre += lifted;
     result[places_at(vertex.first + i).corner] = vec4(lifted, 0.0);
   }
-  // What rounding left of the mean.
-  centre /= float(vertex.count);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    result[places_at(i).corner].xyz -= centre;
+  centre_ring(centre);  // what rounding left of the mean
 }
 
 void build_ellipse(vec3 normal, vec4 plane, vec4 ellipse) {
   frame = frame_of(leaning_normal(vertex, origin, normal, plane.xy));
   vec2 along = ring_direction(vertex, origin, frame);
   vec3 centre = vec3(0.0);
-  for (uint i = 0u; i < vertex.count; ++i) {
+  FOR_RING(i, 0u, vertex.count) {
     vec2 at = circle_at(vertex.circle + i);
     vec2 point = plane.z * rotated(vec2(dot(ellipse.xy, at), dot(ellipse.zw, at)), along);
     vec3 lifted = lift(frame, point);
     centre += lifted;
     result[places_at(vertex.first + i).corner] = vec4(lifted, 0.0);
   }
-  centre /= float(vertex.count);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    result[places_at(i).corner].xyz -= centre;
+  centre_ring(centre);
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
-    uint word = flags[v];
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i), word = flags[v];
     if ((word & kChanged) == 0u) continue;
     vertex = vertices_at(v);
-    if (!has_polygon(vertex)) continue;
+    if (!is_walked(vertex.count) || !has_polygon(vertex)) continue;
     origin = given_at(v).xyz;
-    vec4 ellipse = parameters.decided != 0u ? planes_at(parameters.count + v) : vec4(0.0);
+    vec4 ellipse = parameters.decided != 0u ? planes_at(parameters.vertex_count + v) : vec4(0.0);
     if ((word & kRebuild) != 0u && ellipse != vec4(0.0))
       build_ellipse(normals_at(v).xyz, planes_at(v), ellipse);
     else if ((word & kRebuild) != 0u)
       build(normals_at(v).xyz, planes_at(v));
     float factor = quarters(word);
-    for (uint i = vertex.first; factor < 1.0 && i < vertex.first + vertex.count; ++i)
-      result[places_at(i).corner] *= factor;
+    if (factor == 1.0) continue;
+    FOR_RING(p, vertex.first, vertex.count) result[places_at(p).corner] *= factor;
   }
 }

@@ -26,15 +26,16 @@ const float kLeastSine = 1e-6;
 
 float least_cosine(CurveSector sector) {
   vec3 across = vec3(0.0);
-  for (uint i = 0u; i < sector.count; ++i)
+  FOR_RING(i, 0u, sector.count)
     across += sin(kHalfTurn * (float(i) + 0.5) / float(sector.count)) *
               result_at(places_at(sector.first + i).corner).xyz;
+  across = ring_sum(across);
   vec3 along = result_at(sector.curve0).xyz - result_at(sector.curve1).xyz;
   vec3 normal = unit_or_zero(cross(along, across));
   float least = 1.0;
-  for (uint i = sector.first; i < sector.first + sector.count; ++i)
+  FOR_RING(i, sector.first, sector.count)
     least = min(least, dot(normal, face_normals_at(places_at(i).face).xyz));
-  return least;
+  return ring_min(least);
 }
 
 // The sum of a point's parts along two edges, in the sense of least squares: 1 on the line between
@@ -51,7 +52,7 @@ float part_of_wedge(vec3 point, vec3 next, vec3 previous) {
 float farthest_fan_point(vec3 origin, CurveSector sector) {
   vec3 point0 = result_at(sector.curve0).xyz, point1 = result_at(sector.curve1).xyz;
   float farthest = 0.0;
-  for (uint i = 0u; i < sector.count; ++i) {
+  FOR_RING(i, 0u, sector.count) {
     FairPlace place = places_at(sector.first + i);
     float angle = (float(i) + 0.5) / float(sector.count) * (kHalfTurn / 2.0);
     vec3 fan = sqrt(2.0) * (cos(angle) * point0 + sin(angle) * point1);
@@ -59,22 +60,22 @@ float farthest_fan_point(vec3 origin, CurveSector sector) {
     farthest = max(farthest, part_of_wedge(point, given_at(place.next).xyz - origin,
                                            given_at(place.previous).xyz - origin));
   }
-  return farthest;
+  return ring_max(farthest);
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
-    uint word = flags[v];
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i), word = flags[v];
     if ((word & kTouched) == 0u || (word & kBad) != 0u || decisions[v] >> kCureShift != 0u) continue;
     FairVertex vertex = vertices_at(v);
-    if (has_polygon(vertex)) continue;
+    if (!is_walked(vertex.count) || has_polygon(vertex)) continue;
     uint end = vertex.first + vertex.count;
     CurveSector sector;
     for (uint first = vertex.first; first < end && sector_from(first, end, sector);
          first += sector.count) {
       bool bad = vertex.kind == kCrease ? least_cosine(sector) < kLeastSectorCosine
                                         : farthest_fan_point(given_at(v).xyz, sector) > kFarthestFan;
-      if (bad) flags[v] = word | kBad;
+      if (bad && leads()) flags[v] = word | kBad;
     }
   }
 }

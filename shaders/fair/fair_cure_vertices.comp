@@ -39,10 +39,12 @@ uint look_at(uint v, FairVertex vertex) {
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
-    uint word = flags[v];
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i), word = flags[v];
     if ((word & kTouched) == 0u || (word & kBad) != 0u) continue;
     FairVertex vertex = vertices_at(v);
-    if (has_polygon(vertex)) flags[v] = (word & (kTouched | kChanged)) | look_at(v, vertex);
+    if (!is_walked(vertex.count) || !has_polygon(vertex)) continue;
+    uint found = look_at(v, vertex);
+    if (leads()) flags[v] = (word & (kTouched | kChanged)) | found;
   }
 }

@@ -14,16 +14,15 @@ WRITE(6, vec4, next);
 WRITE(7, float, partials);
 
 #include "fair_motion.glsl"
-#include "fair_sum.glsl"
+#include "fair_walk.glsl"
 
-// Returns the square sum.
+// Returns the square sum of what the lane walks around.
 float descend(FairVertex vertex, float scale, float step, float momentum) {
   float mean = 0.0;
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    mean += gradient_at(places_at(i).corner);
-  mean /= float(vertex.count);
+  FOR_RING(i, vertex.first, vertex.count) mean += gradient_at(places_at(i).corner);
+  mean = ring_sum(mean) / float(vertex.count);
   float square = 0.0;
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+  FOR_RING(i, vertex.first, vertex.count) {
     uint c = places_at(i).corner;
     vec4 motion = motions_at(c);
     float along = turned(motion, momentum);
@@ -37,11 +36,14 @@ float descend(FairVertex vertex, float scale, float step, float momentum) {
 void main() {
   float total = 0.0;
   float step = scalars[0].step, momentum = scalars[0].momentum;
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
     float scale = precondition_at(v);
     // Control points that must stay, or without lines, have no motion.
-    if (scale > 0.0) total += descend(vertices_at(v), scale, step, momentum);
+    if (!(scale > 0.0)) continue;
+    FairVertex vertex = vertices_at(v);
+    if (is_walked(vertex.count)) total += descend(vertex, scale, step, momentum);
   }
   total = group_sum(total);
-  if (gl_LocalInvocationIndex == 0u) partials[gl_WorkGroupID.x] = total;
+  if (gl_LocalInvocationIndex == 0u) partials[parameters.first_partial + gl_WorkGroupID.x] = total;
 }

@@ -11,13 +11,17 @@ READ(4, vec4, rows2)
 WRITE(5, float, diagonals);
 UPDATE(6, FairScalars, scalars);
 
+#include "fair_walk.glsl"
+
 void main() {
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
     FairVertex vertex = vertices_at(v);
+    if (!is_walked(vertex.count)) continue;
     float sum = 0.0;
     if (has_polygon(vertex)) {
-      for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
-        uint c = places_at(i).corner;
+      FOR_RING(p, vertex.first, vertex.count) {
+        uint c = places_at(p).corner;
         vec3 row1 = rows1_at(c).xyz, row2 = rows2_at(c).xyz;
         float next = rows2_at(links_at(c).next).x, previous = rows1_at(links_at(c).previous).x;
         // The lines beside it around the vertex are counted where they stand: over the polygon it
@@ -26,7 +30,8 @@ void main() {
                next * next + previous * previous;
       }
     }
-    float mean = sum / float(vertex.count);
+    float mean = ring_sum(sum) / float(vertex.count);
+    if (!leads()) continue;
     diagonals[v] = mean;
     if (mean > 0.0) atomicMax(scalars[0].largest_bits, floatBitsToUint(mean));
   }

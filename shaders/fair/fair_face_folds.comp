@@ -18,12 +18,13 @@ uint first_corner;
 #include "fair_limit_normal.glsl"
 
 void main() {
-  FOR_ELEMENTS(f) {
+  FOR_ELEMENTS(i) {
+    uint f = ELEMENT(faces_at, i);
     FairFace face = faces_at(f);
+    if (!is_walked(face.count)) continue;
     first_corner = face.first;
     if (agrees(limit_normal(face.count, face.circle), face_normals_at(f).xyz, kLeastCosine)) continue;
-    atomicAdd(counts[parameters.place + 1u], 1u);
-    for (uint i = face.first; i < face.first + face.count; ++i)
-      atomicOr(flags[owners_at(i)], 1u);
+    if (leads()) atomicAdd(counts[parameters.place + 1u], 1u);
+    FOR_RING(c, face.first, face.count) atomicOr(flags[owners_at(c)], 1u);
   }
 }

@@ -8,17 +8,23 @@ READ(1, uint, owners)
 READ(2, vec4, given)
 WRITE(3, vec4, face_normals);
 
+#include "fair_walk.glsl"
+
 void main() {
-  FOR_ELEMENTS(f) {
+  FOR_ELEMENTS(i) {
+    uint f = ELEMENT(faces_at, i);
     FairFace face = faces_at(f);
+    if (!is_walked(face.count)) continue;
     vec3 origin = given_at(owners_at(face.first)).xyz;
     vec3 area = vec3(0.0);
-    vec3 last = given_at(owners_at(face.first + 1u)).xyz - origin;
-    for (uint i = 2u; i < face.count; ++i) {
-      vec3 next = given_at(owners_at(face.first + i)).xyz - origin;
+    uint begin = 1u + walk_begin(face.count - 2u);
+    vec3 last = given_at(owners_at(face.first + begin)).xyz - origin;
+    FOR_RING(c, 2u, face.count - 2u) {
+      vec3 next = given_at(owners_at(face.first + c)).xyz - origin;
       area += cross(last, next);
       last = next;
     }
-    face_normals[f] = vec4(normalised(area), float(face.count));
+    area = ring_sum(area);
+    if (leads()) face_normals[f] = vec4(normalised(area), float(face.count));
   }
 }

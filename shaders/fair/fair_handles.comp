@@ -14,6 +14,7 @@ WRITE(6, vec4, shifts);
 WRITE(7, vec4, result);
 
 #include "fair_crease.glsl"
+#include "fair_walk.glsl"
 
 // Where arms differ by more than this part of the shorter, the handle is the chord's alone.
 const float kUnevenArms = 0.4;
@@ -49,7 +50,7 @@ float face_factor(vec3 handle, vec3 sharp, vec3 inward, vec3 other) {
 
 float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {
   float factor = 1.0;
-  for (uint i = crease.first; i < crease.first + crease.count; ++i) {
+  FOR_RING(i, crease.first, crease.count) {
     FairPlace place = places_at(i);
     vec3 next = given_at(place.next).xyz - own, previous = given_at(place.previous).xyz - own;
     vec3 normal = face_normals_at(place.face).xyz;
@@ -60,12 +61,14 @@ float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {
       factor = min(factor, face_factor(place.previous == crease.before ? handle : -handle,
                                        previous, cross(previous, normal), next));
   }
-  return max(factor, kLeastCorridorFactor);
+  return max(ring_min(factor), kLeastCorridorFactor);
 }
 
 void main() {
-  FOR_ELEMENTS(c) {
+  FOR_ELEMENTS(i) {
+    uint c = kShared ? creases[i].large : i;
     FairCrease crease = creases[c];
+    if (!is_walked(crease.count)) continue;
     vec3 own = given_at(crease.vertex).xyz;
     CreaseArms arms =
         CreaseArms((given_at(crease.before).xyz - own) / 4.0, (given_at(crease.after).xyz - own) / 4.0);
@@ -82,6 +85,7 @@ void main() {
                chord_share * chord_handle(arms);
     }
     handle *= corridor_factor(crease, own, handle);
+    if (!leads()) continue;
     shifts[c] = vec4(shift, share);
     result[crease.curve0] = vec4(handle, 0.0);
     result[crease.curve1] = vec4(-handle, 0.0);

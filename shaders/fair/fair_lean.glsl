@@ -1,18 +1,20 @@
 // How planes of cured polygons lean; fair/plane_lean.h. The including kernel declares places, given and
 // circle.
 #include "fair_plane.glsl"
+#include "fair_walk.glsl"
 
 #define NO_LEAN uintBitsToFloat(kNoLeanBits)
 
 // Where the edges around a smooth or dart vertex point to, turning with the ring.
 vec2 ring_direction(FairVertex vertex, vec3 origin, Frame frame) {
   vec2 sum = vec2(0.0);
-  for (uint i = 0u; i < vertex.count; ++i) {
+  FOR_RING(i, 0u, vertex.count) {
     vec2 edge = project(frame, given_at(places_at(vertex.first + i).next).xyz - origin);
     float size = safe_length(vec3(edge, 0.0));
     vec2 back = circle_at(vertex.circle + i);
     if (size > 0.0) sum += vec2(dot(edge / size, back), turn(back, edge / size));
   }
+  sum = ring_sum(sum);
   float size = length(sum);
   return size > 0.0 ? sum / size : vec2(1.0, 0.0);
 }

@@ -13,7 +13,7 @@ WRITE(5, vec2, lines);
 WRITE(6, float, partials);
 
 #include "fair_motion.glsl"
-#include "fair_sum.glsl"
+#include "group_fold.glsl"
 
 void main() {
   float sum = 0.0;

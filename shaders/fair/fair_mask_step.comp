@@ -12,12 +12,13 @@ READ(4, vec4, offsets)
 READ(5, vec4, points)
 WRITE(6, vec4, next);
 
+#include "fair_walk.glsl"
+
 vec3 limit_error(uint v, FairVertex vertex) {
   if (has_polygon(vertex)) {
     vec3 sum = vec3(0.0);
-    for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-      sum += offsets_at(places_at(i).corner).xyz;
-    return sum / float(vertex.count);
+    FOR_RING(i, vertex.first, vertex.count) sum += offsets_at(places_at(i).corner).xyz;
+    return ring_sum(sum) / float(vertex.count);
   }
   vec3 own = points_at(v).xyz;
   return (own - given_at(v).xyz) +
@@ -25,9 +26,17 @@ vec3 limit_error(uint v, FairVertex vertex) {
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
+    float share = shares_at(v);
     vec3 point = points_at(v).xyz;
-    if (shares_at(v) > 0.0) point -= shares_at(v) * limit_error(v, vertices_at(v));
-    next[v] = vec4(point, 0.0);
+    if (share > 0.0) {
+      FairVertex vertex = vertices_at(v);
+      if (!is_walked(vertex.count)) continue;
+      point -= share * limit_error(v, vertex);
+    } else if (kShared) {
+      continue;  // a lane of its own moves it along
+    }
+    if (leads()) next[v] = vec4(point, 0.0);
   }
 }

@@ -6,7 +6,7 @@
 READ(0, float, partials)
 UPDATE(1, FairScalars, scalars);
 
-#include "fair_sum.glsl"
+#include "group_fold.glsl"
 
 // Of the first residual's square: single precision reaches no lower.
 const float kConverged = 1e-12;

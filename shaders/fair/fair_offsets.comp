@@ -11,6 +11,8 @@ READ(3, vec4, points)
 READ(4, vec2, circle)
 WRITE(5, vec4, offsets);
 
+#include "fair_walk.glsl"
+
 // Of the net, whose points are offsets of corners: what all are relative to.
 vec3 origin = vec3(0.0);
 vec3 given_of(uint corner) { return given_at(owners_at(corner)).xyz - origin; }
@@ -45,14 +47,16 @@ void step_quad(uint first) {
 void step_polygon(FairFace face) {
   vec3 middle = point(face.first);
   vec3 mean = vec3(0.0), cosine_sum = vec3(0.0), sine_sum = vec3(0.0);
-  for (uint i = 0u; i < face.count; ++i) {
+  FOR_RING(i, 0u, face.count) {
     vec3 p = point(face.first + i) - middle;
     mean += p;
     cosine_sum += circle_at(face.circle + i).x * p;
     sine_sum += circle_at(face.circle + i).y * p;
   }
-  mean /= float(face.count);
-  for (uint i = 0u; i < face.count; ++i) {
+  mean = ring_sum(mean) / float(face.count);
+  cosine_sum = ring_sum(cosine_sum);
+  sine_sum = ring_sum(sine_sum);
+  FOR_RING(i, 0u, face.count) {
     vec2 at = circle_at(face.circle + i);
     write_offset(face.first + i, middle,
                  0.25 * (point(face.first + i) - middle) + 0.75 * mean +
@@ -61,8 +65,10 @@ void step_polygon(FairFace face) {
 }
 
 void main() {
-  FOR_ELEMENTS(f) {
+  FOR_ELEMENTS(i) {
+    uint f = ELEMENT(faces_at, i);
     FairFace face = faces_at(f);
+    if (!is_walked(face.count)) continue;
     if (parameters.of_net != 0u) origin = given_at(owners_at(face.first)).xyz;
     if (face.count == 3u)
       step_triangle(face.first);

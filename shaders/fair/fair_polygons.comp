@@ -35,17 +35,17 @@ void add_to_blend(FairVertex vertex, uint i, vec2 point) {
 // Blends d_c = s_c q_c, scaled so that none is longer than kLongestFactor q_c. Returns how far.
 float add_corners(Ring ring, float rho) {
   FairVertex vertex = ring.vertex;
-  for (uint i = 0u; i < vertex.count; ++i)
+  FOR_RING(i, 0u, vertex.count)
     result[places_at(vertex.first + i).corner] =
         vec4(ring_offset(ring, i) - kTranslatedImbalance / rho * ring.mean, 0.0, 0.0);
   vec2 y;
   float usable = balance(vertex.count, y);
   if (!(usable > 0.0)) return 0.0;
   float largest = 0.0;
-  for (uint i = 0u; i < vertex.count; ++i)
+  FOR_RING(i, 0u, vertex.count)
     if (balance_point(i) != vec2(0.0)) largest = max(largest, weight(i, y));
-  float scale = usable * min(1.0, kLongestFactor / largest);
-  for (uint i = 0u; i < vertex.count; ++i)
+  float scale = usable * min(1.0, kLongestFactor / ring_max(largest));
+  FOR_RING(i, 0u, vertex.count)
     add_to_blend(vertex, i, scale * weight(i, y) * balance_point(i));
   return usable;
 }
@@ -62,12 +62,20 @@ Wedge usable_wedge(RingCorner corner) {
                mix(kRegularCoordinate, wedge.along_previous, share), true);
 }
 
+// The target of the edge before a control point, of which the one before has a part along it.
+vec2 edge_target(Ring ring, uint i, float before) {
+  RingCorner corner = ring_corner(ring, i);
+  return (usable_wedge(corner).along_next + before) * corner.next;
+}
+
 vec2 edge_point(Ring ring, uint i, vec2 y) {
   RingCorner corner = ring_corner(ring, i);
   Wedge own = usable_wedge(corner);
   uint after = i + 1u == ring.vertex.count ? 0u : i + 1u;
+  // The next target may be another lane's.
+  vec2 target = kShared ? edge_target(ring, after, own.along_previous) : balance_point(after);
   return weight(i, y) * own.along_next * corner.next +
-         weight(after, y) * own.along_previous * corner.previous;
+         exp(-dot(y, target)) * own.along_previous * corner.previous;
 }
 
 // The same on edges: each takes the parts of its two control points along it and gets one factor.
@@ -75,8 +83,8 @@ vec2 edge_point(Ring ring, uint i, vec2 y) {
 float add_edges(Ring ring, float part) {
   FairVertex vertex = ring.vertex;
   uint n = vertex.count;
-  float before = usable_wedge(ring_corner(ring, n - 1u)).along_previous;
-  for (uint i = 0u; i < n; ++i) {
+  float before = usable_wedge(ring_corner(ring, (walk_begin(n) + n - 1u) % n)).along_previous;
+  FOR_RING(i, 0u, n) {
     RingCorner corner = ring_corner(ring, i);
     Wedge own = usable_wedge(corner);
     result[places_at(vertex.first + i).corner].xy = (own.along_next + before) * corner.next;
@@ -86,7 +94,7 @@ float add_edges(Ring ring, float part) {
   part *= balance(vertex.count, y);
   if (!(part > 0.0)) return 0.0;
   float largest = 0.0;
-  for (uint i = 0u; i < n; ++i) {
+  FOR_RING(i, 0u, n) {
     RingCorner corner = ring_corner(ring, i);
     Wedge own = usable_wedge(corner);
     vec2 point = edge_point(ring, i, y);
@@ -94,8 +102,9 @@ float add_edges(Ring ring, float part) {
     float square = dot(goal, goal);
     if (square > 0.0) largest = max(largest, dot(point, point) / square);
   }
+  largest = ring_max(largest);
   float scale = largest > kLongestFactor * kLongestFactor ? kLongestFactor / sqrt(largest) : 1.0;
-  for (uint i = 0u; i < n; ++i) add_to_blend(vertex, i, part * scale * edge_point(ring, i, y));
+  FOR_RING(i, 0u, n) add_to_blend(vertex, i, part * scale * edge_point(ring, i, y));
   return part;
 }
 
@@ -108,7 +117,7 @@ void build_local(Ring ring) {
     rest = 1.0 - add_corners(ring, rho);
     if (rest > 0.0) rest -= add_edges(ring, rest);
   }
-  for (uint i = 0u; i < ring.vertex.count; ++i) {
+  FOR_RING(i, 0u, ring.vertex.count) {
     uint corner = places_at(ring.vertex.first + i).corner;
     vec2 offset = ring_offset(ring, i);
     result[corner] = vec4(translated ? offset - ring.mean
@@ -121,12 +130,12 @@ void build_local(Ring ring) {
 void add_twist(Ring ring) {
   FairVertex vertex = ring.vertex;
   float mean = 0.0;
-  for (uint i = 0u; i < vertex.count; ++i)
+  FOR_RING(i, 0u, vertex.count)
     mean += dot(offsets_at(places_at(vertex.first + i).corner).xyz, ring.frame.normal);
-  mean /= float(vertex.count);
+  mean = ring_sum(mean) / float(vertex.count);
   float xx = 0.0, xy = 0.0, yy = 0.0;
   vec2 moment = vec2(0.0);
-  for (uint i = 0u; i < vertex.count; ++i) {
+  FOR_RING(i, 0u, vertex.count) {
     vec2 p = ring_offset(ring, i) - ring.mean;
     float height = dot(offsets_at(places_at(vertex.first + i).corner).xyz, ring.frame.normal) - mean;
     xx += p.x * p.x;
@@ -134,12 +143,16 @@ void add_twist(Ring ring) {
     yy += p.y * p.y;
     moment += height * p;
   }
+  xx = ring_sum(xx);
+  xy = ring_sum(xy);
+  yy = ring_sum(yy);
+  moment = ring_sum(moment);
   float determinant = xx * yy - xy * xy;
   vec2 slope = vec2(0.0);
   // Below this the control points lie on a line up to rounding.
   if (determinant > 1e-6 * (xx + yy) * (xx + yy))
     slope = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;
-  for (uint i = 0u; i < vertex.count; ++i) {
+  FOR_RING(i, 0u, vertex.count) {
     uint corner = places_at(vertex.first + i).corner;
     vec2 offset = ring_offset(ring, i);
     float height = dot(offsets_at(corner).xyz, ring.frame.normal);
@@ -151,11 +164,9 @@ void add_twist(Ring ring) {
 
 void centre(FairVertex vertex) {
   vec3 mean = vec3(0.0);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    mean += result[places_at(i).corner].xyz;
-  mean /= float(vertex.count);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    result[places_at(i).corner].xyz -= mean;
+  FOR_RING(i, vertex.first, vertex.count) mean += result[places_at(i).corner].xyz;
+  mean = ring_sum(mean) / float(vertex.count);
+  FOR_RING(i, vertex.first, vertex.count) result[places_at(i).corner].xyz -= mean;
 }
 
 void build_polygon(uint v, FairVertex vertex) {
@@ -168,10 +179,9 @@ void build_polygon(uint v, FairVertex vertex) {
     if (vertex.regular != 0u) add_twist(ring);
   }
   vec3 mean = vec3(0.0);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    mean += offsets_at(places_at(i).corner).xyz;
-  mean /= float(vertex.count);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+  FOR_RING(i, vertex.first, vertex.count) mean += offsets_at(places_at(i).corner).xyz;
+  mean = ring_sum(mean) / float(vertex.count);
+  FOR_RING(i, vertex.first, vertex.count) {
     uint corner = places_at(i).corner;
     vec3 translated = offsets_at(corner).xyz - mean;
     vec3 local = translated;
@@ -185,13 +195,15 @@ void build_polygon(uint v, FairVertex vertex) {
 }
 
 void main() {
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
     FairVertex vertex = vertices_at(v);
+    if (!is_walked(vertex.count)) continue;
     if (has_polygon(vertex)) {
       build_polygon(v, vertex);
     } else if (vertex.kind == kCorner) {
-      for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-        result[places_at(i).corner] = offsets_at(places_at(i).corner);
+      FOR_RING(p, vertex.first, vertex.count)
+        result[places_at(p).corner] = offsets_at(places_at(p).corner);
     }
   }
 }

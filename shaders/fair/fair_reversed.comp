@@ -20,21 +20,22 @@ const float kReversedCosine = 0.2;
 const float kReversedFactor = 0.3;
 
 void main() {
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
     FairVertex vertex = vertices_at(v);
+    if (!is_walked(vertex.count)) continue;
     if (!has_polygon(vertex)) continue;
     first_place = vertex.first;
     vec3 own = limit_normal(vertex.count, vertex.circle);
     bool reversed = dot(own, normals_at(v).xyz) < kReversedCosine * safe_length(own);
     if (parameters.decided != 0u) reversed = (decisions[v] & kReversed) != 0u;
     if (!reversed) continue;
-    decisions[v] |= kReversed;
+    if (leads()) decisions[v] |= kReversed;
     vec3 mean = vec3(0.0);
-    for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-      mean += given_offsets_at(places_at(i).corner).xyz;
-    mean /= float(vertex.count);
-    for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
-      uint corner = places_at(i).corner;
+    FOR_RING(p, vertex.first, vertex.count) mean += given_offsets_at(places_at(p).corner).xyz;
+    mean = ring_sum(mean) / float(vertex.count);
+    FOR_RING(p, vertex.first, vertex.count) {
+      uint corner = places_at(p).corner;
       result[corner] = vec4(kReversedFactor * (given_offsets_at(corner).xyz - mean), 0.0);
     }
   }

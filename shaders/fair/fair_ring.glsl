@@ -1,6 +1,7 @@
 // The ring of a vertex in its tangent plane. The including kernel declares vertices, places, given
 // and offsets.
 #include "fair_plane.glsl"
+#include "fair_walk.glsl"
 
 // A control point nearer to an edge of its wedge than this part of the other edge is not safely
 // inside.
@@ -32,8 +33,8 @@ RingCorner ring_corner(Ring ring, uint i) {
 
 Ring ring_of(uint v, vec3 normal) {
   Ring ring = Ring(vertices_at(v), given_at(v).xyz, frame_of(normal), vec2(0.0));
-  for (uint i = 0u; i < ring.vertex.count; ++i) ring.mean += ring_offset(ring, i);
-  ring.mean /= float(ring.vertex.count);
+  FOR_RING(i, 0u, ring.vertex.count) ring.mean += ring_offset(ring, i);
+  ring.mean = ring_sum(ring.mean) / float(ring.vertex.count);
   return ring;
 }
 
@@ -47,17 +48,19 @@ float above_least(float coordinate) {
 // How far the mean of the control points lies out of balance; imbalance() of fair/planar_ring.h.
 float imbalance(Ring ring) {
   float worst = 0.0;
-  for (uint i = 0u; i < ring.vertex.count; ++i) {
+  FOR_RING(i, 0u, ring.vertex.count) {
     RingCorner corner = ring_corner(ring, i);
     Wedge own = wedge_of(corner.offset, corner.next, corner.previous);
     if (!own.valid || own.along_next <= kLeastSafeCoordinate ||
-        own.along_previous <= kLeastSafeCoordinate)
-      return INFINITE;
+        own.along_previous <= kLeastSafeCoordinate) {
+      worst = INFINITE;
+      break;
+    }
     Wedge mean = wedge_of(ring.mean, corner.next, corner.previous);
     float ratio = max(abs(mean.along_next) / above_least(own.along_next),
                       abs(mean.along_previous) / above_least(own.along_previous));
     // Straight corners too grow to infinity instead of jumping.
     worst = max(worst, ratio / wedge_share(corner.next, corner.previous));
   }
-  return worst;
+  return ring_max(worst);
 }

@@ -18,4 +18,6 @@ void main() {
   write_groups(kRoundEdges, found ? parameters.edge_groups : 0u);
   write_groups(kRoundFaces, found ? parameters.face_groups : 0u);
   write_groups(kRoundVertices, found ? parameters.vertex_groups : 0u);
+  write_groups(kRoundLargeFaces, found ? parameters.large_face_groups : 0u);
+  write_groups(kRoundLargeVertices, found ? parameters.large_vertex_groups : 0u);
 }

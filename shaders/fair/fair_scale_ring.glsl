@@ -1,16 +1,17 @@
 // Scales all control points of a vertex with sharp edges, those on its curves too;
 // scale_curve_vertex() of fair/perpendicular_curve.h. The including kernel declares places, links and
-// result.
+// result, together.
+#include "fair_walk.glsl"
 void scale_ring(FairVertex vertex, float factor) {
-  uint begins = kNone, last = kNone;  // curve points that the first sector begins and the last ends with
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+  ring_sync();
+  // The curve points that the first sector begins and the last one ends with.
+  uint begins = links_at(places_at(vertex.first).corner).before;
+  uint last = links_at(places_at(vertex.first + vertex.count - 1u).corner).after;
+  FOR_RING(i, vertex.first, vertex.count) {
     uint corner = places_at(i).corner;
-    FairLinks beside = links_at(corner);
+    uint before = links_at(corner).before;
     result[corner].xyz *= factor;
-    last = beside.after;
-    if (beside.before < parameters.corner_count) continue;
-    result[beside.before].xyz *= factor;
-    if (begins == kNone) begins = beside.before;
+    if (before >= parameters.corner_count) result[before].xyz *= factor;
   }
-  if (last >= parameters.corner_count && last != begins) result[last].xyz *= factor;
+  if (leads() && last >= parameters.corner_count && last != begins) result[last].xyz *= factor;
 }

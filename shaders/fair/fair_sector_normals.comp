@@ -12,9 +12,12 @@ WRITE(4, vec4, normals);
 #include "fair_angles.glsl"
 
 void main() {
-  FOR_ELEMENTS(s) {
+  FOR_ELEMENTS(i) {
+    uint s = kShared ? sectors[i].large : i;
     FairSector sector = sectors[s];
+    if (!is_walked(sector.count)) continue;
     vec3 origin = given_at(sector.vertex).xyz;
-    normals[s] = vec4(angle_weighted_normal(origin, sector.first, sector.count), 0.0);
+    vec3 normal = angle_weighted_normal(origin, sector.first, sector.count);
+    if (leads()) normals[s] = vec4(normal, 0.0);
   }
 }

@@ -14,6 +14,7 @@ READ(6, vec4, shifts)
 UPDATE(7, vec4, result);
 
 #include "fair_plane.glsl"
+#include "fair_walk.glsl"
 
 // Control points beside a sharp edge follow its handle, but not farther than this factor.
 const float kLongestFactor = 1.3;
@@ -39,14 +40,16 @@ float moved(float factor, float coordinate) {
 }
 
 void main() {
-  FOR_ELEMENTS(s) {
+  FOR_ELEMENTS(element) {
+    uint s = kShared ? sectors[element].large : element;
     FairSector sector = sectors[s];
+    if (!is_walked(sector.count)) continue;
     vec3 origin = given_at(sector.vertex).xyz;
     vec3 handle = result[sector.handle].xyz;
     float handle_length = safe_length(handle);
     vec4 shift = shifts_at(sector.crease);
     Frame frame = sector_frame(sector_normals_at(s).xyz, handle);
-    for (uint i = 0u; i < sector.count; ++i) {
+    FOR_RING(i, 0u, sector.count) {
       FairPlace place = places_at(sector.first + i);
       vec3 next = given_at(place.next).xyz - origin;
       vec3 previous = given_at(place.previous).xyz - origin;

@@ -9,7 +9,8 @@ READ(1, FairPlace, places)
 READ(2, vec4, given)
 READ(3, vec4, offsets)
 READ(4, vec4, normals)
-WRITE(5, float, shares);
+READ(5, vec4, errors)  // of large vertices
+WRITE(6, float, shares);
 
 #include "fair_crease.glsl"
 #include "fair_ring.glsl"
@@ -23,6 +24,7 @@ const float kFullShareBelow = 0.4, kNoShareFrom = 0.9;
 vec3 limit_error(uint v) {
   FairVertex vertex = vertices_at(v);
   if (has_polygon(vertex)) {
+    if (vertex.count >= kLargeRing) return errors_at(v).xyz;
     vec3 sum = vec3(0.0);
     for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
       sum += offsets_at(places_at(i).corner).xyz;
@@ -35,17 +37,15 @@ vec3 limit_error(uint v) {
 
 vec3 relative_error(uint v, FairVertex vertex) {
   vec3 around = vec3(0.0);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    around += limit_error(places_at(i).next);
-  return limit_error(v) - around / float(vertex.count);
+  FOR_RING(i, vertex.first, vertex.count) around += limit_error(places_at(i).next);
+  return limit_error(v) - ring_sum(around) / float(vertex.count);
 }
 
 float share_of_imbalance(float rho) {
   return clamp((kNoShareFrom - rho) / (kNoShareFrom - kFullShareBelow), 0.0, 1.0);
 }
 
-float share_of(uint v) {
-  FairVertex vertex = vertices_at(v);
+float share_of(uint v, FairVertex vertex) {
   if (vertex.regular == 0u || vertex.kind == kCorner) return 0.0;
   vec3 own = given_at(v).xyz;
   if (vertex.kind == kCrease)
@@ -59,5 +59,11 @@ float share_of(uint v) {
 }
 
 void main() {
-  FOR_ELEMENTS(v) shares[v] = share_of(v);
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
+    FairVertex vertex = vertices_at(v);
+    if (!is_walked(vertex.count)) continue;
+    float share = share_of(v, vertex);
+    if (leads()) shares[v] = share;
+  }
 }

@@ -6,7 +6,7 @@
 READ(0, float, partials)
 UPDATE(1, FairScalars, scalars);
 
-#include "fair_sum.glsl"
+#include "group_fold.glsl"
 
 void main() {
   float sum = 0.0;

@@ -12,8 +12,11 @@ WRITE(4, vec4, normals);
 #include "fair_angles.glsl"
 
 void main() {
-  FOR_ELEMENTS(v) {
+  FOR_ELEMENTS(i) {
+    uint v = ELEMENT(vertices_at, i);
     FairVertex vertex = vertices_at(v);
-    normals[v] = vec4(angle_weighted_normal(given_at(v).xyz, vertex.first, vertex.count), 0.0);
+    if (!is_walked(vertex.count)) continue;
+    vec3 normal = angle_weighted_normal(given_at(v).xyz, vertex.first, vertex.count);
+    if (leads()) normals[v] = vec4(normal, 0.0);
   }
 }

@@ -7,18 +7,23 @@ namespace planish::vulkan::shared {
 #include "shared.h"
 #endif
 
+// Vertices, faces and sectors of so many corners are walked around by a work group, others by a
+// lane: kSummedRing of doosabin/face_rule.h.
+PLANISH_SHARED_CONSTANT kLargeRing = 32u;
+
 // The fair construction: topology records, see FairTopology. Indices of control points are those of
 // the state of level 1, whose first points are the corners'.
 struct FairVertex {
   uint first;  // of its places: corners around it, counter-clockwise
   uint count;
   uint kind;
-  uint regular;           // 1: only quads around it
-  uint before, after;     // at crease vertices: neighbours along the curve
-  uint curve0, curve1;    // and the control points on the way to them
-  uint circle;            // where the unit circle has the regular polygon of `count` points
-  uint near_curve;        // 1: within two edges of a crease, boundary or corner vertex
-  uint unused0, unused1;  // records that every vertex, corner or face has are whole texels
+  uint regular;         // 1: only quads around it
+  uint before, after;   // at crease vertices: neighbours along the curve
+  uint curve0, curve1;  // and the control points on the way to them
+  uint circle;          // where the unit circle has the regular polygon of `count` points
+  uint near_curve;      // 1: within two edges of a crease, boundary or corner vertex
+  uint large;           // of the i-th vertex: the i-th that has kLargeRing corners and more
+  uint unused;          // records that every vertex, corner or face has are whole texels
 };
 struct FairPlace {
   uint corner;
@@ -34,7 +39,7 @@ struct FairFace {
   uint first;  // corner
   uint count;
   uint circle;
-  uint unused;
+  uint large;  // of the i-th face: the i-th of kLargeRing corners and more
 };
 struct FairEdge {
   uint corner0, corner1, corner2, corner3;
@@ -46,6 +51,7 @@ struct FairCrease {
   uint before, after;
   uint curve0, curve1;
   uint first, count;  // of its places
+  uint large;         // as of faces
 };
 struct FairSector {
   uint vertex;
@@ -53,6 +59,7 @@ struct FairSector {
   uint count;
   uint crease;
   uint handle;  // control point on the curve before its vertex's first sector
+  uint large;   // as of faces
 };
 struct FairCurvePoint {
   uint vertex, other;
@@ -98,7 +105,9 @@ PLANISH_SHARED_CONSTANT kQuartersShift = 8u;  // and how often it is scaled by a
 PLANISH_SHARED_CONSTANT kRoundEdges = 0u;
 PLANISH_SHARED_CONSTANT kRoundFaces = 1u;
 PLANISH_SHARED_CONSTANT kRoundVertices = 2u;
-PLANISH_SHARED_CONSTANT kRoundDispatches = 3u;
+PLANISH_SHARED_CONSTANT kRoundLargeFaces = 3u;
+PLANISH_SHARED_CONSTANT kRoundLargeVertices = 4u;
+PLANISH_SHARED_CONSTANT kRoundDispatches = 5u;
 
 // The scalars of the polish.
 struct FairScalars {
@@ -115,11 +124,14 @@ struct FairParameters {
   uint place;                                    // of repair's counts
   uint start;                                    // 1: the polish or the cure begins
   uint partial_count;                            // partial sums
+  uint first_partial;                            // of those, this dispatch's
   float x, y, z;                                 // origin of the unit coordinates
   float scale;                                   // model units of one unit
   uint decided;                                  // 1: decisions are given, not made
   uint shift;                                    // of repair's halvings in a vertex's decisions
   uint edge_groups, face_groups, vertex_groups;  // that a round of repair takes
+  uint large_face_groups, large_vertex_groups;   // and for large ones
+  uint vertex_count;                             // of the mesh
   uint corner_count;                             // where the state's curve points begin
   uint only_counts;                              // 1: the cure's looks count, and flag nothing
   uint darts_only;                               // 1: of the curve points

@@ -98,6 +98,20 @@ TEST_F(BenchDevice, KernelsTouchWhatTheirLanesReadAndWrite) {
   EXPECT_LT(counted("corner_patches")["transactions_per_element"], 6);
 }
 
+// Where a lane walked around a hub alone, it would take all of its faces, and once for each walk.
+TEST_F(BenchDevice, NoLaneWalksAroundAHubAlone) {
+  const json bench = run("--group kernels --repetitions 1 --points 256");
+  constexpr double kMostWalks = 30, kLanes = 64;
+  int counted = 0;
+  for (const json& row : bench["rows"]) {
+    if (!is_by_accesses(row) || !row["size"].get<std::string>().starts_with("hubs of 512"))
+      continue;
+    EXPECT_LE(row["figures"]["longest_walk"], kMostWalks * 512 / kLanes) << row["peer"];
+    ++counted;
+  }
+  EXPECT_GT(counted, 25);
+}
+
 // Numbers of the last column, commas left out, and names in backquotes.
 struct DocumentedKernels {
   std::string line;

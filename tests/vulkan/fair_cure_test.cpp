@@ -62,6 +62,21 @@ std::vector<test::NamedMesh> all_cure_meshes() {
   PolygonMesh drum = test::prism(40);
   for (std::size_t v = 0; v < drum.positions.size(); v += 3) drum.positions[v].z *= 1.3;
   meshes.push_back({"large faces", drum});
+  // Around which a work group walks.
+  meshes.push_back({"creased rod of 70", test::creased_rod(70, 6)});
+  meshes.push_back({"slit of 100", test::slit_fan(100, 0.999)});
+  meshes.push_back({"wound fan of 100", test::slit_fan(100, 1.1)});
+  PolygonMesh sharp_slit = test::slit_fan(100, 0.999);
+  sharp_slit.creases.push_back({0, 40, kInfiniteSharpness});
+  sharp_slit.creases.push_back({0, 60, kInfiniteSharpness});
+  meshes.push_back({"slit of 100 in three sectors", sharp_slit});
+  for (PolygonMesh corner : {test::slit_fan(100, 0.8), test::slit_fan(99, 1)}) {
+    for (std::size_t v = 1; v < corner.positions.size(); v += 5) corner.positions[v] *= 0.1;
+    corner.corners.push_back({0, kInfiniteSharpness});
+    for (const std::int32_t spoke : {10, 30, 70})
+      corner.creases.push_back({0, spoke, kInfiniteSharpness});
+    meshes.push_back({"corner of 100", corner});
+  }
   return meshes;
 }
 
@@ -97,7 +112,7 @@ double part_at(const DeviceNet& net, const Uncured& before, std::int32_t vertex,
 }
 
 TEST_P(FairCure, EqualsItsTwin) {
-  std::int64_t cured[4] = {}, repeated = 0, leaning = 0, vertices = 0, different = 0;
+  std::int64_t cured[4] = {}, large[4] = {}, repeated = 0, leaning = 0, vertices = 0, different = 0;
   for (const test::NamedMesh& mesh : all_cure_meshes()) {
     SCOPED_TRACE(mesh.name);
     const test::FairCase c(mesh.mesh);
@@ -114,6 +129,8 @@ TEST_P(FairCure, EqualsItsTwin) {
     std::int64_t different_here = 0;
     for (std::size_t v = 0; v < cures.size(); ++v) {
       cured[net.topology.kinds[v]] += cures[v] > 0;
+      large[net.topology.kinds[v]] +=
+          cures[v] > 0 && net.records.vertices[v].count >= vulkan::shared::kLargeRing;
       repeated += cures[v] > 1;
       different_here += made_cures[v] != cures[v];
       if (made_cures[v] != cures[v]) continue;
@@ -131,6 +148,8 @@ TEST_P(FairCure, EqualsItsTwin) {
     different += different_here;
   }
   for (const std::int64_t of_kind : cured) EXPECT_GT(of_kind, 20);
+  for (const VertexKind kind : {VertexKind::Smooth, VertexKind::Crease, VertexKind::Corner})
+    EXPECT_GT(large[static_cast<int>(kind)], 0) << static_cast<int>(kind);
   EXPECT_GT(repeated, 100);
   EXPECT_GT(leaning, 100);
   // Where a look decides by less than single precision knows, it may decide otherwise.

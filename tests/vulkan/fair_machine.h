@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fair/fair_case.h"
@@ -12,6 +13,7 @@
 #include "planish/vulkan/fair/gpu_fair.h"
 #include "support/random_meshes.h"
 #include "vulkan/fixture.h"
+#include "vulkan/large_rings.h"
 
 namespace planish::testing {
 
@@ -25,6 +27,7 @@ namespace planish::testing {
     meshes.push_back({"faces " + std::to_string(n), test::prism(n - 2)});
     meshes.push_back({"corners " + std::to_string(n), test::single_polygon(n)});
   }
+  for (test::NamedMesh& mesh : large_rings()) meshes.push_back(std::move(mesh));
   return meshes;
 }
 

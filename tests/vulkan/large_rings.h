@@ -29,15 +29,15 @@ namespace planish::testing {
 }
 
 /// Rings of every kind that go by sums: large faces, smooth, a cone, a dart, beside a crease,
-/// at a boundary, convex, of a half plane and reflex.
-[[nodiscard]] inline std::vector<test::NamedMesh> large_rings() {
+/// at a boundary, convex, of a half plane and reflex; of so many times 40 faces or corners.
+[[nodiscard]] inline std::vector<test::NamedMesh> large_rings(std::int32_t times = 1) {
   constexpr double kPi = std::numbers::pi;
   std::vector<test::NamedMesh> meshes = {
-      {"faces", hub_of(5, 40, 2 * kPi)},     {"ring", hub_of(40, 3, 2 * kPi)},
-      {"cone", hub_of(40, 3, 2 * kPi)},      {"dart", hub_of(40, 3, 2 * kPi)},
-      {"crease", hub_of(80, 3, 2 * kPi)},    {"boundary", hub_of(50, 3, 0.9 * kPi)},
-      {"convex", hub_of(40, 3, 0.45 * kPi)}, {"half plane", hub_of(40, 4, kPi)},
-      {"reflex", hub_of(41, 3, 1.6 * kPi)}};
+      {"faces", hub_of(5, 40 * times, 2 * kPi)},     {"ring", hub_of(40 * times, 3, 2 * kPi)},
+      {"cone", hub_of(40 * times, 3, 2 * kPi)},      {"dart", hub_of(40 * times, 3, 2 * kPi)},
+      {"crease", hub_of(80 * times, 3, 2 * kPi)},    {"boundary", hub_of(50 * times, 3, 0.9 * kPi)},
+      {"convex", hub_of(40 * times, 3, 0.45 * kPi)}, {"half plane", hub_of(40 * times, 4, kPi)},
+      {"reflex", hub_of(41 * times, 3, 1.6 * kPi)}};
   for (const std::size_t i : {2, 6, 7, 8})
     meshes[i].mesh.corners.push_back({0, kInfiniteSharpness});
   meshes[3].mesh.creases.push_back({0, 8, kInfiniteSharpness});

@@ -43,6 +43,7 @@ AccessTotal total_of(std::span<Record> records) {
     const bool goes_on =
         i > 0 && records[i - 1].access == number && records[i - 1].invocation == invocation;
     round = goes_on ? round + 1 : 0;
+    total.longest_walk = std::max<std::uint64_t>(total.longest_walk, round + 1);
     const Access& access = DeviceTrace::accesses().at(number);
     if (access.reads) total.read_bytes += access.bytes;
     if (access.writes) total.written_bytes += access.bytes;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -15,11 +16,14 @@ struct AccessTotal {
   /// Pieces of 32 bytes, at multiples of 32, that the accesses of 32 neighbouring lanes touch:
   /// each access of each round of its loops by itself, without a cache.
   std::uint64_t transactions = 0;
+  /// The most rounds of its loops in which a lane makes one of its accesses.
+  std::uint64_t longest_walk = 0;
 
   AccessTotal& operator+=(const AccessTotal& other) {
     read_bytes += other.read_bytes;
     written_bytes += other.written_bytes;
     transactions += other.transactions;
+    longest_walk = std::max(longest_walk, other.longest_walk);
     return *this;
   }
 };

@@ -125,6 +125,23 @@ PolygonMesh rough_icosphere(int level) {
   return mesh;
 }
 
+PolygonMesh uneven_bipyramid(std::int32_t valence) {
+  PolygonMesh mesh;
+  mesh.positions = {{0.4, 0.1, 0.3}, {-0.3, 0.2, -0.2}};
+  for (std::int32_t i = 0; i < valence; ++i) {
+    const double angle = 2 * std::numbers::pi * i / valence;
+    const double radius = 1 + 0.3 * std::sin(5 * angle);
+    mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                                0.1 * std::cos(3 * angle));
+  }
+  for (std::int32_t i = 0; i < valence; ++i) {
+    const std::int32_t own = 2 + i, next = 2 + (i + 1) % valence;
+    mesh.add_face(std::array{0, own, next});
+    mesh.add_face(std::array{1, next, own});
+  }
+  return mesh;
+}
+
 std::string obj_text(const PolygonMesh& mesh) {
   std::string text;
   for (const glm::dvec3& position : mesh.positions) {

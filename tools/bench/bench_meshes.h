@@ -18,6 +18,9 @@ namespace planish::bench {
 /// error of scanned models on an irregular mesh of triangles. The same bits on every call.
 [[nodiscard]] PolygonMesh rough_icosphere(int level);
 
+/// Two vertices of `valence` triangles each, off the middle of a rim as uneven as a star's.
+[[nodiscard]] PolygonMesh uneven_bipyramid(std::int32_t valence);
+
 /// The mesh as Wavefront OBJ text.
 [[nodiscard]] std::string obj_text(const PolygonMesh& mesh);
 

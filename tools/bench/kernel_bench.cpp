@@ -25,6 +25,7 @@ using namespace vulkan;
 constexpr std::uint32_t kTimedIterations = 4;
 constexpr std::uint32_t kCopySpans = 2;
 constexpr std::int32_t kCountedPoints = 256;
+constexpr std::int32_t kCountedHub = 512;
 constexpr std::uint64_t kSoftwareCopyBytes = 64u << 20;  // caches hold less, and it takes longer
 
 // What the dispatches of one kernel come to.
@@ -176,10 +177,10 @@ class FrameKernels {
 };
 
 // A frame's kernels on hardware by what their lanes read and write; each access is logged, so of a
-// small mesh.
-std::vector<Row> count_accesses(const Options& options, InterpolationMethod method) {
+// small mesh; `what`: what mesh that is.
+std::vector<Row> count_accesses(const Options& options, InterpolationMethod method,
+                                const PolygonMesh& mesh, const std::string& what) {
   AccessLog log(options);
-  const PolygonMesh mesh = rough_torus(std::min(kCountedPoints, options.point_counts.front()));
   const DeviceFrame frame(log.machine(), mesh, {.level = kFrameLevel, .method = method});
   std::vector<TracedDispatch> dispatches;
   log.machine().submitter.run([&](VkCommandBuffer commands) {
@@ -188,7 +189,7 @@ std::vector<Row> count_accesses(const Options& options, InterpolationMethod meth
     dispatches = DeviceTrace::end();
   });
   const std::vector<AccessTotal> totals = log.totals(dispatches.size());
-  const std::string size = std::to_string(mesh.vertex_count()) + " points, " +
+  const std::string size = what + ", " +
                            (method == InterpolationMethod::Fair ? "fair" : "progressive") +
                            ", by accesses of lanes";
   std::vector<std::pair<std::string, AccessTotal>> kernels;
@@ -205,11 +206,11 @@ std::vector<Row> count_accesses(const Options& options, InterpolationMethod meth
   for (const auto& [name, total] : kernels) {
     Row& row = rows.emplace_back(Row{.group = "kernels", .size = size, .peer = name});
     const double elements = elements_of(name, mesh, frame);
-    row.figures = {
-        {"elements", elements},
-        {"read_per_element", static_cast<double>(total.read_bytes) / elements},
-        {"written_per_element", static_cast<double>(total.written_bytes) / elements},
-        {"transactions_per_element", static_cast<double>(total.transactions) / elements}};
+    row.figures = {{"elements", elements},
+                   {"read_per_element", static_cast<double>(total.read_bytes) / elements},
+                   {"written_per_element", static_cast<double>(total.written_bytes) / elements},
+                   {"transactions_per_element", static_cast<double>(total.transactions) / elements},
+                   {"longest_walk", static_cast<double>(total.longest_walk)}};
   }
   return rows;
 }
@@ -237,10 +238,16 @@ std::vector<Row> bench_kernels(const Options& options) {
       }
     }
   }
-  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
-    const std::vector<Row> counted = count_accesses(options, method);
+  const auto count = [&](InterpolationMethod method, const PolygonMesh& mesh,
+                         const std::string& what) {
+    const std::vector<Row> counted = count_accesses(options, method, mesh, what);
     rows.insert(rows.end(), counted.begin(), counted.end());
-  }
+  };
+  const PolygonMesh torus = rough_torus(std::min(kCountedPoints, options.point_counts.front()));
+  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair})
+    count(method, torus, formatted("{} points", torus.vertex_count()));
+  count(InterpolationMethod::Fair, uneven_bipyramid(kCountedHub),
+        formatted("hubs of {}", kCountedHub));
   return rows;
 }
 

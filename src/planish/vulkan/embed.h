@@ -68,10 +68,12 @@
 //   a work group makes, so a corner there costs what others do, as in the first step of the
 //   progressive method; with Weights::Averaged each corner's lane walks its rings on the surface,
 //   which have 1,024 faces or corners at most.
-//   In the fair method one lane walks a vertex's ring or a face a few hundred times: linear, but
-//   not parallel. Iterations of the progressive method take faces without sums, so that one of m
-//   corners costs m^2 entries a step: a System refuses meshes that need more than 2^24 and eight
-//   times what sums would, a face of 4,097 corners for one, which the fair method takes.
+//   In the fair method a work group walks around such a vertex or face, each of its 64 lanes a
+//   piece, some 25 times in a kernel, up to a hundred where creases fold: at 1 us a corner, without
+//   anything to hide it, no dispatch takes 50 ms below 30,000 corners. Iterations of the
+//   progressive method take faces without sums, so that one of m corners costs m^2 entries a step:
+//   a System refuses meshes that need more than 2^24 and eight times what sums would, a face of
+//   4,097 corners for one, which the fair method takes.
 // Units. Positions and errors are in the mesh's own units, in float32; coordinates should lie
 //   within 1e-9 to 1e9. Single precision reaches about 1e-7 of the largest coordinate.
 

@@ -17,27 +17,36 @@ struct GpuFair::Binder {
   shared::FairParameters common;
   std::vector<BoundKernel> bound{};
 
+  /// Of `count` elements `large_count` are done by a work group each, where the kernel walks around
+  /// them.
   Pass& add(Passes& passes, Kernel kernel, std::uint32_t count,
-            std::initializer_list<const Buffer*> buffers) {
+            std::initializer_list<const Buffer*> buffers, std::uint32_t large_count = 0) {
     BoundKernel& kernel_buffers = bound.emplace_back(BoundKernel{kernel, {}});
     for (const Buffer* buffer : buffers) kernel_buffers.buffers.push_back(whole(*buffer));
     Pass pass{context.pipelines().specialised(kernel, {}), bound.size() - 1, common,
               context.groups_of(count)};
     pass.parameters.count = count;
+    if (large_count > 0) {
+      const std::uint32_t by_groups[] = {1};
+      pass.large = context.pipelines().specialised(kernel, by_groups);
+      pass.large_count = large_count;
+      pass.large_groups = std::min(large_count, context.max_group_count());
+    }
     return passes.emplace_back(pass);
   }
 
   // A kernel that writes a partial sum for each of its work groups, of which there is at least one.
   Pass& add_sum(Passes& passes, Kernel kernel, std::uint32_t count,
-                std::initializer_list<const Buffer*> buffers) {
-    Pass& pass = add(passes, kernel, count, buffers);
+                std::initializer_list<const Buffer*> buffers, std::uint32_t large_count = 0) {
+    Pass& pass = add(passes, kernel, count, buffers, large_count);
     pass.groups = std::clamp(pass.groups, 1u, shared::kMostSumGroups);
+    pass.large_groups = std::min(pass.large_groups, shared::kMostSumGroups);
     return pass;
   }
 
   // The kernel of one work group that adds up what the last pass wrote.
   void add_total(Passes& passes, Kernel kernel, std::initializer_list<const Buffer*> buffers) {
-    const std::uint32_t partial_count = passes.back().groups;
+    const std::uint32_t partial_count = passes.back().groups + passes.back().large_groups;
     add(passes, kernel, 1, buffers).parameters.partial_count = partial_count;
   }
 };

@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "planish/doosabin/face_rule.h"
 #include "planish/fair/plane_lean.h"
 
 namespace planish::vulkan {
@@ -13,6 +14,7 @@ static_assert(shared::kSmooth == static_cast<std::uint32_t>(VertexKind::Smooth) 
               shared::kCrease == static_cast<std::uint32_t>(VertexKind::Crease) &&
               shared::kCorner == static_cast<std::uint32_t>(VertexKind::Corner));
 
+static_assert(shared::kLargeRing == kSummedRing);
 static_assert(std::bit_cast<float>(std::uint32_t{shared::kNoLeanBits}) == kNoLean);
 
 std::uint32_t word(std::int32_t index) { return static_cast<std::uint32_t>(index); }
@@ -32,7 +34,7 @@ void add_vertices(const FairTopology& topology, FairRecords& records) {
               word(topology.unit_circle.offsets[topology.valence(v)]),
               topology.is_near_curve[v],
               0,
-              0};
+              0};  // listed when all are known
     const VertexKind kind = topology.kind(v);
     if (topology.is_regular[v] && kind != VertexKind::Corner) records.has_regular_vertices = true;
     if (kind != VertexKind::Crease) continue;
@@ -87,11 +89,11 @@ void add_creases(const FairTopology& topology, FairRecords& records) {
          ++s) {
       const FairTopology::Sector& sector = topology.sectors[s];
       records.sectors.push_back({word(v), word(sector.first), word(sector.count),
-                                 static_cast<std::uint32_t>(records.creases.size()),
-                                 vertex.curve0});
+                                 static_cast<std::uint32_t>(records.creases.size()), vertex.curve0,
+                                 0});
     }
     records.creases.push_back({word(v), vertex.before, vertex.after, vertex.curve0, vertex.curve1,
-                               vertex.first, vertex.count});
+                               vertex.first, vertex.count, 0});
   }
   for (const FairTopology::CurvePoint& point : topology.curve_points) {
     records.curve_points.push_back({word(point.vertex), word(point.other),
@@ -106,6 +108,16 @@ void add_owners(const FairTopology& topology, FairRecords& records) {
   for (const FairTopology::CurvePoint& point : topology.curve_points)
     records.owners.push_back(word(point.vertex));
   for (const std::int32_t vertex : topology.corner_points) records.owners.push_back(word(vertex));
+}
+
+// Lists the large ones in the words of the first; returns how many there are.
+template <class Records>
+std::uint32_t list_large(std::vector<Records>& records) {
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (records[i].count >= shared::kLargeRing)
+      records[count++].large = static_cast<std::uint32_t>(i);
+  return count;
 }
 
 template <class Items>
@@ -131,6 +143,10 @@ FairRecords fair_records(const FairTopology& topology, const FairDecisions* deci
   add_edges(topology, records);
   add_creases(topology, records);
   add_owners(topology, records);
+  records.large_vertices = list_large(records.vertices);
+  records.large_faces = list_large(records.faces);
+  records.large_creases = list_large(records.creases);
+  records.large_sectors = list_large(records.sectors);
   for (const glm::dvec2& point : topology.unit_circle.points) {
     records.circle.push_back(static_cast<float>(point.x));
     records.circle.push_back(static_cast<float>(point.y));
@@ -187,6 +203,10 @@ FairTables::FairTables(const Maker& on, const FairRecords& records)
       sector_count(count_of(records.sectors)),
       curve_point_count(count_of(records.curve_points)),
       state_size(count_of(records.owners)),
+      large_vertex_count(records.large_vertices),
+      large_face_count(records.large_faces),
+      large_crease_count(records.large_creases),
+      large_sector_count(records.large_sectors),
       has_regular_vertices(records.has_regular_vertices),
       is_decided(!records.decisions.empty()),
       placement(records.placement),

@@ -29,6 +29,8 @@ struct FairRecords {
   std::vector<std::uint32_t> decisions;  ///< packed, per vertex; empty: every frame makes its own
   /// Of them: four floats per vertex, two of them its lean; then four per vertex, its ellipse.
   std::vector<float> leans;
+  /// How many records are of kLargeRing corners and more, which the first records' words list.
+  std::uint32_t large_vertices = 0, large_faces = 0, large_creases = 0, large_sectors = 0;
   bool has_regular_vertices = false;  ///< some vertex may have a share of the tensor product
 };
 [[nodiscard]] FairRecords fair_records(const FairTopology& topology,
@@ -48,6 +50,8 @@ struct FairTables {
 
   std::uint32_t vertex_count, corner_count, face_count, edge_count, crease_count, sector_count,
       curve_point_count, state_size;
+  /// Of kLargeRing corners and more, each of which a work group walks around.
+  std::uint32_t large_vertex_count, large_face_count, large_crease_count, large_sector_count;
   bool has_regular_vertices, is_decided;
   Placement placement;
   Buffer vertices, places, links, faces, edges, creases, sectors, curve_points, circle, owners,

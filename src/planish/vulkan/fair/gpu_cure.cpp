@@ -8,30 +8,32 @@ namespace planish::vulkan {
 void GpuFair::plan_looks(Binder& binder, Passes& passes) {
   const FairTables& t = tables_;
   Buffers& b = buffers_;
-  const auto add = [&](Kernel kernel, std::uint32_t count, std::uint32_t arguments,
-                       std::initializer_list<const Buffer*> buffers) {
-    binder.add(passes, kernel, count, buffers).arguments = arguments;
+  const auto add_vertices = [&](Kernel kernel, std::initializer_list<const Buffer*> buffers) {
+    binder.add(passes, kernel, t.vertex_count, buffers, t.large_vertex_count).arguments =
+        shared::kRoundVertices;
   };
   const bool has_curves = t.state_size > t.corner_count;
   plan_fold_looks(binder, passes, Kernel::FairCureEdges, Kernel::FairCureFaces);
   if (has_curves) {
-    add(Kernel::FairCureCurves, t.face_count, shared::kRoundFaces,
-        {&t.faces, &t.owners, &t.links, &b.given, &b.face_normals, &b.result, &b.flags});
+    binder
+        .add(passes, Kernel::FairCureCurves, t.face_count,
+             {&t.faces, &t.owners, &t.links, &b.given, &b.face_normals, &b.result, &b.flags},
+             t.large_face_count)
+        .arguments = shared::kRoundFaces;
   }
-  add(Kernel::FairCureVertices, t.vertex_count, shared::kRoundVertices,
-      {&t.vertices, &t.places, &b.face_normals, &b.normals, &b.result, &t.circle, &b.flags});
+  add_vertices(Kernel::FairCureVertices, {&t.vertices, &t.places, &b.face_normals, &b.normals,
+                                          &b.result, &t.circle, &b.flags});
   // Once a face, not once a corner of it; given points' offsets are needed no longer.
   Pass& step = binder.add(passes, Kernel::FairOffsets, t.face_count,
-                          {&t.faces, &t.owners, &b.given, &b.result, &t.circle, &b.given_offsets});
+                          {&t.faces, &t.owners, &b.given, &b.result, &t.circle, &b.given_offsets},
+                          t.large_face_count);
   step.arguments = shared::kRoundFaces;
   step.parameters.of_net = 1;
-  add(Kernel::FairCureAround, t.vertex_count, shared::kRoundVertices,
-      {&t.vertices, &t.places, &t.links, &b.given_offsets, &b.given, &b.face_normals, &b.result,
-       &b.flags});
+  add_vertices(Kernel::FairCureAround, {&t.vertices, &t.places, &t.links, &b.given_offsets,
+                                        &b.given, &b.face_normals, &b.result, &b.flags});
   if (has_curves) {
-    add(Kernel::FairCureSharp, t.vertex_count, shared::kRoundVertices,
-        {&t.vertices, &t.places, &t.links, &b.given, &b.face_normals, &b.result, &b.flags,
-         &b.decisions});
+    add_vertices(Kernel::FairCureSharp, {&t.vertices, &t.places, &t.links, &b.given,
+                                         &b.face_normals, &b.result, &b.flags, &b.decisions});
   }
 }
 
@@ -60,22 +62,22 @@ void GpuFair::plan_cure(Binder& binder) {
   }
   binder.add(decide_, Kernel::FairCureDecide, t.vertex_count, {&b.flags, &b.decisions, &b.counts})
       .arguments = shared::kRoundVertices;
-  const auto add = [&](Kernel kernel, std::uint32_t count, std::uint32_t arguments,
-                       std::initializer_list<const Buffer*> buffers) {
-    binder.add(cure_, kernel, count, buffers).arguments = arguments;
+  const auto add_vertices = [&](Kernel kernel, std::initializer_list<const Buffer*> buffers) {
+    binder.add(cure_, kernel, t.vertex_count, buffers, t.large_vertex_count).arguments =
+        shared::kRoundVertices;
   };
-  add(Kernel::FairFaceHeights, t.face_count, shared::kRoundFaces,
-      {&t.faces, &t.owners, &b.given, &b.heights});
-  add(Kernel::FairCurePlanes, t.vertex_count, shared::kRoundVertices,
-      {&t.vertices, &t.places, &b.given, &b.face_normals, &b.heights, &t.circle, &b.flags,
-       &b.planes});
-  add(Kernel::FairCurePolygons, t.vertex_count, shared::kRoundVertices,
-      {&t.vertices, &t.places, &b.given, &b.normals, &b.planes, &t.circle, &b.flags, &b.result});
+  binder
+      .add(cure_, Kernel::FairFaceHeights, t.face_count,
+           {&t.faces, &t.owners, &b.given, &b.heights}, t.large_face_count)
+      .arguments = shared::kRoundFaces;
+  add_vertices(Kernel::FairCurePlanes, {&t.vertices, &t.places, &b.given, &b.face_normals,
+                                        &b.heights, &t.circle, &b.flags, &b.planes});
+  add_vertices(Kernel::FairCurePolygons, {&t.vertices, &t.places, &b.given, &b.normals, &b.planes,
+                                          &t.circle, &b.flags, &b.result});
   if (t.state_size == t.corner_count) return;
   for (const Kernel kernel : {Kernel::FairCureCreases, Kernel::FairCureCorners}) {
-    add(kernel, t.vertex_count, shared::kRoundVertices,
-        {&t.vertices, &t.places, &t.links, &b.given, &b.face_normals, &b.planes, &b.flags,
-         &b.result});
+    add_vertices(kernel, {&t.vertices, &t.places, &t.links, &b.given, &b.face_normals, &b.planes,
+                          &b.flags, &b.result});
   }
 }
 

@@ -26,6 +26,7 @@ GpuFair::GpuFair(const Maker& on, const FairTables& tables, const Buffer& model_
   binder.common.z = origin.z;
   binder.common.scale = static_cast<float>(tables.placement.diagonal);
   binder.common.decided = tables.is_decided ? 1 : 0;
+  binder.common.vertex_count = tables.vertex_count;
   binder.common.corner_count = tables.corner_count;
   plan_prepare(binder, model_points);
   plan_build(binder);
@@ -69,35 +70,39 @@ void GpuFair::make_buffers(const Maker& on) {
   make(b.lines, corners * 2 * sizeof(float));
   for (Buffer& buffer : b.motions) make(buffer, tables_.state_size * 4 * sizeof(float));
   make(b.gradient, corners * sizeof(float));
-  make(b.partials, shared::kMostSumGroups * sizeof(float));
+  make(b.partials, 2 * shared::kMostSumGroups * sizeof(float));  // of lanes', of groups' elements
   make(b.scalars, sizeof(shared::FairScalars));
 }
 
 void GpuFair::plan_prepare(Binder& binder, const Buffer& model_points) {
   const FairTables& t = tables_;
   Buffers& b = buffers_;
-  const auto add = [&](Kernel kernel, std::uint32_t count,
-                       std::initializer_list<const Buffer*> buffers) {
-    binder.add(prepare_, kernel, count, buffers);
+  const auto add_vertices = [&](Kernel kernel, std::initializer_list<const Buffer*> buffers) {
+    binder.add(prepare_, kernel, t.vertex_count, buffers, t.large_vertex_count);
   };
-  add(Kernel::FairPlace, t.vertex_count, {&model_points, &b.given});
-  add(Kernel::FairFaceNormals, t.face_count, {&t.faces, &t.owners, &b.given, &b.face_normals});
-  add(Kernel::FairVertexNormals, t.vertex_count,
-      {&t.vertices, &t.places, &b.given, &b.face_normals, &b.normals});
+  const auto add_faces = [&](Kernel kernel, std::initializer_list<const Buffer*> buffers) {
+    binder.add(prepare_, kernel, t.face_count, buffers, t.large_face_count);
+  };
+  binder.add(prepare_, Kernel::FairPlace, t.vertex_count, {&model_points, &b.given});
+  add_faces(Kernel::FairFaceNormals, {&t.faces, &t.owners, &b.given, &b.face_normals});
+  add_vertices(Kernel::FairVertexNormals,
+               {&t.vertices, &t.places, &b.given, &b.face_normals, &b.normals});
   const auto add_offsets = [&](const Buffer& points, const Buffer& offsets) {
-    add(Kernel::FairOffsets, t.face_count,
-        {&t.faces, &t.owners, &b.given, &points, &t.circle, &offsets});
+    add_faces(Kernel::FairOffsets, {&t.faces, &t.owners, &b.given, &points, &t.circle, &offsets});
   };
   add_offsets(b.given, b.given_offsets);
   if (!t.has_regular_vertices) return;  // all shares stay 0
-  add(Kernel::FairShares, t.vertex_count,
-      {&t.vertices, &t.places, &b.given, &b.given_offsets, &b.normals, &b.shares});
+  // Those of large vertices alone; next_points has room for them until then.
+  binder.add(prepare_, Kernel::FairLimitErrors, 0,
+             {&t.vertices, &t.places, &b.given_offsets, &b.next_points}, t.large_vertex_count);
+  add_vertices(Kernel::FairShares, {&t.vertices, &t.places, &b.given, &b.given_offsets, &b.normals,
+                                    &b.next_points, &b.shares});
   const Buffer* points = &b.given;
   const Buffer* offsets = &b.given_offsets;
   for (int step = 0; step < kMaskSteps; ++step) {
     const Buffer* next = step % 2 == 0 ? &b.points : &b.next_points;
-    add(Kernel::FairMaskStep, t.vertex_count,
-        {&t.vertices, &t.places, &b.given, &b.shares, offsets, points, next});
+    add_vertices(Kernel::FairMaskStep,
+                 {&t.vertices, &t.places, &b.given, &b.shares, offsets, points, next});
     points = next;
     offsets = &b.offsets;
     add_offsets(*points, *offsets);
@@ -110,18 +115,23 @@ void GpuFair::plan_build(Binder& binder) {
   Buffers& b = buffers_;
   const Buffer& points = t.has_regular_vertices ? b.points : b.given;
   binder.add(build_, Kernel::FairPolygons, t.vertex_count,
-             {&t.vertices, &t.places, &b.given, &b.normals, &b.shares, &offsets(), &b.result});
+             {&t.vertices, &t.places, &b.given, &b.normals, &b.shares, &offsets(), &b.result},
+             t.large_vertex_count);
   binder.add(
       build_, Kernel::FairReversed, t.vertex_count,
-      {&t.vertices, &t.places, &b.normals, &b.given_offsets, &t.circle, &b.result, &b.decisions});
+      {&t.vertices, &t.places, &b.normals, &b.given_offsets, &t.circle, &b.result, &b.decisions},
+      t.large_vertex_count);
   binder.add(build_, Kernel::FairSectorNormals, t.sector_count,
-             {&t.sectors, &t.places, &b.given, &b.face_normals, &b.sector_normals});
+             {&t.sectors, &t.places, &b.given, &b.face_normals, &b.sector_normals},
+             t.large_sector_count);
   binder.add(
       build_, Kernel::FairHandles, t.crease_count,
-      {&t.creases, &b.given, &b.shares, &points, &t.places, &b.face_normals, &b.shifts, &b.result});
+      {&t.creases, &b.given, &b.shares, &points, &t.places, &b.face_normals, &b.shifts, &b.result},
+      t.large_crease_count);
   binder.add(build_, Kernel::FairSectors, t.sector_count,
              {&t.sectors, &t.places, &b.given, &b.sector_normals, &b.given_offsets, &offsets(),
-              &b.shifts, &b.result});
+              &b.shifts, &b.result},
+             t.large_sector_count);
   binder
       .add(curve_points_, Kernel::FairCurvePoints, t.curve_point_count,
            {&t.curve_points, &b.given, &points, &b.result})
@@ -139,7 +149,8 @@ void GpuFair::plan_fold_looks(Binder& binder, Passes& passes, Kernel edges, Kern
   binder
       .add(passes, faces, t.face_count,
            {&t.faces, &t.owners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags,
-            &b.counts})
+            &b.counts},
+           t.large_face_count)
       .arguments = shared::kRoundFaces;
 }
 
@@ -149,7 +160,8 @@ void GpuFair::plan_repair(Binder& binder) {
   plan_fold_looks(binder, find_folds_, Kernel::FairEdgeFolds, Kernel::FairFaceFolds);
   for (const std::uint32_t which : {0u, 1u}) {
     Pass& pass = binder.add(shrink_[which], Kernel::FairShrink, t.vertex_count,
-                            {&t.vertices, &t.places, &b.flags, &b.decisions, &b.result});
+                            {&t.vertices, &t.places, &b.flags, &b.decisions, &b.result},
+                            t.large_vertex_count);
     pass.arguments = shared::kRoundVertices;
     pass.parameters.shift = which * shared::kLateShift;
   }
@@ -158,6 +170,8 @@ void GpuFair::plan_repair(Binder& binder) {
   round.edge_groups = find_folds_[0].groups;
   round.face_groups = find_folds_[1].groups;
   round.vertex_groups = shrink_[0][0].groups;
+  round.large_face_groups = find_folds_[1].large_groups;
+  round.large_vertex_groups = shrink_[0][0].large_groups;
 }
 
 void GpuFair::plan_polish(Binder& binder) {
@@ -169,7 +183,8 @@ void GpuFair::plan_polish(Binder& binder) {
   binder.add(start_polish_, Kernel::FairRows, t.corner_count,
              {&t.links, &t.owners, &b.given, &b.directions, &b.result, &b.rows1, &b.rows2});
   binder.add(start_polish_, Kernel::FairDiagonals, t.vertex_count,
-             {&t.vertices, &t.places, &t.links, &b.rows1, &b.rows2, &b.precondition, &b.scalars});
+             {&t.vertices, &t.places, &t.links, &b.rows1, &b.rows2, &b.precondition, &b.scalars},
+             t.large_vertex_count);
   binder.add(start_polish_, Kernel::FairPrecondition, t.vertex_count,
              {&b.precondition, &b.scalars});
   binder.common.start = 1;
@@ -178,7 +193,7 @@ void GpuFair::plan_polish(Binder& binder) {
   plan_polish_step(binder, step_polish_[0], b.motions[0], b.motions[1]);
   plan_polish_step(binder, step_polish_[1], b.motions[1], b.motions[0]);
   binder.add(end_polish_, Kernel::FairApplyHeights, t.vertex_count,
-             {&t.vertices, &t.places, &b.directions, &motions(), &b.result});
+             {&t.vertices, &t.places, &b.directions, &motions(), &b.result}, t.large_vertex_count);
 }
 
 void GpuFair::plan_polish_step(Binder& binder, Passes& passes, const Buffer& from,
@@ -192,7 +207,8 @@ void GpuFair::plan_polish_step(Binder& binder, Passes& passes, const Buffer& fro
              {&t.links, &b.rows1, &b.rows2, &b.lines, &b.gradient});
   binder.add_sum(
       passes, Kernel::FairDescend, t.vertex_count,
-      {&t.vertices, &t.places, &b.gradient, &b.precondition, &from, &b.scalars, &to, &b.partials});
+      {&t.vertices, &t.places, &b.gradient, &b.precondition, &from, &b.scalars, &to, &b.partials},
+      t.large_vertex_count);
   binder.add_total(passes, Kernel::FairMomentum, {&b.partials, &b.scalars});
 }
 
@@ -200,14 +216,14 @@ void GpuFair::plan_finish(Binder& binder, const Buffer& model_points) {
   const FairTables& t = tables_;
   Buffers& b = buffers_;
   binder.add(finish_, Kernel::FairMeasure, t.vertex_count,
-             {&t.vertices, &t.places, &b.given, &b.result, &b.status});
+             {&t.vertices, &t.places, &b.given, &b.result, &b.status}, t.large_vertex_count);
   binder.add(finish_, Kernel::FairState, t.state_size,
              {&t.owners, &model_points, &b.result, &b.state, &b.state_offsets});
 }
 
 void GpuFair::add_rounds(const Passes& passes, std::uint32_t place, Action action) {
   for (const Pass& pass : passes)
-    if (pass.groups > 0) rounds_.push_back({action, &pass, place, kKernelWait});
+    if (pass.groups + pass.large_groups > 0) rounds_.push_back({action, &pass, place, kKernelWait});
 }
 
 void GpuFair::add_repair(std::uint32_t which) {
@@ -293,14 +309,23 @@ Wait GpuFair::record_round(VkCommandBuffer commands, std::size_t number) const n
     const Pass& pass = *round.pass;
     shared::FairParameters parameters = pass.parameters;
     parameters.place += round.place;
-    const VkDescriptorSet set = sets_[pass.set];
-    const VkDeviceSize offset =
-        VkDeviceSize{pass.arguments} * shared::kArgumentWords * sizeof(std::uint32_t);
-    if (round.action == Action::DispatchIndirect)
-      record_dispatch_indirect(context_, commands, pass.pipeline, set, &parameters,
-                               {buffers_.arguments.handle(), offset});
-    else
-      record_dispatch(context_, commands, pass.pipeline, set, &parameters, pass.groups);
+    const auto record = [&](Pipeline pipeline, std::uint32_t groups, std::uint32_t arguments) {
+      const VkDeviceSize offset =
+          VkDeviceSize{arguments} * shared::kArgumentWords * sizeof(std::uint32_t);
+      if (round.action == Action::DispatchIndirect)
+        record_dispatch_indirect(context_, commands, pipeline, sets_[pass.set], &parameters,
+                                 {buffers_.arguments.handle(), offset});
+      else
+        record_dispatch(context_, commands, pipeline, sets_[pass.set], &parameters, groups);
+    };
+    if (pass.groups > 0) record(pass.pipeline, pass.groups, pass.arguments);
+    if (pass.large_groups > 0) {
+      parameters.count = pass.large_count;
+      parameters.first_partial = pass.groups;
+      record(pass.large, pass.large_groups,
+             pass.arguments == shared::kRoundFaces ? shared::kRoundLargeFaces
+                                                   : shared::kRoundLargeVertices);
+    }
   }
   return round.wait;
 }

@@ -83,6 +83,8 @@ class GpuFair {
     shared::FairParameters parameters;
     std::uint32_t groups;
     std::uint32_t arguments = 0;  // of repair and cure: which of the device's own
+    Pipeline large{};             // the same kernel, a work group an element
+    std::uint32_t large_count = 0, large_groups = 0;
   };
   using Passes = std::vector<Pass>;
   enum class Action { Clear, ClearFlags, Dispatch, DispatchIndirect };
