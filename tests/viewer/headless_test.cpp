@@ -99,6 +99,12 @@ TEST_F(HeadlessTest, TwoHundredFramesOfTheGobletAreValid) {
   EXPECT_EQ(headless.picture().size(), 3u * 80 * 60);
 }
 
+// What they hold, errors and pictures show.
+TEST_F(HeadlessTest, TablesAreInTheDevicesOwnMemory) {
+  const std::vector<std::uint32_t> words{7, 11, 13};
+  EXPECT_EQ(word_buffer(*device_, words).mapped().data(), nullptr);
+}
+
 // Silence above means something only if the layers speak.
 TEST_F(HeadlessTest, LayersReportAHazard) {
   const Buffer buffer(*device_, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Device);

@@ -50,8 +50,19 @@ void host_barrier(VkCommandBuffer commands) {
 }
 
 Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words) {
-  Buffer buffer(device, words.size_bytes(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Place::Host);
-  std::memcpy(buffer.mapped().data(), words.data(), words.size_bytes());
+  const VkDeviceSize bytes = words.size_bytes();
+  const Buffer staging(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, Place::Host);
+  std::memcpy(staging.mapped().data(), words.data(), bytes);
+  Buffer buffer(device, bytes,
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                Place::Device);
+  device.run([&](VkCommandBuffer commands) {
+    const VkBufferCopy all{0, 0, bytes};
+    vkCmdCopyBuffer(commands, staging, buffer, 1, &all);
+    barrier(commands, {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT},
+            {VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+             VK_ACCESS_SHADER_READ_BIT});
+  });
   return buffer;
 }
 

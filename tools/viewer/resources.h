@@ -41,7 +41,7 @@ void barrier(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::
 /// After copies into mapped buffers: makes them visible to the host once its fence is there.
 void host_barrier(VkCommandBuffer commands);
 
-/// A mapped storage buffer of these words.
+/// A storage buffer of these words in the device's own memory, which they have reached.
 [[nodiscard]] Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words);
 
 struct ImageOptions {
