@@ -53,7 +53,10 @@ TEST_F(CrowdTest, LooksAsItsFinestLevel) {
 // In one frame: from near to far, and some that nobody sees.
 TEST_F(CrowdTest, OfAThousandHasAllLevels) {
   CrowdOptions options = small_crowd(1000);
-  Crowd crowd(*device_, load_scene(PLANISH_SCENES "/cube_with_windows.obj", ""), options);
+  Crowd crowd(
+      *device_,
+      load_scene(PLANISH_SCENES "/cube_with_windows.obj", "", InterpolationMethod::Progressive),
+      options);
   crowd.run(1);
   const CrowdFigures figures = crowd.figures();
   EXPECT_EQ(std::accumulate(figures.instances.begin(), figures.instances.end(), figures.unseen),

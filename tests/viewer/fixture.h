@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "planish/backend/cpu_backend.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
 #include "viewer/headless.h"
 #include "vulkan/fixture.h"
 
@@ -31,6 +34,26 @@ class ViewerTest : public VulkanTest {
     viewer::Scene scene;
     scene.mesh = std::move(mesh);
     return scene;
+  }
+
+  /// Of the fair method, with the decisions of the mesh as it is.
+  static viewer::Scene fair_scene_of(PolygonMesh mesh) {
+    viewer::Scene scene = scene_of(std::move(mesh));
+    scene.system.method = InterpolationMethod::Fair;
+    const Fit rest = fit(scene.mesh, *make_cpu_backend(), {.method = InterpolationMethod::Fair});
+    scene.decisions = std::make_shared<FairDecisions>(rest.fair->decisions);
+    scene.system.fair_decisions = scene.decisions.get();
+    return scene;
+  }
+
+  /// The scene's surface through the vertices of another pose of its mesh, at level 2.
+  static SurfaceMesh surface_by_cpu(const viewer::Scene& scene, const PolygonMesh& pose) {
+    const auto backend = make_cpu_backend();
+    const FitOptions options{.method = scene.system.method,
+                             .fair_decisions = scene.system.fair_decisions};
+    EvaluateOptions evaluation{.level = 2};
+    evaluation.rest_positions = scene.mesh.positions;
+    return evaluate(pose, fit(pose, *backend, options), *backend, evaluation);
   }
 
   /// A small picture that frames the mesh.

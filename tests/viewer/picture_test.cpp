@@ -26,7 +26,11 @@ class PictureTest : public ViewerTest {
  protected:
   std::vector<std::uint8_t> picture_after(int frames, const PolygonMesh& rest,
                                           const HeadlessOptions& options) {
-    Headless headless(*device_, scene_of(rest), options);
+    return picture_after(frames, scene_of(rest), options);
+  }
+  std::vector<std::uint8_t> picture_after(int frames, const Scene& scene,
+                                          const HeadlessOptions& options) {
+    Headless headless(*device_, scene, options);
     headless.run(frames);
     return headless.picture();
   }
@@ -39,14 +43,6 @@ glm::ivec3 pixel(const std::vector<std::uint8_t>& picture, std::size_t index) {
 int distance(const glm::ivec3& a, const glm::ivec3& b) {
   const glm::ivec3 d = glm::abs(a - b);
   return std::max({d.x, d.y, d.z});
-}
-
-SurfaceMesh surface_by_cpu(const PolygonMesh& pose, const PolygonMesh& rest) {
-  const auto backend = make_cpu_backend();
-  EvaluateOptions options;
-  options.level = 2;
-  options.rest_positions = rest.positions;
-  return evaluate(fit(pose, *backend).cage, *backend, options);
 }
 
 // The CPU's surface as one picture sees it.
@@ -137,32 +133,34 @@ glm::ivec3 Drawing::shade(int x, int y) const {
 }
 
 TEST_F(PictureTest, SurfaceIsTheCpusWhereItIsAndHowItIsLit) {
-  const PolygonMesh rest = test::torus(12, 7, 2, 0.7);
-  HeadlessOptions options = options_for(rest);
-  options.settings.iterations = 20;
-  const auto picture = picture_after(40, rest, options);
-  options.settings.surface = false;
-  const auto empty = picture_after(1, rest, options);
-  const SurfaceMesh surface = surface_by_cpu(posed(rest, 39), rest);
-  const vulkan::System system(rest);
-  const Drawing drawing(surface, {system.triangles().begin(), system.triangles().end()}, options);
-  int inside = 0, outside = 0;
-  for (int y = 1; y + 1 < drawing.seen.height; ++y)
-    for (int x = 1; x + 1 < drawing.seen.width; ++x) {
-      const std::size_t at = drawing.seen.at(x, y);
-      bool any = false;
-      for (int k = 0; k < 9; ++k) any = any || drawing.covers(x - 1 + k % 3, y - 1 + k / 3);
-      if (!any) {
-        ++outside;
-        ASSERT_EQ(distance(pixel(picture, at), pixel(empty, at)), 0) << x << ' ' << y;
-      } else if (drawing.is_inside(x, y)) {
-        ++inside;
-        // Two roundings to 8 bits, and the mean over samples of several triangles.
-        ASSERT_LE(distance(pixel(picture, at), drawing.shade(x, y)), 3) << x << ' ' << y;
+  for (const Scene& scene :
+       {scene_of(test::torus(12, 7, 2, 0.7)), fair_scene_of(test::icosphere(1))}) {
+    HeadlessOptions options = options_for(scene.mesh);
+    options.settings.iterations = 20;
+    const auto picture = picture_after(40, scene, options);
+    options.settings.surface = false;
+    const auto empty = picture_after(1, scene, options);
+    const SurfaceMesh surface = surface_by_cpu(scene, posed(scene.mesh, 39));
+    const vulkan::System system(scene.mesh, scene.system);
+    const Drawing drawing(surface, {system.triangles().begin(), system.triangles().end()}, options);
+    int inside = 0, outside = 0;
+    for (int y = 1; y + 1 < drawing.seen.height; ++y)
+      for (int x = 1; x + 1 < drawing.seen.width; ++x) {
+        const std::size_t at = drawing.seen.at(x, y);
+        bool any = false;
+        for (int k = 0; k < 9; ++k) any = any || drawing.covers(x - 1 + k % 3, y - 1 + k / 3);
+        if (!any) {
+          ++outside;
+          ASSERT_EQ(distance(pixel(picture, at), pixel(empty, at)), 0) << x << ' ' << y;
+        } else if (drawing.is_inside(x, y)) {
+          ++inside;
+          // Two roundings to 8 bits, and the mean over samples of several triangles.
+          ASSERT_LE(distance(pixel(picture, at), drawing.shade(x, y)), 3) << x << ' ' << y;
+        }
       }
-    }
-  EXPECT_GT(inside, 2000);
-  EXPECT_GT(outside, 4000);
+    EXPECT_GT(inside, 2000);
+    EXPECT_GT(outside, 4000);
+  }
 }
 
 // Pixels of exactly that colour in the picture.
@@ -191,10 +189,12 @@ TEST_F(PictureTest, ErrorColoursHaveALegendWithNumbers) {
   }
 }
 
-TEST(Legend, CountsIterations) {
-  EXPECT_EQ(iterations_text(0), "0 iterations");
-  EXPECT_EQ(iterations_text(1), "1 iteration");
-  EXPECT_EQ(iterations_text(2), "2 iterations");
+TEST(Legend, SaysHowItWasSolved) {
+  using enum InterpolationMethod;
+  EXPECT_EQ(solve_text(Progressive, 0), "0 iterations");
+  EXPECT_EQ(solve_text(Progressive, 1), "1 iteration");
+  EXPECT_EQ(solve_text(Progressive, 2), "2 iterations");
+  EXPECT_EQ(solve_text(Fair, 6), "the fair method");
 }
 
 TEST_F(PictureTest, TogglesShowCageAndPoints) {

@@ -19,6 +19,8 @@ FitOptions edit_fit_options(const Scene& scene) {
   options.weights = scene.system.weights;
   options.sharp = scene.system.sharp;
   options.tolerance = scene.system.tolerance;
+  options.method = scene.system.method;
+  options.fair_decisions = scene.system.fair_decisions;
   return options;
 }
 
@@ -44,7 +46,10 @@ double distance_to_edge(const glm::dvec3& p, const glm::dvec3& a, const glm::dve
 }  // namespace
 
 EditSession::EditSession(const Scene& scene)
-    : mesh_(scene.mesh), fit_(fit_of(scene)), editor_(mesh_, fit_, editor_options(scene)) {}
+    : mesh_(scene.mesh),
+      decisions_(scene.decisions),
+      fit_(fit_of(scene)),
+      editor_(mesh_, fit_, editor_options(scene)) {}
 
 PolygonMesh EditSession::rest() const {
   PolygonMesh mesh = editor_.mesh();

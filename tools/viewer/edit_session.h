@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -87,6 +88,7 @@ class EditSession {
   bool take(std::deque<Step>& from, std::deque<Step>& to);
 
   PolygonMesh mesh_;
+  std::shared_ptr<const FairDecisions> decisions_;  // of the fit
   Fit fit_;
   Editor editor_;
   std::vector<std::int32_t> selected_;

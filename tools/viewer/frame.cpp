@@ -3,8 +3,6 @@
 #include <cstring>
 #include <string>
 
-#include "planish/core/error.h"
-
 namespace planish::viewer {
 namespace {
 
@@ -18,16 +16,12 @@ OwnedDescriptorPool make_pool(VkDevice device) {
   return OwnedDescriptorPool(device, info, "vkCreateDescriptorPool");
 }
 
-/// planish slices what is beyond the limit; the viewer binds its vertices whole.
+/// planish cuts what is beyond the limit; the viewer binds its vertices whole.
 std::uint64_t vertex_bytes(vulkan::Context& context, const Model& model) {
   const std::uint64_t bytes =
       std::uint64_t(model.system().vertex_count()) * shared::kVertexFloats * sizeof(float);
-  const std::uint64_t limit = context.max_storage_range();
-  if (bytes > limit)
-    throw Error(ErrorCode::OutOfMemory, "level " + std::to_string(model.system().level()) +
-                                            " takes " + std::to_string(bytes) +
-                                            " bytes of vertices, but maxStorageBufferRange is " +
-                                            std::to_string(limit) + "; choose a lower level");
+  context.binding_limit().require(
+      bytes, "vertices of level " + std::to_string(model.system().level()), "choose a lower level");
   return bytes;
 }
 

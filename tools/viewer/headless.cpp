@@ -39,7 +39,7 @@ void Headless::draw(VkCommandBuffer commands) {
   if (options_.settings.heat && renderer_.status())
     draw_legend("largest " +
                 error_text(renderer_.status()->residual / renderer_.system().diagonal()) +
-                " after " + iterations_text(renderer_.status()->iterations));
+                " after " + solve_text(scene().system.method, renderer_.status()->iterations));
   if (shown_)
     draw_selection(*shown_, options_.camera, {options_.extent.width, options_.extent.height});
   targets_.begin(commands, 0);

@@ -47,6 +47,7 @@ class Headless {
   /// Of the last frame.
   [[nodiscard]] vulkan::GpuStatus status() const { return *renderer_.status(); }
   [[nodiscard]] const vulkan::System& system() const { return renderer_.system(); }
+  [[nodiscard]] const Scene& scene() const { return renderer_.scene(); }
   [[nodiscard]] std::vector<SurfaceVertex> vertices() const;
   /// RGB, top row first, with a legend where the settings show errors.
   [[nodiscard]] std::vector<std::uint8_t> picture();

@@ -25,8 +25,9 @@ std::string error_text(double relative_error) {
   return text;
 }
 
-std::string iterations_text(std::uint32_t count) {
-  return std::to_string(count) + (count == 1 ? " iteration" : " iterations");
+std::string solve_text(InterpolationMethod method, std::uint32_t iterations) {
+  if (method == InterpolationMethod::Fair) return "the fair method";
+  return std::to_string(iterations) + (iterations == 1 ? " iteration" : " iterations");
 }
 
 void draw_legend(const std::string& line) {

@@ -66,7 +66,9 @@ void run_headless(const Arguments& arguments, Scene scene,
   const double error = headless.status().residual / headless.system().diagonal();
   std::printf("%s %s on %s: %d frames of %s in %.2f s, error %s of the diagonal\n", name.c_str(),
               how.c_str(), device.name().c_str(), frames,
-              iterations_text(static_cast<std::uint32_t>(arguments.settings.iterations)).c_str(),
+              solve_text(headless.scene().system.method,
+                         static_cast<std::uint32_t>(arguments.settings.iterations))
+                  .c_str(),
               took.count(), error_text(error).c_str());
   if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, headless.picture());
 }
@@ -129,7 +131,9 @@ ExitCode run(int argc, char** argv) {
     ++messages;
     std::cerr << message << '\n';
   };
-  Scene scene = load_scene(arguments->scene, arguments->job);
+  std::optional<InterpolationMethod> method;
+  if (arguments->instances > 0) method = InterpolationMethod::Progressive;
+  Scene scene = load_scene(arguments->scene, arguments->job, method);
   arguments->settings.level = arguments->level.value_or(std::min(scene.system.level, kMostLevel));
   if (!arguments->script.empty())
     run_edit(*arguments, std::move(scene), instance);

@@ -2,32 +2,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <set>
-#include <utility>
 
+#include "cage_edges.h"
 #include "nearest_given.h"
 
 namespace planish::viewer {
 namespace {
-
-/// Pairs of used vertices, each edge of the mesh once.
-std::vector<std::uint32_t> cage_edges(const PolygonMesh& mesh, const vulkan::System& system) {
-  std::vector<std::uint32_t> row_of(mesh.positions.size());
-  const auto used = system.used_vertices();
-  for (std::size_t row = 0; row < used.size(); ++row)
-    row_of[used[row]] = static_cast<std::uint32_t>(row);
-  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto face = mesh.face(f);
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const std::uint32_t a = row_of[face[k]], b = row_of[face[(k + 1) % face.size()]];
-      edges.emplace(std::min(a, b), std::max(a, b));
-    }
-  }
-  std::vector<std::uint32_t> flat;
-  for (const auto& [a, b] : edges) flat.insert(flat.end(), {a, b});
-  return flat;
-}
 
 std::vector<std::uint32_t> words(std::span<const std::int32_t> values) {
   return {values.begin(), values.end()};
@@ -69,7 +49,7 @@ Model::Model(const Device& device, vulkan::Context& context, const Scene& scene)
       indices_(device, tables_.index_count() * sizeof(std::uint32_t),
                VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Device),
       used_(word_buffer(device, words(system_.used_vertices()))),
-      edges_(word_buffer(device, cage_edges(scene.mesh, system_))),
+      edges_(word_buffer(device, cage_edges(scene, system_.used_vertices()))),
       edge_count_(static_cast<std::uint32_t>(edges_.bytes() / (2 * sizeof(std::uint32_t)))),
       patches_(shown_patches(scene.mesh, device.is_software())),
       face_count_(static_cast<std::uint32_t>(scene.mesh.face_count())) {
@@ -81,6 +61,8 @@ Model::Model(const Device& device, vulkan::Context& context, const Scene& scene)
   tables_.write_upload(system_, staging.mapped());
   device.run([&](VkCommandBuffer commands) {
     tables_.record_upload(commands, staging, 0, {indices_, 0});
+    barrier(commands, vulkan::kExitScope,
+            {VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_INDEX_READ_BIT});
   });
 }
 

@@ -35,11 +35,15 @@ EditClicks draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSet
   ImGui::Begin("planish", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(12 * em);
   ImGui::SliderInt("level", &settings.level, 0, kMostLevel, "%d", ImGuiSliderFlags_AlwaysClamp);
-  ImGui::SliderInt("iterations", &settings.iterations, 0, kMostIterations, "%d",
-                   ImGuiSliderFlags_AlwaysClamp);
+  const bool iterates = renderer.scene().system.method == InterpolationMethod::Progressive;
+  if (iterates)
+    ImGui::SliderInt("iterations", &settings.iterations, 0, kMostIterations, "%d",
+                     ImGuiSliderFlags_AlwaysClamp);
   ImGui::PopItemWidth();
-  ImGui::Checkbox("warm start", &settings.warm_start);
-  ImGui::SameLine();
+  if (iterates) {
+    ImGui::Checkbox("warm start", &settings.warm_start);
+    ImGui::SameLine();
+  }
   ImGui::Checkbox("pause", &settings.paused);
   ImGui::Checkbox("surface", &settings.surface);
   ImGui::SameLine();

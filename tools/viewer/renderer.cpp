@@ -63,6 +63,7 @@ void Renderer::prepare(int level) {
 
 void Renderer::set_mesh(PolygonMesh mesh) {
   scene_.mesh = std::move(mesh);
+  scene_.system.fair_decisions = nullptr;  // which were by the rules before
   has_other_mesh_ = true;
 }
 

@@ -49,9 +49,11 @@ void save(const EditSession& session, SavedPart part, const std::filesystem::pat
   write.is_z_up = options.settings.up == UpAxis::Z;
   if (part == SavedPart::Cage) {
     const FitSettings& settings = options.settings;
-    mesh = control_cage(mesh, session.editor().fit(), settings.sharp());
-    write.header =
-        command::cage_header_lines(settings, InterpolationMethod::Progressive, options.source);
+    const Fit fit = session.editor().fit();
+    mesh = control_cage(mesh, fit, settings.sharp());
+    write.header = command::cage_header_lines(
+        settings, fit.fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive,
+        options.source);
     write.subdivision.has_sharp_boundary_corners = settings.boundary == BoundaryRule::EdgeAndCorner;
   }
   turn_back(options, mesh);

@@ -5,7 +5,9 @@
 
 #include "job/job_input.h"
 #include "options/scene_file.h"
+#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/pipeline/fit_mesh.h"
 
 namespace planish::viewer {
 namespace {
@@ -28,13 +30,16 @@ command::Job job_of(const std::string& path, const std::string& name) {
 
 }  // namespace
 
-Scene load_scene(const std::string& path, const std::string& name) {
+Scene load_scene(const std::string& path, const std::string& name,
+                 std::optional<InterpolationMethod> method) {
   const command::Job job = job_of(path, name);
   const command::Settings& settings = job.settings;
-  if (settings.interpolation == InterpolationChoice::Fair)
-    throw Error(
-        ErrorCode::InvalidArgument,
-        job.name + ": interpolation fair is not drawn here, progressive is; choose another job");
+  if (settings.interpolation == InterpolationChoice::Fair &&
+      method == InterpolationMethod::Progressive)
+    throw Error(ErrorCode::InvalidArgument,
+                job.name +
+                    ": instances are of the progressive method, not of interpolation fair; "
+                    "choose another job");
   if (settings.scheme != Scheme::DooSabin)
     throw Error(ErrorCode::InvalidArgument,
                 job.name + ": scheme " + std::string(command::name_of(settings.scheme)) +
@@ -43,18 +48,28 @@ Scene load_scene(const std::string& path, const std::string& name) {
   file.split_normals_crease = job.settings.creases.split_normals;
   file.is_strict = job.settings.repair == RepairChoice::None;
   command::Input input = command::mesh_of(file);
+  if (settings.up == UpAxis::Z)
+    for (glm::dvec3& p : input.file.mesh.positions) p = {p.x, p.z, -p.y};
+  MeshFitOptions options = mesh_fit_options(settings);
+  if (method) options.method = method;
+  FittedMesh fitted =
+      fit_prepared(command::prepare_mesh(std::move(input), options, settings),
+                   *make_cpu_backend({.solve_precision = precision_for(settings.tolerance)}));
   Scene scene;
   scene.name = job.name;
-  MeshFitOptions options = mesh_fit_options(settings);
-  options.method = InterpolationMethod::Progressive;
-  scene.mesh = command::prepare_mesh(std::move(input), options, settings).fitted.mesh;
-  if (settings.up == UpAxis::Z)
-    for (glm::dvec3& p : scene.mesh.positions) p = {p.x, p.z, -p.y};
+  scene.mesh = std::move(fitted.mesh);
   scene.system.level = settings.levels.front();
+  scene.system.method = fitted.options.method;
   scene.system.weights = settings.weights;
-  scene.system.sharp = settings.sharp();
+  scene.system.sharp = fitted.options.sharp;
+  scene.system.within = fitted.options.within;
   scene.system.tolerance = settings.tolerance;
+  if (fitted.fit.fair) {
+    scene.decisions = std::make_shared<FairDecisions>(std::move(fitted.fit.fair->decisions));
+    scene.system.fair_decisions = scene.decisions.get();
+  }
   scene.settings = settings;
+  scene.settings.creases.use_tags = scene.system.sharp.use_tags;  // the mesh has those that count
   scene.source = job.input;
   return scene;
 }

@@ -19,10 +19,10 @@ using glm::vec4;
 
 // Bindings of the one descriptor set.
 VIEWER_CONSTANT uint kGivenBinding = 0u;     // 3 floats a vertex of the mesh
-VIEWER_CONSTANT uint kControlBinding = 1u;   // 4 floats a used vertex
+VIEWER_CONSTANT uint kControlBinding = 1u;   // 4 floats a control point
 VIEWER_CONSTANT uint kVerticesBinding = 2u;  // kVertexFloats a vertex of the surface
 VIEWER_CONSTANT uint kUsedBinding = 3u;      // of each used vertex its place among the given
-VIEWER_CONSTANT uint kEdgesBinding = 4u;     // 2 used vertices a cage edge
+VIEWER_CONSTANT uint kEdgesBinding = 4u;     // 2 control points a cage edge
 VIEWER_CONSTANT uint kOffsetsBinding = 5u;   // of each vertex of the surface its first row below
 VIEWER_CONSTANT uint kNearestBinding = 6u;   // used vertices
 VIEWER_CONSTANT uint kBindingCount = 7u;
