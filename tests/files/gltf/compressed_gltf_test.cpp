@@ -94,6 +94,27 @@ TEST(CompressedGltf, HasTheSameTrianglesWithinTheError) {
   }
 }
 
+// glTF-Transform writes no translation that is within 1e-5 of zero.
+TEST(CompressedGltf, TinyModelsNeedNoTranslation) {
+  for (const double scale : {1.0, 1e-7}) {
+    SurfaceMesh surface = test::wavy_grid(40, 30, {3, -2, 1});
+    for (glm::dvec3& p : surface.positions) p *= scale;
+    for (const auto compression : {GltfCompression::Quantize, GltfCompression::Meshopt}) {
+      std::vector<double> kept_float;
+      GltfOptions options = with(compression, 1e-3 * scale);
+      options.kept_float = [&](double moved) { kept_float.push_back(moved); };
+      const auto glb = encode_glb(surface, options);
+      EXPECT_NO_FATAL_FAILURE(
+          triangles_by_place(read_back(glb), surface.positions, 1.01e-3 * scale));
+      const bool is_tiny = scale < 1, is_packed = compression == GltfCompression::Meshopt;
+      const nlohmann::json document = document_of(glb), node = document["nodes"][0];
+      EXPECT_EQ(node.contains("translation"), !is_tiny);
+      EXPECT_EQ(node.contains("scale"), is_packed || !is_tiny);
+      EXPECT_EQ(kept_float, is_tiny && !is_packed ? std::vector{0.0} : std::vector<double>{});
+    }
+  }
+}
+
 TEST(CompressedGltf, IsSmallerAndSaysWhatItIs) {
   const SurfaceMesh surface = test::wavy_grid(200, 200);
   const auto plain = encode_glb(surface, {});

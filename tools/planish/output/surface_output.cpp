@@ -134,11 +134,14 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
   };
   if (!options.may_be_scaled) return;
   gltf.kept_float = [&](double moved) {
+    const std::string reason =
+        moved > 0 ? "16 would move them by up to " + short_number(moved / options.diagonal) +
+                        " of the diagonal, and --tolerance leaves " +
+                        short_number(gltf.position_error / options.diagonal) +
+                        "; a larger one may allow it"
+                  : std::string("other programs lose the place of a model as small as this one");
     gltf.callbacks.warn(
-        {"float-positions",
-         visible(planned.path) + ": positions stay 32 bits: 16 would move them by up to " +
-             short_number(moved / options.diagonal) + " of the diagonal, and --tolerance leaves " +
-             short_number(gltf.position_error / options.diagonal) + "; a larger one may allow it"});
+        {"float-positions", visible(planned.path) + ": positions stay 32 bits: " + reason});
   };
 }
 

@@ -24,6 +24,9 @@ namespace {
 constexpr double kUvError = 1.0 / (8 * 16384);
 constexpr double kMostShort = 65535;
 constexpr double kMostMantissas = 2.0 * ((1 << 23) - 1);  // with a sign
+// A node's translation that is within this of zero everywhere is left out by glTF-Transform, and by
+// what is built on it.
+constexpr double kLeastTranslation = 1e-5;
 
 template <class Value>
 std::span<const std::byte> bytes_of(const RawVector<Value>& values) {
@@ -77,7 +80,7 @@ double extent_of(const GltfBounds& all) {
 }
 
 // For packing as coarse as that leaves room for, else in 16 bits where those do.
-PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
+PositionGrid placed_grid(const GltfBounds& all, const GltfOptions& options) {
   const glm::dvec3 least(all.minimum), sides = glm::dvec3(all.maximum) - least;
   const bool packs = options.compression == GltfCompression::Meshopt;
   if (options.grid_step > 0) {
@@ -92,6 +95,22 @@ PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
   const double step = packs ? coarsest : extent / kMostShort;
   if (!(step > 0) || step > coarsest || extent > kMostMantissas * step) return {};
   return {packs ? least + 0.5 * sides : least, step};
+}
+
+bool is_dropped(const glm::dvec3& translation) {
+  return glm::all(glm::lessThanEqual(glm::abs(translation), glm::dvec3(kLeastTranslation)));
+}
+
+// The same about zero where its place would be lost: 16 bits, which have no sign, do not do then.
+PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
+  const PositionGrid grid = placed_grid(all, options);
+  if (grid.origin == glm::dvec3(0.0) || !is_dropped(grid.origin) || !is_dropped(options.origin))
+    return grid;
+  const glm::vec3 farthest = glm::max(glm::abs(all.minimum), glm::abs(all.maximum));
+  const double reach = std::max({farthest.x, farthest.y, farthest.z});
+  const bool fits =
+      options.compression == GltfCompression::Meshopt && 2 * reach <= kMostMantissas * grid.step;
+  return fits ? PositionGrid{.step = grid.step} : PositionGrid{};
 }
 
 class Packer {
@@ -370,7 +389,8 @@ void tell_kept_float(const GltfOptions& options, const GltfBounds& bounds) {
   if (!options.kept_float || options.compression != GltfCompression::Quantize ||
       position_grid(bounds, options).step > 0)
     return;
-  options.kept_float(std::sqrt(3.0) / 2 * extent_of(bounds) / kMostShort);
+  const bool is_for_place = placed_grid(bounds, options).step > 0;
+  options.kept_float(is_for_place ? 0 : std::sqrt(3.0) / 2 * extent_of(bounds) / kMostShort);
 }
 
 GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,

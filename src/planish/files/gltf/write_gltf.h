@@ -88,7 +88,8 @@ struct GltfOptions {
   /// readers decode them, in model coordinates.
   std::function<void(std::span<const glm::dvec3>)> decoded;
   std::int64_t decoded_rows = 0;
-  /// With Quantize, where positions stay float32: gets how far 16 bits would move one.
+  /// With Quantize, where positions stay float32: gets how far 16 bits would move one; 0: the
+  /// translation of a tiny model would be so small that other programs leave it out.
   std::function<void(double)> kept_float;
   /// The largest buffer beside a .gltf: a surface that needs more, uncompressed, has several, each
   /// with a mesh of its own. Many programs hold a buffer in one array of at most 2 GiB.
