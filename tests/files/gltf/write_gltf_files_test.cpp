@@ -111,6 +111,27 @@ TEST_F(WriteGltfFiles, FourGibibytesAreRefusedNamingTheWayOut) {
   EXPECT_THAT(error.what(), HasSubstr("write .gltf"));
 }
 
+TEST_F(WriteGltfFiles, LargeFilesAreWarnedOf) {
+  GltfOptions options;
+  options.name = "big";
+  std::vector<Warning> warnings;
+  options.callbacks.warning = [&](const Warning& warning) { warnings.push_back(warning); };
+  const SurfaceMesh surface = wavy_grid(4, 3);
+  const auto size = encode_glb(surface, options).size();
+  EXPECT_TRUE(warnings.empty());
+  options.large_bytes = size;
+  (void)write_gltf(folder_ / "a.glb", surface, options);
+  EXPECT_TRUE(warnings.empty());
+  options.large_bytes = size - 1;
+  (void)write_gltf(folder_ / "a.glb", surface, options);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, "large-file");
+  EXPECT_THAT(warnings[0].message, HasSubstr("big: " + std::to_string(size) + " bytes"));
+  options.large_bytes = 1;  // of the buffer
+  (void)write_gltf(folder_ / "a.gltf", surface, options);
+  EXPECT_EQ(warnings.size(), 2u);
+}
+
 TEST_F(WriteGltfFiles, LayoutCountsIn64Bits) {
   const GltfLayout layout = gltf_layout(1000000000, 2000000000);
   EXPECT_EQ(layout.vertex_count, 1000000000u);

@@ -13,9 +13,6 @@ namespace {
 constexpr std::uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr std::uint32_t kGlbVersion = 2;
 
-// Many readers keep sizes in signed 32-bit numbers.
-constexpr std::uint64_t kLargeFileBytes = std::uint64_t{1} << 31;
-
 void send(std::span<const ByteSink> sinks, std::span<const std::byte> bytes) {
   for (const ByteSink& sink : sinks) sink(bytes);
 }
@@ -26,10 +23,11 @@ void send(std::span<const ByteSink> sinks, const std::array<std::uint32_t, N>& w
 }
 
 void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
-  if (bytes <= kLargeFileBytes) return;
-  options.callbacks.warn({"large-file", options.name + ": " + std::to_string(bytes) +
-                                            " bytes; many programs cannot open a glTF file above "
-                                            "2 GiB, fewer levels make it smaller"});
+  if (bytes <= options.large_bytes) return;
+  options.callbacks.warn(
+      {"large-file", options.name + ": " + std::to_string(bytes) +
+                         " bytes; many programs cannot open a glTF file as large as this, fewer "
+                         "levels make it smaller"});
 }
 
 std::vector<ByteSink> sinks_to(OutputFile& file, const GltfOptions& options) {

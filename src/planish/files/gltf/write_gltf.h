@@ -97,7 +97,10 @@ struct GltfOptions {
   /// Gets all bytes of the .glb, or of the .gltf's document, in order while they are written: for a
   /// digest.
   std::function<void(std::span<const std::byte>)> observe;
-  Callbacks callbacks;  ///< step "write"; warning "large-file" where readers may give up
+  /// Beyond this a file gets the warning "large-file": many readers keep sizes in signed 32-bit
+  /// numbers.
+  std::uint64_t large_bytes = std::uint64_t{1} << 31;
+  Callbacks callbacks;  ///< step "write"
 };
 
 /// What was written.
