@@ -296,6 +296,20 @@ TEST(WriteSurface, UsdaCarriesEverything) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
+TEST(WriteSurface, UsdaOfBlocksSaysWhichAxisIsUp) {
+  const PolygonMesh mesh = test::cube();
+  const DooSabinSurface base(mesh, {});
+  const auto blocks = base.level(1);
+  for (const bool is_z_up : {false, true}) {
+    const test::TemporaryFolder folder;
+    const auto path = folder.path() / "a.usda";
+    (void)write_surface(path, FileFormat::Usda, *blocks, {.is_z_up = is_z_up, .callbacks = {}});
+    const auto bytes = read_file(path);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    EXPECT_EQ(text.find("upAxis = \"Z\"") != text.npos, is_z_up);
+  }
+}
+
 TEST(WriteMesh, UsdaCagesSayHowTheyAreSubdivided) {
   const test::TemporaryFolder folder;
   PolygonMesh cube = test::cube();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "planish/backend/cpu_backend.h"
@@ -117,6 +118,51 @@ TEST(Interpolate, NeedsNoStepWhereTheErrorIsLowAlready) {
   EXPECT_EQ(result.iterations, 0);
   EXPECT_EQ(result.history.size(), 1u);
   EXPECT_NEAR(result.history[0].max, 8.9e-4, 0.05e-4);
+}
+
+class CountedSteps : public StepSolve {
+ public:
+  explicit CountedSteps(StepSolve& solve) : solve_(solve) {}
+  StepLog run(std::span<const StepCoefficients> steps, double stop_error) override {
+    batches.push_back(std::ssize(steps));
+    return solve_.run(steps, stop_error);
+  }
+  ErrorNorms error() override { return solve_.error(); }
+
+  std::vector<std::ptrdiff_t> batches;
+
+ private:
+  StepSolve& solve_;
+};
+
+// All at once, for a device does them without talking to the host. k steps leave 2 sigma^k, with
+// sigma = (1 - sqrt b) / (1 + sqrt b) of the spectral bound b (Golub and Varga 1961).
+TEST(Interpolate, ChebyshevOrdersTheStepsOfItsBound) {
+  for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
+    Problem problem(test::icosphere(2));
+    problem.options.tolerance = tolerance;
+    const auto backend = make_cpu_backend({.solve_precision = Precision::Double});
+    const SummedView masks(problem.masks.view());
+    const auto solve = backend->make_solve(masks);
+    std::vector<glm::dvec3> residual;
+    double initial = 0;
+    const Eigen::MatrixXd b = dense(problem.masks.view());
+    for (Eigen::Index i = 0; i < b.rows(); ++i) {
+      glm::dvec3 limit(0.0);
+      for (Eigen::Index j = 0; j < b.cols(); ++j) limit += b(i, j) * problem.given[j];
+      residual.push_back(problem.given[i] - limit);
+      initial = std::max(initial, glm::length(residual.back()));
+    }
+    solve->begin(residual);
+    CountedSteps counted(*solve);
+    Interpolation result;
+    take_steps(counted, initial, problem.options, result);
+    EXPECT_EQ(result.stop_reason, StopReason::Converged);
+    const double root = std::sqrt(problem.options.spectral_bound);
+    ASSERT_EQ(counted.batches.size(), 1u);
+    EXPECT_EQ(counted.batches[0],
+              std::ceil(std::log(0.5 * tolerance / initial) / std::log((1 - root) / (1 + root))));
+  }
 }
 
 TEST(Interpolate, TakesNoStepWhereNoneIsAllowed) {

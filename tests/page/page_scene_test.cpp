@@ -193,6 +193,26 @@ TEST(PageScene, FieldsAreThoseOfTheLibrary) {
   }
 }
 
+// A tall face over a short one, so that the surface folds.
+TEST(PageScene, FoldsHaveTheirShareOfTheWholeArea) {
+  PolygonMesh mesh = test::cube();
+  mesh.positions[0] = glm::dvec3(3, 3, 3);
+  const SceneCase c{"turned over", mesh};
+  const SurfaceMesh surface = surface_of(c, 1);
+  const std::vector<FoldedFace> folded = folded_faces(surface, mesh);
+  ASSERT_FALSE(folded.empty());
+  double whole = 0;
+  for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+    const auto face = surface.face(f);
+    whole += 0.5 * glm::length(glm::cross(surface.positions[face[2]] - surface.positions[face[0]],
+                                          surface.positions[face[3]] - surface.positions[face[1]]));
+  }
+  const PageScene scene = scene_of(c, surface);
+  EXPECT_EQ(scene.folded_faces, folded.size());
+  ASSERT_FALSE(scene.folds.empty());
+  EXPECT_NEAR(scene.folds[0].area, folded[0].area / whole, 1e-12);
+}
+
 TEST(PageScene, NamesVerticesAsTheFileDoes) {
   for (const SceneCase& c : scene_cases()) {
     const SurfaceMesh surface = surface_of(c, 1);

@@ -76,6 +76,17 @@ TEST_F(FitFilePlaces, HolesAloneMakeNoGltfAndNoStep) {
   EXPECT_TRUE(fs::exists(folder_ / "b.ply"));
 }
 
+TEST_F(FitFilePlaces, SaysWhatWasMadeWhateverTheFormat) {
+  for (const char* name : {"b.step", "b.glb"}) {
+    const FileFit done = fit_file(input_, folder_ / name);
+    EXPECT_EQ(done.byte_count, fs::file_size(folder_ / name));
+    EXPECT_GT(done.face_count, 0);
+    EXPECT_GT(done.vertex_count, 0);
+    EXPECT_EQ(done.step.has_value(), name == std::string("b.step"));
+    EXPECT_EQ(done.fitted.mesh.face_count(), 6);
+  }
+}
+
 // glTF is UTF-8: what is none stands as U+FFFD, and the material is found all the same.
 TEST_F(FitFilePlaces, MaterialsOfAnyNameAreFound) {
   std::ofstream(folder_ / "box.mtl") << "newmtl caf\xE9\nKd 0.25 0.5 1\n";

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 
 #include "camera.h"
 #include "colours.h"
 #include "overlay.h"
 #include "picture.h"
+#include "planish/files/gltf/write_gltf.h"
 #include "rasterise.h"
 #include "render_mesh.h"
 
@@ -146,6 +148,41 @@ TEST(Picture, SphereIsLitFromTheUpperLeftOnALightGround) {
   EXPECT_GT(at(33, 20), at(50, 45) + 40);
   EXPECT_LT(at(50, 45), at(1, 1));
   EXPECT_EQ(draw_picture(sphere(), options), pixels);
+}
+
+TEST(Picture, LightDoesNotDependOnWhereTheMeshIs) {
+  PictureOptions options;
+  options.width = 80;
+  options.height = 60;
+  RenderMesh moved = sphere();
+  for (glm::vec3& p : moved.positions) p += glm::vec3(4, -8, 2);
+  const auto here = draw_picture(sphere(), options), there = draw_picture(moved, options);
+  ASSERT_EQ(here.size(), there.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < here.size(); ++i) sum += std::abs(here[i] - there[i]);
+  EXPECT_LT(sum / static_cast<double>(here.size()), 0.5);  // of 255
+}
+
+TEST(RenderMesh, HasTheTrianglesOfAllPrimitives) {
+  SurfaceMesh surface;
+  surface.level = 1;
+  surface.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+  surface.normals.assign(6, glm::vec3(0, 0, 1));
+  surface.face_vertices = {0, 1, 2, 3, 1, 4, 5, 2};
+  surface.groups = {{"", "red"}, {"", "green"}};  // a primitive each
+  surface.face_groups = {0, 1};
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "two.glb";
+  (void)write_gltf(path, surface, {});
+  const RenderMesh mesh = read_glb(path);
+  std::filesystem::remove(path);
+  ASSERT_EQ(mesh.indices.size(), 12u);
+  float area = 0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const glm::vec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]],
+                    c = mesh.positions[mesh.indices[i + 2]];
+    area += 0.5f * glm::cross(b - a, c - a).z;
+  }
+  EXPECT_FLOAT_EQ(area, 2);
 }
 
 TEST(Curvature, IsTheDiagonalOverTheRadiusOnASphere) {
