@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -72,13 +74,17 @@ ViewOptions view_of(const Arguments& arguments, std::size_t input) {
 
 void run(Arguments& arguments) {
   parse_texts(arguments);
-  if (!arguments.overlay.empty()) arguments.picture.overlay = read_mesh(arguments.overlay).mesh;
+  std::optional<PolygonMesh> overlay;
+  if (!arguments.overlay.empty()) overlay = read_mesh(arguments.overlay).mesh;
   const std::size_t row = std::size_t{3} * arguments.picture.width;
   const std::size_t whole_row = row * arguments.inputs.size();
   std::vector<std::uint8_t> pixels(whole_row * arguments.picture.height);
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
     arguments.picture.view = view_of(arguments, i);
     const RenderMesh mesh = read_glb(arguments.inputs[i], arguments.attribute);
+    arguments.picture.overlay = overlay;
+    if (overlay)
+      for (glm::dvec3& p : arguments.picture.overlay->positions) p -= mesh.origin;
     if (!arguments.attribute.empty()) {
       PictureOptions& picture = arguments.picture;
       picture.scale =

@@ -4,22 +4,63 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "planish/core/json.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/gltf_accessor.h"
+#include "planish/files/gltf/gltf_budget.h"
+#include "planish/files/gltf/gltf_nodes.h"
 #include "planish/files/read_file.h"
 
 namespace planish::render {
 namespace {
 
-// Appends a primitive of triangles.
-void add_primitive(const JsonPlace& root, const JsonPlace& primitive, GltfSource& source,
-                   const std::string& attribute, RenderMesh& mesh) {
+// Turns normals as the surface turns: by cofactors, which need no inverse.
+glm::dmat3 normals_transform(const glm::dmat3& m) {
+  const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
+                             glm::cross(m[0], m[1]));
+  return glm::determinant(m) < 0 ? -cofactors : cofactors;
+}
+
+class SceneDrawing {
+ public:
+  SceneDrawing(const JsonPlace& root, GltfSource& source, std::string_view file,
+               const std::string& attribute)
+      : root_(root), source_(source), budget_({}, file), attribute_(attribute) {}
+
+  RenderMesh read() {
+    const std::vector<GltfInstance> instances = gltf_instances(root_, source_);
+    if (!instances.empty()) mesh_.origin = instances.front().to_world[3];
+    for (const GltfInstance& instance : instances) {
+      const JsonPlace primitives = root_["meshes"][instance.mesh]["primitives"];
+      for (std::int64_t i = 0; i < primitives.array_size(); ++i)
+        add_primitive(primitives[i], instance.to_world);
+    }
+    if (mesh_.indices.empty()) root_.fail("its default scene places no triangles");
+    return std::move(mesh_);
+  }
+
+ private:
+  void add_primitive(const JsonPlace& primitive, const glm::dmat4& to_world);
+
+  const JsonPlace& root_;
+  GltfSource& source_;
+  GltfBudget budget_;
+  const std::string& attribute_;
+  RenderMesh mesh_;
+};
+
+// Appends triangles.
+void SceneDrawing::add_primitive(const JsonPlace& primitive, const glm::dmat4& to_world) {
   const auto accessor = [&](const JsonPlace& place, GltfAccessor::Use use) {
-    return GltfAccessor(root, place.integer(), use, source);
+    return GltfAccessor(root_, place.integer(), use, source_);
   };
   const JsonPlace attributes = primitive["attributes"];
   const GltfAccessor positions = accessor(attributes["POSITION"], GltfAccessor::Use::Positions);
@@ -29,23 +70,26 @@ void add_primitive(const JsonPlace& root, const JsonPlace& primitive, GltfSource
   if (normals.count() != positions.count())
     attributes["NORMAL"].fail(std::to_string(normals.count()) + " normals for " +
                               std::to_string(positions.count()) + " vertices");
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  budget_.add_triangles(primitive, positions.count(), indices.count());
+  const glm::dmat3 linear(to_world), turned = normals_transform(linear);
+  const glm::dvec3 shift = glm::dvec3(to_world[3]) - mesh_.origin;
+  const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
   for (std::int64_t i = 0; i < positions.count(); ++i) {
-    mesh.positions.emplace_back(positions.position(i));
-    mesh.normals.push_back(glm::normalize(glm::vec3(normals.position(i))));
+    mesh_.positions.emplace_back(linear * positions.position(i) + shift);
+    mesh_.normals.push_back(glm::normalize(glm::vec3(turned * normals.position(i))));
   }
-  if (!attribute.empty()) {
-    const GltfAccessor values = accessor(attributes[attribute], GltfAccessor::Use::Numbers);
+  if (!attribute_.empty()) {
+    const GltfAccessor values = accessor(attributes[attribute_], GltfAccessor::Use::Numbers);
     if (values.count() != positions.count())
-      attributes[attribute].fail(std::to_string(values.count()) + " numbers for " +
-                                 std::to_string(positions.count()) + " vertices");
+      attributes[attribute_].fail(std::to_string(values.count()) + " numbers for " +
+                                  std::to_string(positions.count()) + " vertices");
     for (std::int64_t i = 0; i < values.count(); ++i)
-      mesh.values.push_back(static_cast<float>(values.value(i)));
+      mesh_.values.push_back(static_cast<float>(values.value(i)));
   }
   for (std::int64_t i = 0; i < indices.count(); ++i) {
     if (indices.index(i) >= positions.count())
       primitive["indices"].fail("entry " + std::to_string(i) + " names no vertex");
-    mesh.indices.push_back(first + indices.index(i));
+    mesh_.indices.push_back(first + indices.index(i));
   }
 }
 
@@ -58,12 +102,7 @@ RenderMesh read_glb(const std::filesystem::path& path, const std::string& attrib
   const nlohmann::json document = parse_json(parts.json, name);
   const JsonPlace root(document, name, "");
   GltfSource source(root, parts.chunk, std::nullopt);
-  RenderMesh mesh;
-  const JsonPlace primitives = root["meshes"][0]["primitives"];
-  for (std::int64_t i = 0; i < primitives.array_size(); ++i)
-    add_primitive(root, primitives[i], source, attribute, mesh);
-  if (mesh.indices.empty()) primitives.fail("holds no triangles");
-  return mesh;
+  return SceneDrawing(root, source, name, attribute).read();
 }
 
 float usual_magnitude(const std::vector<float>& values) {

@@ -8,16 +8,18 @@
 
 namespace planish::render {
 
-/// What is drawn: a triangle mesh with normals, in the file's coordinates.
+/// What is drawn: a triangle mesh with normals.
 struct RenderMesh {
+  glm::dvec3 origin{0};  ///< that positions are from, in the scene's coordinates
   std::vector<glm::vec3> positions, normals;
   std::vector<std::uint32_t> indices;
   std::vector<float> values;  ///< of the attribute that was asked for, one a vertex; else none
 };
 
-/// The first mesh of a GLB that planish wrote, compressed or not, in the coordinates of its
-/// accessors, with the numbers of an attribute (_MEAN_CURVATURE and the like) if it is named.
-/// Throws Error{UnreadableInput} for anything else.
+/// All meshes of the default scene of a GLB that planish wrote, compressed or not, where their
+/// nodes place them, from where the first one stands; with the numbers of an attribute
+/// (_MEAN_CURVATURE and the like) if it is named. Throws Error{UnreadableInput} for anything else,
+/// Error{OutOfMemory}.
 [[nodiscard]] RenderMesh read_glb(const std::filesystem::path& path,
                                   const std::string& attribute = {});
 
