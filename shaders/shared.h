@@ -69,6 +69,21 @@ struct TableParameters {
   uint further_instances;
 };
 
+// Rows of which one work group takes all steps: where that many dispatches would wait for each
+// other for little work.
+PLANISH_SHARED_CONSTANT kSmallRows = 256u;
+
+// Push constants of all_steps.
+struct AllStepsParameters {
+  uint chunk_count;
+  uint instance_rows;  // points from an instance's vectors to the next one's
+  uint instances;
+  uint step_count;  // steps that move
+  uint measured;    // and those with one that only measures, if any
+  uint first_side;
+  float stop_square;
+};
+
 // Push constants of apply_stencils. Offsets are in floats, from the start of the bound window.
 struct StencilParameters {
   uint first_chunk;

@@ -77,9 +77,12 @@ TEST_F(BenchDevice, KernelsBindTheBytesThatTheirLayoutsHold) {
   EXPECT_EQ(row(bench, "corner_patches")["figures"]["dispatches"], 1);
 }
 
-// By hand, for what each 32 lanes touch.
+// By hand, for what each 32 lanes touch; of a mesh so small that one dispatch takes all steps.
 TEST_F(BenchDevice, KernelsTouchWhatTheirLanesReadAndWrite) {
-  const json bench = run("--group kernels --repetitions 1 --points 256");
+  const json bench = run("--group kernels --hardware-kernels --repetitions 1 --points 256");
+  EXPECT_EQ(row(bench, "all_steps")["figures"]["dispatches"], 1);
+  EXPECT_EQ(row(bench, "frame")["figures"]["dispatches"], 7);
+  EXPECT_EQ(row(bench, "frame")["figures"]["barriers"], 7);
   const auto counted = [&](const std::string& peer) {
     for (const json& row : bench["rows"])
       if (row["peer"] == peer && is_by_accesses(row)) return row["figures"];

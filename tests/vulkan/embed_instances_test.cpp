@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstring>
 #include <set>
+#include <utility>
 
+#include "planish/mesh/merged_meshes.h"
 #include "planish/vulkan/device/commands.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -51,6 +53,17 @@ class EmbedInstances : public Embedding {
     return taken;
   }
 
+  // Positions and normals after five steps, and the status.
+  std::pair<std::vector<Vertex>, GpuStatus> five_steps(const PolygonMesh& mesh) {
+    HostTopology topology(*context_, mesh);
+    topology.upload(*submitter_);
+    HostFrame frame(*context_, topology);
+    SolveParameters parameters;
+    parameters.iterations = 5;
+    std::vector<Vertex> vertices = run(frame, mesh, parameters);
+    return {std::move(vertices), frame.status()};
+  }
+
   void expect_refusal(const DeviceSystem& tables, const SolveOptions& options, ErrorCode code,
                       const std::string& words) {
     const std::map<std::string, int> before = PretendedDriver::alive();
@@ -64,6 +77,24 @@ class EmbedInstances : public Embedding {
     EXPECT_EQ(PretendedDriver::alive(), before);
   }
 };
+
+// What a work group does at once has the bits of a dispatch a step, which as many copies get as are
+// not small any more.
+TEST_F(EmbedInstances, SmallOnesTakeAllStepsAtOnce) {
+  open({.variant = kHardwareVariant});
+  for (const PolygonMesh& mesh :
+       {test::icosphere(1), test::torus(12, 7, 2, 0.7), test::icosphere(2)}) {
+    std::vector<PolygonMesh> copies(256 / mesh.vertex_count() + 1, mesh);
+    const auto [vertices, status] = five_steps(mesh);
+    const auto [many, status_of_many] = five_steps(merged_meshes(copies).mesh);
+    EXPECT_EQ(status.iterations, status_of_many.iterations);
+    EXPECT_EQ(bits_of(status), bits_of(status_of_many));
+    // Given points come first.
+    ASSERT_GT(many.size(), vertices.size());
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+      ASSERT_EQ(std::memcmp(&vertices[v], &many[v], sizeof(Vertex)), 0) << v;
+  }
+}
 
 TEST_F(EmbedInstances, BitsAreThoseOfSolvesOfTheirOwn) {
   const PolygonMesh meshes[] = {test::icosphere(1), test::torus(12, 7, 2, 0.7),

@@ -24,7 +24,7 @@ using namespace vulkan;
 // Iterations in the submission; one step more measures.
 constexpr std::uint32_t kTimedIterations = 4;
 constexpr std::uint32_t kCopySpans = 2;
-constexpr std::int32_t kCountedPoints = 256;
+constexpr std::int32_t kCountedPoints = 400;  // more than kSmallRows
 constexpr std::int32_t kCountedHub = 512;
 constexpr std::uint64_t kSoftwareCopyBytes = 64u << 20;  // caches hold less, and it takes longer
 

@@ -52,7 +52,17 @@ GpuSolve::GpuSolve(const Maker& on, const DeviceTable& masks, const GpuSolveOpti
   full_arguments_ = Buffer(on, argument_bytes, MemoryUse::Upload, "planish work groups");
   arguments_ = Buffer(on, argument_bytes, MemoryUse::Device, "planish work groups left");
   write_full_arguments();
+  is_small_ = takes_all_steps();
   bind(on);
+}
+
+// On software devices barriers within a work group cost more than those between dispatches.
+bool GpuSolve::takes_all_steps() const {
+  if (sums_squares_ || context_.variant().read_path != ReadPath::Storage) return false;
+  if (masks_.slices().size() != 1 || masks_.row_count() > std::int32_t{shared::kSmallRows})
+    return false;
+  const TableSlice& rows = masks_.slices()[0].rows;
+  return rows.chunk_count <= shared::kSmallRows / shared::kChunkRows && rows.first_source == 0;
 }
 
 void GpuSolve::write_full_arguments() {
@@ -79,9 +89,16 @@ void GpuSolve::bind(const Maker& on) {
             own(initial_), own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
     }
   step_sets_ = DescriptorSets(on, bound);
-  const BoundKernel finish[] = {{Kernel::ReduceRms, {whole(partials_), whole(steps_)}},
-                                {Kernel::FinishSolve, {whole(steps_), whole(status_)}},
-                                {Kernel::StopTest, {whole(steps_), whole(arguments_)}}};
+  std::vector<BoundKernel> finish = {{Kernel::ReduceRms, {whole(partials_), whole(steps_)}},
+                                     {Kernel::FinishSolve, {whole(steps_), whole(status_)}},
+                                     {Kernel::StopTest, {whole(steps_), whole(arguments_)}}};
+  if (is_small_) {
+    const DeviceTable::Slice& slice = masks_.slices()[0];
+    finish.push_back(
+        {Kernel::AllSteps,
+         {whole(slice.entries), whole(slice.chunks), whole(sides_[0]), whole(sides_[1]),
+          whole(sides_[2]), whole(initial_), whole(plan_), whole(status_)}});
+  }
   finish_sets_ = DescriptorSets(on, finish);
 }
 
@@ -189,8 +206,28 @@ Wait GpuSolve::record_end(VkCommandBuffer commands, const StepRun& run,
   return {kKernelScope, kEntryScope};
 }
 
+Wait GpuSolve::record_all_steps(VkCommandBuffer commands, const StepRun& run) const noexcept {
+  shared::AllStepsParameters parameters{};
+  parameters.chunk_count = masks_.parameters(0).chunk_count;
+  parameters.instance_rows =
+      static_cast<std::uint32_t>(instances_.stride(std::uint64_t(masks_.row_count())));
+  parameters.instances = instances_.count;
+  parameters.step_count = run.count;
+  parameters.measured = run.count + (run.measures_last ? 1 : 0);
+  parameters.first_side = run.first_side;
+  parameters.stop_square = run.stop_square;
+  record_dispatch(context_, commands, Kernel::AllSteps, finish_sets_[3], &parameters, 1,
+                  instances_.count);
+  return {kKernelScope, kEntryScope};
+}
+
 Wait GpuSolve::record_round(VkCommandBuffer commands, const StepRun& run,
                             std::uint32_t round) const noexcept {
+  if (is_small_) {
+    // Of the first round others write what the steps read.
+    if (round == 0) return kKernelWait;
+    return round == 1 ? record_all_steps(commands, run) : Wait{};
+  }
   if (round == 0) return record_begin(commands, run);
   const auto slices = static_cast<std::uint32_t>(masks_.slices().size());
   const std::uint32_t measured = run.count + (run.measures_last ? 1 : 0);

@@ -28,8 +28,9 @@ struct StepRun {
 
 /// Work buffers and written descriptor sets of one interpolation on the device. The displacement
 /// goes round in three buffers, its sides: a step reads two and writes the third, so that a stop
-/// leaves both what the result needs and what going on needs. Externally synchronised; the table
-/// outlives it. Recording cannot fail, and only records.
+/// leaves both what the result needs and what going on needs. Of small instances one dispatch takes
+/// all steps, with a work group each, and leaves the plan's copies as they are. Externally
+/// synchronised; the table outlives it. Recording cannot fail, and only records.
 class GpuSolve {
  public:
   /// `masks` was made with includes_own_rows. Throws Error{OutOfMemory} naming the limit.
@@ -69,6 +70,8 @@ class GpuSolve {
 
  private:
   void bind(const Maker& on);
+  [[nodiscard]] bool takes_all_steps() const;
+  Wait record_all_steps(VkCommandBuffer commands, const StepRun& run) const noexcept;
   void write_full_arguments();
   void copy_plan(VkCommandBuffer commands, std::uint32_t count, bool measures_last) const noexcept;
   Wait record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept;
@@ -88,7 +91,8 @@ class GpuSolve {
   DescriptorSets step_sets_;    // slice * 3 + side
   Buffer full_arguments_;       // of the indirect dispatches, one per slice
   Buffer arguments_;            // the same, until an error is low enough
-  DescriptorSets finish_sets_;  // reduce_rms, finish_solve, stop_test
+  DescriptorSets finish_sets_;  // reduce_rms, finish_solve, stop_test; all_steps if they are
+  bool is_small_ = false;       // one dispatch takes all steps, and writes the status
 };
 
 }  // namespace planish::vulkan
