@@ -145,6 +145,18 @@ PolygonMesh gear(int n) {
   return mesh;
 }
 
+// One face of n corners, each at its boundary.
+PolygonMesh leaf(int n) {
+  PolygonMesh mesh;
+  std::vector<std::int32_t> face;
+  for (int i = 0; i < n; ++i) {
+    mesh.positions.push_back(on_circle(i, n, 1 + 0.1 * std::cos(6.0 * i / n), 0));
+    face.push_back(i);
+  }
+  mesh.add_face(face);
+  return mesh;
+}
+
 // Two hubs whose edges all turn, up and down in turns: a square where each is held against all.
 PolygonMesh folded_hubs(int n) {
   PolygonMesh mesh = bipyramid(n);
@@ -234,7 +246,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"folded_hubs", folded_hubs, {1500, 100, 50}},
                     Case{"chamfered_prism", chamfered_prism, {1500, 10, 40}},
                     // Chords are tried against a few places of each part: a sum that has an end.
-                    Case{"comb", comb, {2500, 10, 600}},
+                    Case{"comb", comb, {2500, 10, 600}}, Case{"leaf", leaf, {1500, 20, 40}},
                     Case{"hub_on_boundary", open_fan, {900, 10, 12}},
                     Case{"hubs_of_a_hundred", hubs_of_a_hundred, {900, 10, 12}, 2, 10},
                     Case{"crossing_slivers", crossing_slivers, {18'000, 400, 50}, 100, 1000},

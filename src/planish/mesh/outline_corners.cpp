@@ -4,7 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <unordered_map>
 
+#include "planish/core/work.h"
 #include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 
@@ -28,7 +30,7 @@ class BoundaryTurns {
   BoundaryTurns(const PolygonMesh& mesh, const MeshTopology& topology)
       : mesh_(mesh), topology_(topology) {}
 
-  [[nodiscard]] Turns at(std::int32_t before, std::int32_t vertex, std::int32_t behind) const {
+  [[nodiscard]] Turns at(std::int32_t before, std::int32_t vertex, std::int32_t behind) {
     const glm::dvec3 in = mesh_.positions[vertex] - mesh_.positions[before];
     const glm::dvec3 out = mesh_.positions[behind] - mesh_.positions[vertex];
     double reach = 0;
@@ -38,7 +40,7 @@ class BoundaryTurns {
 
  private:
   // 0 to a whole turn: beyond half of one where the face turns inward.
-  [[nodiscard]] double angle_of(std::int32_t corner) const {
+  [[nodiscard]] double angle_of(std::int32_t corner) {
     const std::int32_t vertex = topology_.vertex_of(corner);
     const glm::dvec3 at = mesh_.positions[vertex];
     const glm::dvec3 to = mesh_.positions[topology_.vertex_of(topology_.next(corner))] - at;
@@ -46,12 +48,23 @@ class BoundaryTurns {
     const glm::dvec3 across = glm::cross(to, from);
     const double angle = angle_between(to, from);
     if (topology_.face_size(topology_.face_of(corner)) == 3) return angle;
-    const glm::dvec3 area = area_vector(mesh_.positions, topology_.face(topology_.face_of(corner)));
+    const glm::dvec3 area = area_of(topology_.face_of(corner));
     return glm::dot(across, area) < 0 ? 2 * std::numbers::pi - angle : angle;
+  }
+
+  // Of a face whose corners may all lie at a boundary and ask it, once.
+  [[nodiscard]] glm::dvec3 area_of(std::int32_t face) {
+    const auto [at, is_new] = areas_.try_emplace(face);
+    if (is_new) {
+      count_work(Work::Pairs, topology_.face_size(face));
+      at->second = area_vector(mesh_.positions, topology_.face(face));
+    }
+    return at->second;
   }
 
   const PolygonMesh& mesh_;
   const MeshTopology& topology_;
+  std::unordered_map<std::int32_t, glm::dvec3> areas_;
 };
 
 // Adds the corners of a loop, given by its vertices and their turns, if they are clear.
@@ -83,7 +96,7 @@ void add_clear(const std::vector<std::int32_t>& loop, const std::vector<Turns>& 
 
 std::vector<std::int32_t> outline_corners(const PolygonMesh& mesh, const MeshTopology& topology,
                                           double corner_degrees) {
-  const BoundaryTurns turns_of(mesh, topology);
+  BoundaryTurns turns_of(mesh, topology);
   std::vector<std::int32_t> corners, loop;
   std::vector<Turns> turns;
   std::vector<std::uint8_t> seen(static_cast<std::size_t>(topology.vertex_count()), 0);
