@@ -297,7 +297,7 @@ TEST(PartRows, TagsAndWholeMeshesAreRefusedAsOnOneMachine) {
         });
       };
       EXPECT_EQ(refusal(flat).code, kUnusable);
-      EXPECT_EQ(refusal({}).message, "mesh: the mesh has no faces");
+      EXPECT_EQ(refusal({}).message, std::string("mesh: ") + kNoFacesMessage);
     });
 }
 

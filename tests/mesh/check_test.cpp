@@ -44,10 +44,13 @@ TEST(Check, PassesUnusedVertices) {
 }
 
 TEST(Check, NoFaces) {
-  EXPECT_THAT(messages(PolygonMesh{}), ElementsAre("no-faces -1: the mesh has no faces"));
+  const std::string none =
+      "no-faces -1: the mesh has no faces; give it some, or save its vertices as points (.xyz, "
+      ".ply)";
+  EXPECT_THAT(messages(PolygonMesh{}), ElementsAre(none));
   PolygonMesh no_offsets = cube();
   no_offsets.face_offsets.clear();
-  EXPECT_THAT(messages(no_offsets), ElementsAre("no-faces -1: the mesh has no faces"));
+  EXPECT_THAT(messages(no_offsets), ElementsAre(none));
 }
 
 // Vertices that no face names do not count.

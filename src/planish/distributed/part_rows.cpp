@@ -192,7 +192,7 @@ PartRows make_rows(const Ranks& ranks, const MeshPart& part, const std::string& 
     found.insert(found.end(), maker.found().begin(), maker.found().end());
   });
   if (ranks.rank == 0 && face_total == 0)
-    found.push_back({MeshProblemKind::NoFaces, -1, "the mesh has no faces"});
+    found.push_back({MeshProblemKind::NoFaces, -1, kNoFacesMessage});
   const bool is_sound_so_far = sum_over(ranks, static_cast<std::int64_t>(found.size())) == 0;
   if (is_sound_so_far && !has_extent_over(ranks, part) && ranks.rank == 0)
     found.push_back({MeshProblemKind::NoExtent, -1,

@@ -76,7 +76,7 @@ bool Inspection::counts_fit() {
   const auto faces = static_cast<std::int64_t>(mesh_.face_offsets.size()) - 1;
   const auto largest = static_cast<std::int64_t>(
       std::max({mesh_.positions.size(), mesh_.face_offsets.size(), mesh_.face_vertices.size()}));
-  if (faces <= 0) add(Kind::NoFaces, -1, "the mesh has no faces");
+  if (faces <= 0) add(Kind::NoFaces, -1, kNoFacesMessage);
   if (largest > kMaxInt32)
     add(Kind::TooLarge, -1,
         formatted("the mesh has {} vertices, faces or corners, at most {} can be addressed",

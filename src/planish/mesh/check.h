@@ -35,6 +35,10 @@ inline constexpr double kMaxCoordinate = 1e150;
 /// OpenSubdiv's limit on the corners of a face and on the faces and edges at a vertex.
 inline constexpr std::int32_t kMaxValence = 65535;
 
+/// What is said of NoFaces.
+inline constexpr const char* kNoFacesMessage =
+    "the mesh has no faces; give it some, or save its vertices as points (.xyz, .ply)";
+
 /// Stable name, e.g. "non-manifold-edge"; used in reports.
 [[nodiscard]] std::string_view name_of(MeshProblemKind kind);
 
