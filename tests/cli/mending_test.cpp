@@ -83,6 +83,38 @@ TEST_F(Mending, WeldsATornMeshWhereAsked) {
   EXPECT_EQ(run_planish({"verify", path("cage.obj"), torn}).exit_code, 0);
 }
 
+TEST_F(Mending, PartsThatAreInsideOutAreTold) {
+  const auto cube = [&](bool is_turned) {
+    std::string text;
+    for (int i = 0; i < 8; ++i) {
+      for (int k = 0; k < 3; ++k)
+        text += k == 0 ? "v " : " ", text += (i >> k & 1) != 0 ? "1" : "0";
+      text += "\n";
+    }
+    for (std::vector<int> face : {std::vector{1, 3, 4, 2},
+                                  {5, 6, 8, 7},
+                                  {1, 2, 6, 5},
+                                  {3, 7, 8, 4},
+                                  {1, 5, 7, 3},
+                                  {2, 4, 8, 6}}) {
+      if (is_turned) std::ranges::reverse(face);
+      text += "f";
+      for (const int v : face) text += " " + std::to_string(v);
+      text += "\n";
+    }
+    return text;
+  };
+  EXPECT_TRUE(report_of(write("cube.obj", cube(false)), {})["warnings"].empty());
+  const std::string turned = write("turned.obj", cube(true));
+  const nlohmann::json report = report_of(turned, {});
+  ASSERT_EQ(report["warnings"].size(), 1u);
+  EXPECT_EQ(report["warnings"][0]["code"], "inside-out");
+  EXPECT_EQ(report["warnings"][0]["first"], 0);
+  EXPECT_THAT(summary_, HasSubstr(turned + ": closed parts whose faces look inward: 1, first at "
+                                           "face 0; renderers that draw front faces alone show "
+                                           "them from inside; turn the faces over"));
+}
+
 TEST_F(Mending, TornVerticesAreTold) {
   const std::string torn = write("torn.obj", torn_cube_obj(0));
   const std::string wanted =

@@ -33,10 +33,7 @@ class ConcurrentSets {
     }
   }
 
- private:
-  [[nodiscard]] std::atomic_ref<std::int32_t> place(std::int32_t element) {
-    return std::atomic_ref(parents_[element]);
-  }
+  /// The lowest element of its set, once no thread unites any.
   [[nodiscard]] std::int32_t find(std::int32_t element) {
     std::int32_t parent = place(element).load(std::memory_order_relaxed);
     while (parent != element) {
@@ -49,6 +46,11 @@ class ConcurrentSets {
       parent = place(element).load(std::memory_order_relaxed);
     }
     return element;
+  }
+
+ private:
+  [[nodiscard]] std::atomic_ref<std::int32_t> place(std::int32_t element) {
+    return std::atomic_ref(parents_[element]);
   }
 
   RawVector<std::int32_t> parents_;
