@@ -1,5 +1,7 @@
 // What the lanes of a work group of kGroupLanes have, put together: each gets the result. In halves, so always
 // in the same order. All lanes of the group must call.
+#ifndef PLANISH_GROUP_FOLD
+#define PLANISH_GROUP_FOLD
 const uint kGroupLanes = 64u;
 shared vec4 lane_values[kGroupLanes];
 
@@ -35,3 +37,4 @@ vec2 sum_before(vec2 value) {
   for (uint i = 0u; i < gl_LocalInvocationIndex; ++i) sum += lane_values[i].xy;
   return sum;
 }
+#endif

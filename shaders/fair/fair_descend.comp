@@ -1,5 +1,5 @@
 // The step along the direction of every control point: its height, its residual after it, and the
-// residuals' preconditioned square sum.
+// residuals' preconditioned square sum, by whose change the last direction is part of the next one.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -9,12 +9,16 @@ READ(1, FairPlace, places)
 READ(2, float, gradient)
 READ(3, float, precondition)
 READ(4, vec4, motions)
-READ_STORED(5, FairScalars, scalars);
+UPDATE(5, FairScalars, scalars);
 WRITE(6, vec4, next);
-WRITE(7, float, partials);
+UPDATE_TOGETHER(7, float, partials);
 
 #include "fair_motion.glsl"
+#include "fair_total.glsl"
 #include "fair_walk.glsl"
+
+// Of the first residual's square: single precision reaches no lower.
+const float kConverged = 1e-12;
 
 // Returns the square sum of what the lane walks around.
 float descend(FairVertex vertex, float scale, float step, float momentum) {
@@ -33,6 +37,18 @@ float descend(FairVertex vertex, float scale, float step, float momentum) {
   return square / scale;
 }
 
+void write_momentum(float square) {
+  if (parameters.start != 0u) {
+    scalars[0].step = 0.0;
+    scalars[0].momentum = 0.0;
+    scalars[0].enough = kConverged * square;
+  } else {
+    float momentum = scalars[0].square > 0.0 ? square / scalars[0].square : 0.0;
+    scalars[0].momentum = is_finite(momentum) ? momentum : 0.0;
+  }
+  scalars[0].square = square;
+}
+
 void main() {
   float total = 0.0;
   float step = scalars[0].step, momentum = scalars[0].momentum;
@@ -44,6 +60,5 @@ void main() {
     FairVertex vertex = vertices_at(v);
     if (is_walked(vertex.count)) total += descend(vertex, scale, step, momentum);
   }
-  total = group_sum(total);
-  if (gl_LocalInvocationIndex == 0u) partials[parameters.first_partial + gl_WorkGroupID.x] = total;
+  if (is_total(total)) write_momentum(total);
 }

@@ -1,5 +1,5 @@
 // What the direction of descent, turned by what the last step found, does to the two lines through
-// every control point, and the square sum of it.
+// every control point, and from the square sum of it the length of the step.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -8,12 +8,24 @@ READ(0, FairLinks, links)
 READ(1, vec4, rows1)
 READ(2, vec4, rows2)
 READ(3, vec4, motions)
-READ_STORED(4, FairScalars, scalars);
+UPDATE(4, FairScalars, scalars);
 WRITE(5, vec2, lines);
-WRITE(6, float, partials);
+UPDATE_TOGETHER(6, float, partials);
 
 #include "fair_motion.glsl"
-#include "group_fold.glsl"
+#include "fair_total.glsl"
+
+// The residual's square by the curvature along the direction.
+void write_step_length(float curvature) {
+  if (parameters.start != 0u) {
+    scalars[0].step = 1.0;
+    return;
+  }
+  float square = scalars[0].square;
+  // No step once it has converged, or where numbers have left single precision.
+  float step = square > scalars[0].enough && curvature > 0.0 ? square / curvature : 0.0;
+  scalars[0].step = is_finite(step) ? step : 0.0;
+}
 
 void main() {
   float sum = 0.0;
@@ -32,6 +44,5 @@ void main() {
     lines[c] = line;
     sum += dot(line, line);
   }
-  sum = group_sum(sum);
-  if (gl_LocalInvocationIndex == 0u) partials[gl_WorkGroupID.x] = sum;
+  if (is_total(sum)) write_step_length(sum);
 }

@@ -116,6 +116,7 @@ struct FairScalars {
   float step;         // along the direction
   float momentum;     // of the last direction in the next
   uint largest_bits;  // of the mean diagonals
+  uint parts;         // of a sum, that work groups have written
 };
 
 // Push constants of the fair construction's kernels.
@@ -123,7 +124,7 @@ struct FairParameters {
   uint count;                                    // elements to do
   uint place;                                    // of repair's counts
   uint start;                                    // 1: the polish or the cure begins
-  uint partial_count;                            // partial sums
+  uint partial_count;                            // partial sums of a round
   uint first_partial;                            // of those, this dispatch's
   float x, y, z;                                 // origin of the unit coordinates
   float scale;                                   // model units of one unit

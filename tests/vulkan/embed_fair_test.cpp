@@ -93,6 +93,7 @@ TEST_F(EmbedFair, SurfaceEqualsTheCpus) {
       {"unused vertex", unused},
       {"needles", test::needle_rod(24, 6)},
       {"creased needles", test::creased_rod(24, 6)},
+      {"hubs of 40", test::needle_rod(40, 6)},
       {"boundary needles", test::needle_tube(24, 2, 0.4)}};
   for (const test::NamedMesh& mesh : meshes)
     for (const int level : {0, 1, 2}) {

@@ -25,7 +25,8 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 class FairScalarKernels : public FairReads {
  protected:
-  // Runs one work group of `kernel` on both arrays, whose new contents they get.
+  // Runs one work group of `kernel` on both arrays, whose new contents they get; the other arrays
+  // that it binds are not read.
   void run(vulkan::Kernel kernel, const FairParameters& parameters, std::vector<float>& floats,
            FairScalars& scalars) {
     vulkan::Context& context = machine_->context;
@@ -35,8 +36,13 @@ class FairScalarKernels : public FairReads {
     std::vector<FairScalars> one{scalars};
     machine_->submitter.upload({first.handle(), 0, 4 * floats.size()}, bytes_of(floats));
     machine_->submitter.upload({second.handle(), 0, sizeof scalars}, bytes_of(one));
-    const std::vector<vulkan::BoundKernel> bound{
-        {kernel, {vulkan::whole(first), vulkan::whole(second)}}};
+    const vulkan::Buffer other = vulkan::make_bindable(context, 64, "not read");
+    const auto a = vulkan::whole(first), b = vulkan::whole(second), none = vulkan::whole(other);
+    std::vector<vulkan::BoundKernel> bound{{kernel, {a, b}}};
+    if (kernel == vulkan::Kernel::FairLines)
+      bound[0].buffers = {none, none, none, none, b, none, a};
+    if (kernel == vulkan::Kernel::FairDescend)
+      bound[0].buffers = {none, none, none, none, none, b, none, a};
     const vulkan::DescriptorSets sets(context, bound);
     const vulkan::Pipeline pipeline = context.pipelines().specialised(kernel, {});
     machine_->submitter.run([&](VkCommandBuffer commands) {
@@ -48,11 +54,15 @@ class FairScalarKernels : public FairReads {
 
   FairScalars total(vulkan::Kernel kernel, std::vector<float> partials, FairScalars scalars,
                     bool start = false) {
+    // The last work group, which has no elements itself.
+    scalars.parts = static_cast<std::uint32_t>(partials.size());
+    partials.push_back(kNone);
     FairParameters parameters{};
-    parameters.count = 1;
     parameters.start = start ? 1 : 0;
-    parameters.partial_count = static_cast<std::uint32_t>(partials.size());
+    parameters.first_partial = scalars.parts;
+    parameters.partial_count = scalars.parts + 1;
     run(kernel, parameters, partials, scalars);
+    EXPECT_EQ(scalars.parts, 0u);
     return scalars;
   }
 };
@@ -75,17 +85,34 @@ double sum_of(std::span<const float> partials) {
   return sum;
 }
 
+// Others write no scalars, and leave the sum to the last one.
+TEST_P(FairScalarKernels, WorkGroupsBeforeTheLastOneWaitForNothing) {
+  for (const vulkan::Kernel kernel : {vulkan::Kernel::FairLines, vulkan::Kernel::FairDescend}) {
+    std::vector<float> partials = {3, kNone, 5};
+    FairScalars scalars{9, 8, 7, 6, 5, 1};
+    FairParameters parameters{};
+    parameters.first_partial = 1;
+    parameters.partial_count = 3;
+    run(kernel, parameters, partials, scalars);
+    EXPECT_EQ(partials[1], 0.0f);
+    EXPECT_EQ(scalars.parts, 2u);
+    EXPECT_EQ(scalars.square, 9.0f);
+    EXPECT_EQ(scalars.step, 7.0f);
+    EXPECT_EQ(scalars.momentum, 6.0f);
+  }
+}
+
 TEST_P(FairScalarKernels, MomentumIsTheChangeOfTheSquare) {
   for (const std::vector<float>& partials : some_partials()) {
     const double sum = sum_of(partials);
     const FairScalars begun =
-        total(vulkan::Kernel::FairMomentum, partials, {9, 9, 9, 9, 9}, /*start=*/true);
+        total(vulkan::Kernel::FairDescend, partials, {9, 9, 9, 9, 9, 0}, /*start=*/true);
     EXPECT_NEAR(begun.square, sum, 1e-6 * sum);
     EXPECT_NEAR(begun.enough, 1e-12 * sum, 1e-18 * sum);
     EXPECT_EQ(begun.step, 0.0f);
     EXPECT_EQ(begun.momentum, 0.0f);
     EXPECT_EQ(begun.largest_bits, 9u);
-    const FairScalars next = total(vulkan::Kernel::FairMomentum, partials, {3, 4, 5, 6, 7});
+    const FairScalars next = total(vulkan::Kernel::FairDescend, partials, {3, 4, 5, 6, 7, 0});
     EXPECT_NEAR(next.square, sum, 1e-6 * sum);
     EXPECT_NEAR(next.momentum, sum / 3, 1e-6 * sum);
     EXPECT_EQ(next.enough, 4.0f);
@@ -96,7 +123,7 @@ TEST_P(FairScalarKernels, MomentumIsTheChangeOfTheSquare) {
 
 TEST_P(FairScalarKernels, MomentumOfWhatIsNoNumberIsNone) {
   const auto momentum = [&](float square, float before) {
-    return total(vulkan::Kernel::FairMomentum, {1, square, 1}, {before, 0, 0, 9, 0}).momentum;
+    return total(vulkan::Kernel::FairDescend, {1, square, 1}, {before, 0, 0, 9, 0, 0}).momentum;
   };
   EXPECT_EQ(momentum(kInfinite, 1), 0.0f);
   EXPECT_EQ(momentum(kInfinite, kInfinite), 0.0f);
@@ -110,20 +137,20 @@ TEST_P(FairScalarKernels, MomentumOfWhatIsNoNumberIsNone) {
 
 TEST_P(FairScalarKernels, StepIsTheSquareByTheCurvature) {
   for (const std::vector<float>& partials : some_partials()) {
-    const FairScalars made = total(vulkan::Kernel::FairStepLength, partials, {3, 1, 9, 6, 7});
+    const FairScalars made = total(vulkan::Kernel::FairLines, partials, {3, 1, 9, 6, 7, 0});
     const double step = 3 / sum_of(partials);
     EXPECT_NEAR(made.step, step, 1e-6 * step);
     EXPECT_EQ(made.square, 3.0f);
     EXPECT_EQ(made.momentum, 6.0f);
     const FairScalars begun =
-        total(vulkan::Kernel::FairStepLength, partials, {3, 1, 9, 6, 7}, /*start=*/true);
+        total(vulkan::Kernel::FairLines, partials, {3, 1, 9, 6, 7, 0}, /*start=*/true);
     EXPECT_EQ(begun.step, 1.0f);
   }
 }
 
 TEST_P(FairScalarKernels, NoStepWhereConvergedOrNoNumber) {
   const auto step = [&](float curvature, float square, float enough) {
-    return total(vulkan::Kernel::FairStepLength, {curvature}, {square, enough, 9, 0, 0}).step;
+    return total(vulkan::Kernel::FairLines, {curvature}, {square, enough, 9, 0, 0, 0}).step;
   };
   EXPECT_EQ(step(2, 1, 0), 0.5f);
   EXPECT_EQ(step(2, 1, 1), 0.0f);
@@ -145,7 +172,7 @@ TEST_P(FairScalarKernels, PreconditionIsOneOverTheDiagonal) {
   const std::vector<float> given = diagonals;
   FairParameters parameters{};
   parameters.count = 199;
-  FairScalars scalars{1, 2, 3, 4, std::bit_cast<std::uint32_t>(kLargest)};
+  FairScalars scalars{1, 2, 3, 4, std::bit_cast<std::uint32_t>(kLargest), 0};
   run(vulkan::Kernel::FairPrecondition, parameters, diagonals, scalars);
   for (std::size_t i = 0; i < 199; ++i) {
     const double floored = std::max(double{given[i]}, 1e-14 * double{kLargest});

@@ -35,19 +35,14 @@ struct GpuFair::Binder {
     return passes.emplace_back(pass);
   }
 
-  // A kernel that writes a partial sum for each of its work groups, of which there is at least one.
+  // A kernel that adds up over its work groups, of which there is at least one.
   Pass& add_sum(Passes& passes, Kernel kernel, std::uint32_t count,
                 std::initializer_list<const Buffer*> buffers, std::uint32_t large_count = 0) {
     Pass& pass = add(passes, kernel, count, buffers, large_count);
     pass.groups = std::clamp(pass.groups, 1u, shared::kMostSumGroups);
     pass.large_groups = std::min(pass.large_groups, shared::kMostSumGroups);
+    pass.parameters.partial_count = pass.groups + pass.large_groups;
     return pass;
-  }
-
-  // The kernel of one work group that adds up what the last pass wrote.
-  void add_total(Passes& passes, Kernel kernel, std::initializer_list<const Buffer*> buffers) {
-    const std::uint32_t partial_count = passes.back().groups + passes.back().large_groups;
-    add(passes, kernel, 1, buffers).parameters.partial_count = partial_count;
   }
 };
 

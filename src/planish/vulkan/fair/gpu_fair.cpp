@@ -202,14 +202,12 @@ void GpuFair::plan_polish_step(Binder& binder, Passes& passes, const Buffer& fro
   Buffers& b = buffers_;
   binder.add_sum(passes, Kernel::FairLines, t.corner_count,
                  {&t.links, &b.rows1, &b.rows2, &from, &b.scalars, &b.lines, &b.partials});
-  binder.add_total(passes, Kernel::FairStepLength, {&b.partials, &b.scalars});
   binder.add(passes, Kernel::FairGradient, t.corner_count,
              {&t.links, &b.rows1, &b.rows2, &b.lines, &b.gradient});
   binder.add_sum(
       passes, Kernel::FairDescend, t.vertex_count,
       {&t.vertices, &t.places, &b.gradient, &b.precondition, &from, &b.scalars, &to, &b.partials},
       t.large_vertex_count);
-  binder.add_total(passes, Kernel::FairMomentum, {&b.partials, &b.scalars});
 }
 
 void GpuFair::plan_finish(Binder& binder, const Buffer& model_points) {
