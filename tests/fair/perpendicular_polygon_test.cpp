@@ -12,6 +12,7 @@
 
 #include "fair/fair_case.h"
 #include "planish/fair/net_samples.h"
+#include "planish/fair/perpendicular_curve.h"
 #include "planish/fair/smallest_cap.h"
 #include "planish/fair/vertex_frame.h"
 #include "support/meshes.h"
@@ -159,6 +160,49 @@ TEST(SmallestCap, TiltsANormalOnlyAsFarAsItMust) {
   const double cosine = least_face_cosine(topology, face_normals, 7, tilted);
   EXPECT_GE(cosine, 0.2 / std::sqrt(3.0) - 0.01);
   EXPECT_LT(cosine, 0.2 / std::sqrt(3.0) + 0.02);
+}
+
+// Nothing can be built about a curve without a direction: what stands there comes half as near.
+TEST(PerpendicularCrease, WithoutADirectionItsPointsComeHalfAsNear) {
+  const FairCase c(flat_grid(2, 2));
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  constexpr int32_t kVertex = 1;  // in the middle of a side
+  ASSERT_EQ(topology.kind(kVertex), VertexKind::Crease);
+  const auto sector = topology.sectors[static_cast<std::size_t>(
+      topology.sector_offsets[topology.crease_of_vertex[kVertex]])];
+  const dvec3 offset(1, 2, 3);
+  std::vector<dvec3> offsets(static_cast<std::size_t>(topology.state_size), offset);
+  offsets[static_cast<std::size_t>(sector.curve0)] = dvec3(0.0);
+  std::vector<dvec3> expected = offsets;
+  for (const int32_t corner : topology.ring(sector).corners)
+    expected[static_cast<std::size_t>(corner)] = 0.5 * offset;
+  expected[static_cast<std::size_t>(sector.curve1)] = 0.5 * offset;
+  const std::vector<dvec3> face_normals = unit_face_normals(topology, c.given);
+  const FaceHeights heights(topology, c.given);
+  glm::vec2 lean(0.0F);
+  PerpendicularScratch scratch;
+  build_perpendicular_crease({topology, c.given, face_normals, offsets, heights, kVertex}, lean,
+                             scratch);
+  EXPECT_EQ(offsets, expected);
+}
+
+// The fan's point of a square lies on its diagonal: with control points a tenth of the sides along
+// them, and one a tenth of the square, it has gone a tenth of the way to the opposite side.
+TEST(FanPoint, IsMeasuredAlongTheWayToTheOppositeSide) {
+  const FairCase c(flat_grid(2, 2));
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  constexpr int32_t kVertex = 0;  // of one square
+  const auto corner =
+      topology.ring_corners[static_cast<std::size_t>(topology.ring_offsets[kVertex])];
+  const auto at = [](int32_t index) { return static_cast<std::size_t>(index); };
+  const dvec3 along = c.given[1] - c.given[0], across = c.given[3] - c.given[0];
+  for (const double part : {0.1, 0.4, 2.0}) {
+    std::vector<dvec3> offsets(at(topology.state_size), dvec3(0.0));
+    offsets[at(corner)] = part * (along + across);
+    offsets[at(topology.corner_cw[at(corner)])] = part * along;
+    offsets[at(topology.corner_ccw[at(corner)])] = part * across;
+    EXPECT_NEAR(farthest_fan_point(topology, c.given, offsets, kVertex), part, 1e-12);
+  }
 }
 
 }  // namespace
