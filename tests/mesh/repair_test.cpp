@@ -123,6 +123,15 @@ TEST(Repair, TurnsTheMinorityRound) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(turned[i], original[(start + i) % 4]);
 }
 
+// By one face already, and whichever comes first.
+TEST(Repair, TurnsOneFaceOfThree) {
+  for (const std::int32_t face : {0, 1, 2}) {
+    PolygonMesh mesh = test::mesh_of(8, {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}});
+    std::reverse(mesh.face_vertices.begin() + 4 * face, mesh.face_vertices.begin() + 4 * face + 4);
+    EXPECT_THAT(repair(mesh).changed_faces, ElementsAre(face));
+  }
+}
+
 TEST(Repair, SeparatesThreeSheetsAlongTheirEdges) {
   // Three quads around the line 0-1-2, two quads long: all three become corners.
   const PolygonMesh mesh = test::mesh_of(
