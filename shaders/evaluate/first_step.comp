@@ -17,10 +17,10 @@ READ(4, vec4, moved)
 WRITE(5, vec4, state);
 layout(std430, set = 0, binding = 6) restrict readonly buffer Listed { uint listed[]; };
 
+#include "ring_fold.glsl"
 #include "step_points.glsl"
 
 const uint kStepLanes = 64u;
-shared vec3 means[kStepLanes], evens[kStepLanes], odds[kStepLanes];
 
 vec2 turn_at(uint place, uint i) {
   return vec2(uintBitsToFloat(words_at(place + 2u * i)),
@@ -39,18 +39,9 @@ void step_large_face(uint head, uint lane) {
     even += turn.x * x;
     odd += turn.y * x;
   }
-  means[lane] = mean, evens[lane] = even, odds[lane] = odd;
-  for (uint half_count = kStepLanes / 2u; half_count > 0u; half_count /= 2u) {
-    barrier();
-    if (lane < half_count) {
-      means[lane] += means[lane + half_count];
-      evens[lane] += evens[lane + half_count];
-      odds[lane] += odds[lane + half_count];
-    }
-  }
-  barrier();
+  fold_ring(mean, even, odd);
   float share = 1.0 / float(size), swing = 2.0 * parameters.turn * share;
-  mean = means[0] * share, even = evens[0] * swing, odd = odds[0] * swing;
+  mean *= share, even *= swing, odd *= swing;
   for (uint i = lane; i < size; i += kStepLanes) {
     uint vertex = vertex_of(first + i);
     uint before = vertex_of(first + (i == 0u ? size : i) - 1u);

@@ -14,7 +14,7 @@ READ(2, vec4, given)
 WRITE(3, vec4, sums);
 layout(std430, set = 0, binding = 4) restrict readonly buffer Listed { uint listed[]; };
 
-shared vec3 means[kRingLanes], evens[kRingLanes], odds[kRingLanes];
+#include "ring_fold.glsl"
 
 float float_at(uint i) { return uintBitsToFloat(words_at(i)); }
 
@@ -35,17 +35,7 @@ void sum_ring(uint instance, uint head, uint lane) {
     even += float_at(weight + 3u * i + 1u) * x;
     odd += float_at(weight + 3u * i + 2u) * x;
   }
-  means[lane] = mean, evens[lane] = even, odds[lane] = odd;
-  for (uint half_count = kRingLanes / 2u; half_count > 0u; half_count /= 2u) {
-    barrier();
-    if (lane < half_count) {
-      means[lane] += means[lane + half_count];
-      evens[lane] += evens[lane + half_count];
-      odds[lane] += odds[lane + half_count];
-    }
-  }
-  barrier();
-  mean = means[0], even = evens[0], odd = odds[0];
+  fold_ring(mean, even, odd);
   float tag = uintBitsToFloat(owner | kVertexTag);
   for (uint i = lane; i < size; i += kRingLanes) {
     float cosine = float_at(turn + 2u * i), sine = float_at(turn + 2u * i + 1u);
