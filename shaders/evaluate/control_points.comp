@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
+#include "items.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) restrict readonly buffer Side0 { vec4 side0[]; };
@@ -13,7 +14,9 @@ layout(std430, set = 0, binding = 5) restrict writeonly buffer Control { vec4 co
 layout(std430, set = 0, binding = 6) restrict writeonly buffer Moved { vec4 moved[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
-void move(uint row) {
+void main() {
+  uint row = item_of_lane();
+  if (row >= parameters.count) return;
   row += gl_WorkGroupID.y * parameters.instance_rows;
   uint side = statuses[gl_WorkGroupID.y].side;
   vec4 displacement = side2[row];
@@ -21,10 +24,4 @@ void move(uint row) {
   if (side == 1u) displacement = side1[row];
   moved[row] = displacement;
   control[row] = given[row] + displacement;
-}
-
-void main() {
-  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
-       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
-    move(row);
 }

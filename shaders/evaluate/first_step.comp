@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #include "read.glsl"
+#include "items.glsl"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 3) const uint kStep = kStepFaces;
@@ -68,11 +69,10 @@ void main() {
       step_large_face(parameters.first_word + kLargeFaceWords * face, gl_LocalInvocationIndex);
     return;
   }
-  for (uint i = gl_GlobalInvocationID.x; i < parameters.count;
-       i += gl_NumWorkGroups.x * kStepLanes) {
-    if (kStep == kStepSharp)
-      step_sharp(parameters.first_point + i, parameters.first_word + 2u * i);
-    else
-      step_corner(parameters.first_point + i);
-  }
+  uint i = item_of_lane();
+  if (i >= parameters.count) return;
+  if (kStep == kStepSharp)
+    step_sharp(parameters.first_point + i, parameters.first_word + 2u * i);
+  else
+    step_corner(parameters.first_point + i);
 }

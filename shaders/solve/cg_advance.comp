@@ -3,6 +3,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
+#include "items.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) restrict buffer Displacement { float displacement[]; };
@@ -17,10 +18,12 @@ layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 void main() {
   vec3 alpha = vec3(parameters.x, parameters.y, parameters.z);
+  // A layer's last groups may be too many.
+  if (group_of_items() * kItemLanes >= parameters.count) return;
+  uint row = item_of_lane();
   precise vec4 value = vec4(0.0);
   uint largest = 0u;
-  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
-       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+  if (row < parameters.count) {
     precise vec3 rest;
     for (uint c = 0u; c < 3u; ++c) {
       uint at = kPointFloats * row + c;
@@ -31,8 +34,8 @@ void main() {
       rest[c] = left;
     }
     precise float square = rest.x * rest.x + rest.y * rest.y + rest.z * rest.z;
-    value += vec4(weights[row] * rest * rest, square);
-    largest = max(largest, min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u));
+    value = vec4(weights[row] * rest * rest, square);
+    largest = min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u);
   }
-  write_group_sums(value, largest, gl_WorkGroupID.x);
+  write_group_sums(value, largest, group_of_items());
 }

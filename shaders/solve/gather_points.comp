@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
+#include "items.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) restrict readonly buffer Vertices { uint vertices[]; };
@@ -10,11 +11,10 @@ layout(std430, set = 0, binding = 2) restrict writeonly buffer Target { vec4 tar
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 void main() {
-  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
-       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
-    uint place = parameters.source_shift + gl_WorkGroupID.y * parameters.instance_floats +
-                 vertices[row] * parameters.source_stride;
-    target[gl_WorkGroupID.y * parameters.instance_rows + row] =
-        vec4(source[place], source[place + 1u], source[place + 2u], 0.0);
-  }
+  uint row = item_of_lane();
+  if (row >= parameters.count) return;
+  uint place = parameters.source_shift + gl_WorkGroupID.y * parameters.instance_floats +
+               vertices[row] * parameters.source_stride;
+  target[gl_WorkGroupID.y * parameters.instance_rows + row] =
+      vec4(source[place], source[place + 1u], source[place + 2u], 0.0);
 }

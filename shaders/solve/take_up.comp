@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "surface/finite.glsl"
 #include "shared.h"
+#include "items.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) restrict buffer Side0 { vec4 side0[]; };
@@ -11,7 +12,9 @@ layout(std430, set = 0, binding = 2) restrict buffer Side2 { vec4 side2[]; };
 layout(std430, set = 0, binding = 3) restrict readonly buffer Status { SolveStatus statuses[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
-void take_up(uint row) {
+void main() {
+  uint row = item_of_lane();
+  if (row >= parameters.count) return;
   row += gl_WorkGroupID.y * parameters.instance_rows;
   vec3 start = vec3(0.0);
   if (parameters.warm != 0u) {
@@ -27,10 +30,4 @@ void take_up(uint row) {
   }
   side0[row] = vec4(start, 0.0);
   side2[row] = vec4(start, 0.0);
-}
-
-void main() {
-  for (uint row = gl_GlobalInvocationID.x; row < parameters.count;
-       row += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
-    take_up(row);
 }

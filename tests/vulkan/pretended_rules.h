@@ -7,6 +7,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace planish::testing {
 
@@ -27,9 +28,10 @@ class RuleBook {
   void look(A...) {}
   // vkCmdDispatch
   void look(VkCommandBuffer, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    for (const std::uint32_t groups : {x, y, z})
-      expect(groups <= limits_.group_count,
-             "vkCmdDispatch of " + std::to_string(groups) + " work groups");
+    constexpr std::uint32_t kOfAllDevices = 65535;  // in y and z, of which none has fewer
+    for (const auto& [groups, most] :
+         {std::pair{x, limits_.group_count}, {y, kOfAllDevices}, {z, kOfAllDevices}})
+      expect(groups <= most, "vkCmdDispatch of " + std::to_string(groups) + " work groups");
   }
   // vkCmdDispatchIndirect
   void look(VkCommandBuffer, VkBuffer buffer, VkDeviceSize offset) {

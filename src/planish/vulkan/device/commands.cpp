@@ -36,7 +36,8 @@ void record_dispatch(const Context& context, VkCommandBuffer commands, const Pip
                      VkDescriptorSet set, const void* parameters, std::uint32_t groups,
                      std::uint32_t instances) noexcept {
   bind(context, commands, pipeline, set, parameters);
-  context.vk().vkCmdDispatch(commands, groups, instances, 1);
+  const auto [x, z] = context.groups_in_layers(groups);
+  context.vk().vkCmdDispatch(commands, x, instances, z);
 }
 
 void record_dispatch_indirect(const Context& context, VkCommandBuffer commands, Kernel kernel,

@@ -25,7 +25,8 @@ class LabelScope {
 void record_barrier(const Context& context, VkCommandBuffer commands, const Scope& from,
                     const Scope& to) noexcept;
 
-/// `parameters` points to the kernel's own push constants; `instances` are work groups in y.
+/// `parameters` points to the kernel's own push constants; `groups` are work groups in x, and in z
+/// where there may not be as many; `instances` are those in y.
 void record_dispatch(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
                      VkDescriptorSet set, const void* parameters, std::uint32_t groups,
                      std::uint32_t instances = 1) noexcept;

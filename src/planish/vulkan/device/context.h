@@ -80,6 +80,15 @@ class Context {
   [[nodiscard]] const BindingLimit& binding_limit() const { return binding_limit_; }
   [[nodiscard]] std::uint64_t max_storage_range() const { return binding_limit_.bytes; }
   [[nodiscard]] std::uint32_t max_group_count() const { return max_group_count_; }
+  /// Work groups of a dispatch in x and z: in z more than one where x may not be as many, so that
+  /// some may be too many. Kernels take them by items.glsl.
+  struct Groups {
+    std::uint32_t x, z;
+  };
+  [[nodiscard]] Groups groups_in_layers(std::uint32_t groups) const {
+    const std::uint32_t layers = groups / max_group_count_ + (groups % max_group_count_ ? 1 : 0);
+    return layers <= 1 ? Groups{groups, 1} : Groups{max_group_count_, layers};
+  }
   /// Work groups of a dispatch whose lanes go on with further items after their own: as many as
   /// `count` items need, or may be.
   [[nodiscard]] std::uint32_t groups_of(std::uint64_t count, std::uint32_t lanes = 64) const {

@@ -52,7 +52,8 @@ void GpuFirstStep::bind(const Maker& on, const PatchTables& patches, const StepT
     parameters.turn = static_cast<float>(tables.rule.turn);
     parameters.first_listed = listed.first;
     dispatch.is_of_large = part.kind == shared::kStepLargeFaces;
-    dispatch.groups = context_.groups_of(part.count, dispatch.is_of_large ? 1 : kStepLanes);
+    dispatch.groups = dispatch.is_of_large ? context_.groups_of(part.count, 1)
+                                           : (part.count + kStepLanes - 1) / kStepLanes;
     bound.push_back({Kernel::FirstStep,
                      {whole(tables.words), whole(patches.links), whole(tables.vertices),
                       whole(*given), whole(*displacement), whole(*state),

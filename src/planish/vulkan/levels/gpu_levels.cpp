@@ -119,7 +119,8 @@ void GpuLevels::make_patches(const Maker& on, const TessellationOptions& options
                              tables.first_index, level.first_vertex, level.list});
   }
   const auto add_segment = [&](std::uint32_t groups, std::uint32_t level) {
-    head.insert(head.end(), {groups, 0, 1, level});
+    const auto [x, z] = context_.groups_in_layers(groups);
+    head.insert(head.end(), {x, 0, z, level});
   };
   for (std::size_t i = 0; step_ && i < step_->round_count(); ++i)
     add_segment(step_->group_count(i), shared::kNone);

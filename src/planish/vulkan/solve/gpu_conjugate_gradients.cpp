@@ -14,7 +14,7 @@ GpuConjugateGradients::GpuConjugateGradients(Context& context, const DeviceTable
   for (Buffer* vector : {&displacement_, &step_, &image_, &residual_})
     *vector = make_bindable(context, shared::kPointFloats * scalar_bytes, "planish gradients");
   weights_ = Buffer(context, scalar_bytes, MemoryUse::Device);
-  row_groups_ = context.groups_of(static_cast<std::uint64_t>(masks.row_count()));
+  row_groups_ = row_groups(static_cast<std::uint64_t>(masks.row_count()));
   const std::uint64_t sum_bytes = shared::kSumFloats * sizeof(std::uint32_t);
   partials_ =
       Buffer(context, std::max(row_groups_, masks.group_total()) * sum_bytes, MemoryUse::Device);

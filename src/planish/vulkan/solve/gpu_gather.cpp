@@ -44,7 +44,7 @@ void GpuGather::record(VkCommandBuffer commands, std::uint32_t slot) const noexc
   parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(row_count_));
   parameters.instance_floats = sources_[slot].instance_floats;
   record_dispatch(context_, commands, Kernel::GatherPoints, sets_[slot], &parameters,
-                  context_.groups_of(row_count_), instances_.count);
+                  row_groups(row_count_), instances_.count);
 }
 
 }  // namespace planish::vulkan

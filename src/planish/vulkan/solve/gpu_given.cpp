@@ -48,8 +48,8 @@ void GpuGiven::record_rows(VkCommandBuffer commands, Kernel kernel, std::size_t 
   parameters.count = static_cast<std::uint32_t>(row_count_);
   parameters.warm = warm_start ? 1 : 0;
   parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(row_count_));
-  record_dispatch(context_, commands, kernel, sets_[set], &parameters,
-                  context_.groups_of(row_count_), instances_.count);
+  record_dispatch(context_, commands, kernel, sets_[set], &parameters, row_groups(row_count_),
+                  instances_.count);
 }
 
 Wait GpuGiven::record_points(VkCommandBuffer commands, bool warm_start,

@@ -66,6 +66,11 @@ class DeviceTable {
   std::uint32_t group_total_ = 0;
 };
 
+/// Work groups of 64 that do a row a lane.
+[[nodiscard]] constexpr std::uint32_t row_groups(std::uint64_t rows) {
+  return static_cast<std::uint32_t>((rows + shared::kChunkRows - 1) / shared::kChunkRows);
+}
+
 /// The bytes of points [first, first + count) in a buffer of shared::kPointFloats floats each.
 [[nodiscard]] BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count);
 
