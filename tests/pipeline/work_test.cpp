@@ -157,6 +157,34 @@ PolygonMesh leaf(int n) {
   return mesh;
 }
 
+// A hub of n quads whose neighbours, all of four quads, are out of balance.
+PolygonMesh hub_of_quads(int n) {
+  PolygonMesh mesh;
+  mesh.positions.emplace_back(0, 0, 0);
+  const auto add_ring = [&](int count, const auto& at) {
+    const std::int32_t first = mesh.vertex_count();
+    for (int i = 0; i < count; ++i) mesh.positions.push_back(at(i));
+    return first;
+  };
+  const std::int32_t rim = add_ring(n, [&](int i) {
+    const double turned = 2 * std::numbers::pi * (i % 2 == 0 ? i : i + 0.9) / n;
+    const double radius = i % 2 == 0 ? 0.3 : 1;
+    return dvec3(radius * std::cos(turned), radius * std::sin(turned), 0.02 * (i % 3));
+  });
+  const std::int32_t middle =
+      add_ring(n, [&](int i) { return on_circle(2 * i + 1, 2 * n, 1.02, 0.01); });
+  const std::int32_t inner = add_ring(2 * n, [&](int i) { return on_circle(i, 2 * n, 1.2, 0); });
+  const std::int32_t outer = add_ring(2 * n, [&](int i) { return on_circle(i, 2 * n, 1.5, 0); });
+  for (int i = 0; i < n; ++i) mesh.add_face(std::array{0, rim + i, middle + i, rim + (i + 1) % n});
+  const auto around = [&](int i) { return i % 2 == 0 ? rim + i / 2 % n : middle + i / 2; };
+  for (int i = 0; i < 2 * n; ++i) {
+    const int next = (i + 1) % (2 * n);
+    mesh.add_face(std::array{around(i), inner + i, inner + next, around(next)});
+    mesh.add_face(std::array{inner + i, outer + i, outer + next, inner + next});
+  }
+  return mesh;
+}
+
 // Two hubs whose edges all turn, up and down in turns: a square where each is held against all.
 PolygonMesh folded_hubs(int n) {
   PolygonMesh mesh = bipyramid(n);
@@ -247,6 +275,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"chamfered_prism", chamfered_prism, {1500, 10, 40}},
                     // Chords are tried against a few places of each part: a sum that has an end.
                     Case{"comb", comb, {2500, 10, 600}}, Case{"leaf", leaf, {1500, 20, 40}},
+                    Case{"hub_of_quads", hub_of_quads, {3000, 100, 60}},
                     Case{"hub_on_boundary", open_fan, {900, 10, 12}},
                     Case{"hubs_of_a_hundred", hubs_of_a_hundred, {900, 10, 12}, 2, 10},
                     Case{"crossing_slivers", crossing_slivers, {18'000, 400, 50}, 100, 1000},

@@ -108,8 +108,9 @@ TEST_P(FairKernels, SharesAndMaskedIterationEqualTheirTwins) {
     const std::vector<dvec3> normals = this->normals(net);
     auto offsets = download_points(buffers.given_offsets, corners);
     PlanarRing ring;
+    const GivenErrors errors(topology, net.given, offsets);
     for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
-      const double share = tensor_share(topology, net.given, offsets, normals[v], v, ring);
+      const double share = tensor_share(errors, normals[v], v, ring);
       EXPECT_NEAR(shares[v], share, 1e-3) << v;
     }
     if (!net.tables.has_regular_vertices) return;

@@ -51,9 +51,10 @@ void for_vertices(const FairTopology& topology, const MakeBody& make_body,
 std::vector<double> tensor_shares(const FairTopology& topology, std::span<const dvec3> given,
                                   std::span<const dvec3> normals, std::span<const dvec3> offsets) {
   std::vector<double> shares(given.size());
+  const GivenErrors errors(topology, given, offsets);
   for_vertices(topology, [&] {
     return [&, ring = PlanarRing{}](std::int32_t v) mutable {
-      shares[v] = tensor_share(topology, given, offsets, normals[v], v, ring);
+      shares[v] = tensor_share(errors, normals[v], v, ring);
     };
   });
   return shares;
