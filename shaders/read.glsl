@@ -1,5 +1,7 @@
 // READ(number, Item, name) declares an array that is only read, whose items name_at(i) gives: as a
-// storage buffer, or with PLANISH_TEXEL as a uniform texel buffer. No semicolon after it.
+// storage buffer, or with PLANISH_TEXEL as a uniform texel buffer, which software devices gather
+// from many times faster. No semicolon after it. READ_OF_WRITTEN is the same of a buffer that the
+// kernel may write elsewhere: nothing is promised about its neighbours.
 #ifdef PLANISH_TEXEL
 #define SAMPLER_float samplerBuffer
 #define SAMPLER_vec2 samplerBuffer
@@ -16,9 +18,13 @@ uvec4 fetch_uvec4(usamplerBuffer from, uint i) { return texelFetch(from, int(i))
 #define READ(number, Item, name)                                              \
   layout(set = 0, binding = number) uniform SAMPLER_##Item name##_texels;     \
   Item name##_at(uint i) { return fetch_##Item(name##_texels, i); }
+#define READ_OF_WRITTEN(number, Item, name) READ(number, Item, name)
 #else
 #define READ(number, Item, name)                                                                   \
   layout(std430, set = 0, binding = number) restrict readonly buffer name##_block { Item name[]; }; \
+  Item name##_at(uint i) { return name[i]; }
+#define READ_OF_WRITTEN(number, Item, name)                                                \
+  layout(std430, set = 0, binding = number) readonly buffer name##_block { Item name[]; }; \
   Item name##_at(uint i) { return name[i]; }
 #endif
 #define WRITE(number, Item, name) \

@@ -4,9 +4,9 @@
 #include "shared.h"
 #include "table.glsl"
 
-POINTS_BINDING(2, source)
+READ(2, vec4, source)
 layout(std430, set = 0, binding = 3) restrict writeonly buffer Target { float target[]; };
-PAIRS_BINDING(4, derivatives)
+READ(4, vec2, derivatives)
 
 #include "limit_row.glsl"
 
@@ -20,9 +20,9 @@ void main() {
     precise vec3 du = vec3(0.0);
     precise vec3 dv = vec3(0.0);
     for (uint k = 0u; k < at.width; ++k) {
-      uvec2 entry = entry_at(at.first + k * kChunkRows);
+      uvec2 entry = entries_at(at.first + k * kChunkRows);
       vec2 slope = derivatives_at(at.first + k * kChunkRows);
-      vec3 point = source_at(entry.x);
+      vec3 point = source_at(entry.x).xyz;
       position += uintBitsToFloat(entry.y) * point;
       du += slope.x * point;
       dv += slope.y * point;

@@ -5,7 +5,7 @@
 #define PLANISH_PARAMETERS StencilParameters
 #include "table.glsl"
 
-FLOATS_BINDING(2, source)
+READ_OF_WRITTEN(2, float, source)
 layout(std430, set = 0, binding = 3) writeonly buffer Target { float target[]; };
 
 #include "elements.glsl"
@@ -13,7 +13,7 @@ layout(std430, set = 0, binding = 3) writeonly buffer Target { float target[]; }
 void apply_row(ChunkRow at, uint first, uint place, uint left) {
   precise vec4 image = vec4(0.0);
   for (uint k = 0u; k < at.width; ++k) {
-    uvec2 entry = entry_at(at.first + k * kChunkRows);
+    uvec2 entry = entries_at(at.first + k * kChunkRows);
     image += uintBitsToFloat(entry.y) * source_piece(first + entry.x * kSourceStride, left);
   }
   write_piece(image, place, left);

@@ -11,7 +11,7 @@
 layout(std430, set = 0, binding = 2) restrict buffer Side0 { vec4 side0[]; };
 layout(std430, set = 0, binding = 3) restrict buffer Side1 { vec4 side1[]; };
 layout(std430, set = 0, binding = 4) restrict buffer Side2 { vec4 side2[]; };
-POINTS_BINDING(5, initial)
+READ(5, vec4, initial)
 layout(std430, set = 0, binding = 6) restrict readonly buffer Plan { StepRecord plan[]; };
 layout(std430, set = 0, binding = 7) restrict writeonly buffer Status { SolveStatus statuses[]; };
 
@@ -65,10 +65,10 @@ void main() {
       if (at.row == kNoRow) continue;
       precise vec3 image = vec3(0.0);
       for (uint k = 0u; k < at.width; ++k) {
-        uvec2 entry = entry_at(at.first + k * kChunkRows);
+        uvec2 entry = entries_at(at.first + k * kChunkRows);
         image += uintBitsToFloat(entry.y) * displacements[now][entry.x];
       }
-      precise vec3 residual = initial_at(first + at.row) - image;
+      precise vec3 residual = initial_at(first + at.row).xyz - image;
       precise float square =
           residual.x * residual.x + residual.y * residual.y + residual.z * residual.z;
       own_largest = max(own_largest, min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u));

@@ -5,7 +5,7 @@
 #include "shared.h"
 #include "table.glsl"
 
-POINTS_BINDING(2, given)
+READ(2, vec4, given)
 layout(std430, set = 0, binding = 3) restrict writeonly buffer Residual { vec4 residual[]; };
 
 void main() {
@@ -16,11 +16,11 @@ void main() {
     if (chunk >= parameters.chunk_count) return;
     ChunkRow at = chunk_row(chunk);
     if (at.row == kNoRow) return;
-    vec3 own = given_at(first_source + (at.row - parameters.first_source));
+    vec3 own = given_at(first_source + (at.row - parameters.first_source)).xyz;
     precise vec3 sum = vec3(0.0);
     for (uint k = 0u; k < at.width; ++k) {
-      uvec2 entry = entry_at(at.first + k * kChunkRows);
-      sum += uintBitsToFloat(entry.y) * (own - given_at(first_source + entry.x));
+      uvec2 entry = entries_at(at.first + k * kChunkRows);
+      sum += uintBitsToFloat(entry.y) * (own - given_at(first_source + entry.x).xyz);
     }
     residual[first_target + at.row] = vec4(sum, 0.0);
   }

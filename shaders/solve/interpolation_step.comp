@@ -5,9 +5,9 @@
 #include "shared.h"
 #include "table.glsl"
 
-POINTS_BINDING(2, previous)
-POINTS_BINDING(3, current)
-POINTS_BINDING(4, initial)
+READ(2, vec4, previous)
+READ(3, vec4, current)
+READ(4, vec4, initial)
 layout(std430, set = 0, binding = 5) restrict writeonly buffer Next { vec4 next[]; };
 layout(std430, set = 0, binding = 6) restrict buffer Steps { StepRecord steps[]; };
 layout(std430, set = 0, binding = 7) restrict writeonly buffer Partials { float partials[]; };
@@ -24,13 +24,13 @@ float advance(ChunkRow at, float momentum, float gain) {
   uint first = gl_WorkGroupID.y * parameters.instance_rows;
   precise vec3 image = vec3(0.0);
   for (uint k = 0u; k < at.width; ++k) {
-    uvec2 entry = entry_at(at.first + k * kChunkRows);
-    image += uintBitsToFloat(entry.y) * current_at(first + entry.x);
+    uvec2 entry = entries_at(at.first + k * kChunkRows);
+    image += uintBitsToFloat(entry.y) * current_at(first + entry.x).xyz;
   }
   uint own = first + (at.row - parameters.first_row);
-  precise vec3 residual = initial_at(own) - image;
-  vec3 position = current_at(first + (at.row - parameters.first_source));
-  precise vec3 moved = position + (momentum * (position - previous_at(own)) + gain * residual);
+  precise vec3 residual = initial_at(own).xyz - image;
+  vec3 position = current_at(first + (at.row - parameters.first_source)).xyz;
+  precise vec3 moved = position + (momentum * (position - previous_at(own).xyz) + gain * residual);
   next[own] = vec4(moved, 0.0);
   precise float square =
       residual.x * residual.x + residual.y * residual.y + residual.z * residual.z;
