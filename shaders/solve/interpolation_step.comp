@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #include "table.glsl"
+#include "group_fold.glsl"
 
 READ(2, vec4, previous)
 READ(3, vec4, current)
@@ -15,9 +16,6 @@ layout(std430, set = 0, binding = 7) restrict writeonly buffer Partials { float 
 // Each lane writes its own sum instead of sharing a group's: barriers cost much where the device is
 // software.
 layout(constant_id = 2) const bool kLaneSums = false;
-
-shared float group_sums[kChunkRows];
-shared uint group_maxima[kChunkRows];
 
 // Returns |residual|^2 of the row, having written its next displacement.
 float advance(ChunkRow at, float momentum, float gain) {
@@ -37,30 +35,12 @@ float advance(ChunkRow at, float momentum, float gain) {
   return square;
 }
 
-// Sums over the work group in two short serial levels: few barriers, and a fixed order.
-void share_results(float own_sum, uint largest, uint step, uint place) {
-  uint lane = gl_LocalInvocationIndex;
-  precise float sum = own_sum;
-  group_sums[lane] = sum;
-  group_maxima[lane] = largest;
-  barrier();
-  if ((lane & 7u) == 0u) {
-    for (uint i = 1u; i < 8u; ++i) {
-      sum += group_sums[lane + i];
-      largest = max(largest, group_maxima[lane + i]);
-    }
-    group_sums[lane] = sum;
-    group_maxima[lane] = largest;
-  }
-  barrier();
-  if (lane == 0u) {
-    for (uint i = 8u; i < kChunkRows; i += 8u) {
-      sum += group_sums[i];
-      largest = max(largest, group_maxima[i]);
-    }
-    atomicMax(steps[step].max_square_bits, largest);
-    if (parameters.partials_total > 0u) partials[place] = sum;
-  }
+void share_results(float own_sum, uint own_largest, uint step, uint place) {
+  float sum = group_sum(own_sum);
+  uint largest = group_max(own_largest);
+  if (gl_LocalInvocationIndex != 0u) return;
+  atomicMax(steps[step].max_square_bits, largest);
+  if (parameters.partials_total > 0u) partials[place] = sum;
 }
 
 void main() {

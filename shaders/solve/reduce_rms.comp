@@ -2,13 +2,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
+#include "group_fold.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) restrict readonly buffer Partials { float partials[]; };
 layout(std430, set = 0, binding = 1) restrict buffer Steps { StepRecord steps[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
-
-shared float lane_sums[kReduceLanes];
 
 void main() {
   uint step = gl_WorkGroupID.x;
@@ -18,10 +17,6 @@ void main() {
   precise float sum = 0.0;
   for (uint i = gl_LocalInvocationIndex; i < parameters.count; i += kReduceLanes)
     sum += partials[first + i];
-  lane_sums[gl_LocalInvocationIndex] = sum;
-  barrier();
-  if (gl_LocalInvocationIndex == 0u) {
-    for (uint i = 1u; i < kReduceLanes; ++i) sum += lane_sums[i];
-    steps[step].square_sum = sum;
-  }
+  sum = group_sum(sum);
+  if (gl_LocalInvocationIndex == 0u) steps[step].square_sum = sum;
 }
