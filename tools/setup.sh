@@ -3,14 +3,32 @@
 
 timings=""
 
-# run_step NAME COMMAND...: runs it with its output in the log, says how long it took; shows the
-# end of the log and leaves with status 1 when it fails.
+# show_count NAME: shows how far Ninja is, by the last line of the log, until it is killed.
+show_count() {
+  local count
+  while sleep 1; do
+    count=$(tail -n 1 "$log" | grep -o '^\[[0-9]*/[0-9]*\]') || continue
+    printf '\r%-12s%s' "$1" "$count"
+  done
+}
+
+# run_step NAME COMMAND...: runs it with its output in the log, says how long it took, and on a
+# terminal how far it is; shows the end of the log and leaves with status 1 when it fails.
 run_step() {
-  local name=$1 began=$SECONDS status=0
+  local name=$1 began=$SECONDS status=0 counter=""
   shift
   printf '%-12s' "$name"
   echo "== $name: $*" >>"$log"
+  if [ -t 1 ]; then
+    show_count "$name" &
+    counter=$!
+  fi
   "$@" >>"$log" 2>&1 </dev/null || status=$?
+  if [ -n "$counter" ]; then
+    kill "$counter"
+    wait "$counter" 2>/dev/null || true
+    printf '\r\033[K%-12s' "$name"
+  fi
   if [ "$status" != 0 ]; then
     echo "failed (status $status). The end of $log:"
     tail -n 40 "$log"
