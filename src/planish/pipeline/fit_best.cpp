@@ -2,10 +2,12 @@
 
 #include <cstdio>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "planish/core/counted.h"
 #include "planish/core/host_scope.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
@@ -152,10 +154,9 @@ std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
       sharp.rms_normal_deviation <= kCreasesBetter * rounded.rms_normal_deviation) {
     best.method = InterpolationMethod::Fair;
     best.crease_degrees = made.found->options.dihedral_degrees;
-    best.reason = text_of("fair, with %.0f edges kept sharp: ",
-                          static_cast<double>(made.mesh.creases.size())) +
-                  "its normals are far nearer to the faces' than with all rounded (--creases use "
-                  "rounds them)";
+    best.reason = "fair, with " + counted(std::ssize(made.mesh.creases), "edge") +
+                  " kept sharp: its normals are far nearer to the faces' than with all rounded "
+                  "(--creases use rounds them)";
     return creased;
   }
   made.mesh.creases = made.found->creases;

@@ -95,8 +95,9 @@ std::string chosen_lines(const JobReport& report) {
 std::string input_folds_line(const InputFacts& input) {
   if (input.folded_edges == 0) return "";
   return formatted(
-      "  folds       {} of the input turn by more than 120 degrees, beside {} % of its area\n",
-      counted(input.folded_edges, "edge"), short_number(input.folded_edge_area * 100));
+      "  folds       {} of the input {} by more than 120 degrees, beside {} % of its area\n",
+      counted(input.folded_edges, "edge"), input.folded_edges == 1 ? "turns" : "turn",
+      short_number(input.folded_edge_area * 100));
 }
 
 std::string mending_lines(const JobReport& report) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "planish/core/counted.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {
@@ -18,15 +17,6 @@ std::string formatted(const char* format, double value) {
 }
 
 }  // namespace
-
-std::string with_separators(std::int64_t number) {
-  std::string digits = std::to_string(number);
-  const std::ptrdiff_t first = number < 0 ? 1 : 0;
-  for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > first; place -= 3) {
-    digits.insert(static_cast<std::size_t>(place), ",");
-  }
-  return digits;
-}
 
 std::string byte_size(std::uint64_t bytes) {
   if (bytes < 1024) return std::to_string(bytes) + " B";
@@ -50,10 +40,6 @@ std::string rough_duration(double seconds) {
   const double least = seconds / unit / 3;
   return (least < 1 ? "under " : formatted("%.0f to ", least)) +
          formatted(unit > 1 ? "%.0f min" : "%.0f s", std::max(1.0, std::ceil(3 * seconds / unit)));
-}
-
-std::string counted(std::int64_t count, std::string_view singular) {
-  return with_separators(count) + " " + noun_for(count, singular);
 }
 
 std::string input_name(std::string_view path) { return path == "-" ? "stdin" : visible(path); }

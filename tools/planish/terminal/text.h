@@ -4,26 +4,23 @@
 #include <string>
 #include <string_view>
 
+#include "planish/core/counted.h"
 #include "planish/core/number_text.h"
 
 namespace planish::command {
 
-/// 1234567 -> "1,234,567".
-[[nodiscard]] std::string with_separators(std::int64_t number);
-
 /// 2202009 -> "2.1 MiB"; below 1 KiB in bytes.
 [[nodiscard]] std::string byte_size(std::uint64_t bytes);
 
+using planish::counted;
 using planish::short_number;
+using planish::with_separators;
 
 /// 0.41 s or 12 ms or 0.3 ms.
 [[nodiscard]] std::string duration(double milliseconds);
 
 /// A third to three times as long: "under 2 s", "4 to 36 s", "1 to 9 min".
 [[nodiscard]] std::string rough_duration(double seconds);
-
-/// "1 face", "2,000 faces"; "1 vertex", "2 vertices".
-[[nodiscard]] std::string counted(std::int64_t count, std::string_view singular);
 
 /// What messages call an input or an output: its whole path, made visible; "-" is stdin or stdout.
 [[nodiscard]] std::string input_name(std::string_view path);
