@@ -90,6 +90,18 @@ TEST_F(ViewerProcess, WritesAPicture) {
   std::filesystem::remove(path);
 }
 
+// A cube cut at its seams, by the fair method.
+TEST_F(ViewerProcess, DrawsSquaresByTextureCoordinates) {
+  const std::string scene = PLANISH_SCENES "/mapped_cube.obj";
+  const test::ProcessResult result =
+      test::run_planish({"--headless", "--scene", scene, "--texture", "--frames", "3", "--size",
+                         "64x48", "--validate"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("validation: 0 messages"));
+  expect_error({"--headless", "--scene", PLANISH_SCENES "/torus.obj", "--texture"}, 2,
+               "--texture: torus has no texture coordinates");
+}
+
 TEST_F(ViewerProcess, DrawsAScriptOfMoves) {
   const auto folder = std::filesystem::temp_directory_path() / "planish_viewer_script";
   std::filesystem::create_directories(folder);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
@@ -92,7 +93,16 @@ struct Drawing {
     return w / (w.x + w.y + w.z);
   }
 
-  glm::ivec3 shade(int x, int y) const;
+  glm::vec2 uv(int x, int y, std::span<const glm::vec2> uvs) const {
+    const std::size_t first = 3 * std::size_t{seen.what[seen.at(x, y)]};
+    const glm::vec3 w = weights(x, y);
+    glm::vec2 sum(0);
+    for (int k = 0; k < 3; ++k) sum += w[k] * uvs[indices[first + k]];
+    return sum;
+  }
+
+  // As what is of that colour.
+  glm::ivec3 shade(int x, int y, const glm::vec3& srgb = {0.82f, 0.80f, 0.77f}) const;
 
   const SurfaceMesh& surface;
   std::vector<std::uint32_t> indices;
@@ -102,8 +112,8 @@ struct Drawing {
   std::vector<glm::vec3> projected;
 };
 
-// The twin of surface.frag for front faces.
-glm::ivec3 Drawing::shade(int x, int y) const {
+// The twin of shade.glsl for front faces.
+glm::ivec3 Drawing::shade(int x, int y, const glm::vec3& srgb) const {
   const std::size_t first = 3 * std::size_t{seen.what[seen.at(x, y)]};
   const glm::vec3 w = weights(x, y);
   glm::vec3 normal(0), position(0);
@@ -120,7 +130,7 @@ glm::ivec3 Drawing::shade(int x, int y) const {
                                    0.5f + 0.5f * normal.y) +
                           glm::vec3(0.86f, 0.82f, 0.75f) * facing(key) +
                           glm::vec3(0.13f, 0.16f, 0.20f) * facing(fill);
-  const glm::vec3 clay = glm::pow(glm::vec3(0.82f, 0.80f, 0.77f), glm::vec3(2.2f));
+  const glm::vec3 clay = glm::pow(srgb, glm::vec3(2.2f));
   const float coat = 0.22f * std::pow(facing(glm::normalize(key + to_eye)), 48.0f) +
                      0.14f * std::pow(1 - facing(to_eye), 4.0f);
   glm::ivec3 shown;
@@ -161,6 +171,48 @@ TEST_F(PictureTest, SurfaceIsTheCpusWhereItIsAndHowItIsLit) {
     EXPECT_GT(inside, 2000);
     EXPECT_GT(outside, 4000);
   }
+}
+
+// Squares lie where the System's texture coordinates have them, in their colours.
+TEST_F(PictureTest, SquaresFollowTextureCoordinates) {
+  PolygonMesh rest = test::flat_grid(6, 5);
+  for (const glm::dvec3& p : rest.positions) rest.uvs.emplace_back(p.x / 6, p.y / 5);
+  rest.face_uvs.assign(rest.face_vertices.begin(), rest.face_vertices.end());
+  Scene scene = scene_of(rest);
+  scene.system.textured = true;
+  HeadlessOptions options = options_for(rest);
+  options.extent = {480, 360};
+  options.settings.iterations = 20;
+  options.settings.texture = true;
+  options.settings.tessellate = true;  // which shows at the level what it has no coordinates for
+  const auto picture = picture_after(40, scene, options);
+  const SurfaceMesh surface = surface_by_cpu(scene, posed(rest, 39));
+  const vulkan::System system(scene.mesh, scene.system);
+  const std::vector<glm::vec2> uvs = system.uvs();
+  ASSERT_EQ(uvs.size(), surface.positions.size());
+  const Drawing drawing(surface, {system.triangles().begin(), system.triangles().end()}, options);
+  const auto square = [&](int x, int y) {
+    return glm::ivec2(glm::floor(shared::kBoardSquares * drawing.uv(x, y, uvs)));
+  };
+  std::array<int, 2> seen{};  // dark and light ones
+  for (int y = 1; y + 1 < drawing.seen.height; ++y)
+    for (int x = 1; x + 1 < drawing.seen.width; ++x) {
+      if (!drawing.is_inside(x, y)) continue;
+      const glm::ivec2 at = square(x, y);
+      bool is_whole = true;
+      for (int k = 0; k < 9; ++k) is_whole &= square(x - 1 + k % 3, y - 1 + k / 3) == at;
+      if (!is_whole) continue;
+      const bool is_light = (at.x + at.y) % 2 == 1;
+      const glm::vec2 uv = drawing.uv(x, y, uvs);
+      const glm::vec3 colour = is_light
+                                   ? glm::vec3(0.86f)
+                                   : glm::vec3(0.20f + 0.60f * uv.x, 0.30f, 0.20f + 0.60f * uv.y);
+      ++seen[is_light ? 1 : 0];
+      ASSERT_LE(distance(pixel(picture, drawing.seen.at(x, y)), drawing.shade(x, y, colour)), 4)
+          << x << ' ' << y << ' ' << is_light;
+    }
+  EXPECT_GT(seen[0], 1000);
+  EXPECT_GT(seen[1], 1000);
 }
 
 // Pixels of exactly that colour in the picture.

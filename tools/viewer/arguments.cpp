@@ -96,8 +96,12 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_flag("--cold-start", cold_start, "each frame starts without what the last one found");
   app.add_flag("--heat", settings.heat, "colours by interpolation error, with a legend");
-  app.add_flag("--tessellate", settings.tessellate,
-               "as fine as it is seen, within a quarter of a pixel; errors are shown at the level");
+  app.add_flag("--texture", settings.texture,
+               "squares by the mesh's texture coordinates, redder along u and bluer along v");
+  app.add_flag(
+      "--tessellate", settings.tessellate,
+      "as fine as it is seen, within a quarter of a pixel; errors and squares are shown at the "
+      "level");
   app.add_flag("--cage", settings.cage, "the control cage's edges");
   app.add_flag("--points", settings.points, "the given points");
   app.add_flag("--no-surface", no_surface, "hides the surface");

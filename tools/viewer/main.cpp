@@ -134,6 +134,9 @@ ExitCode run(int argc, char** argv) {
   std::optional<InterpolationMethod> method;
   if (arguments->instances > 0) method = InterpolationMethod::Progressive;
   Scene scene = load_scene(arguments->scene, arguments->job, method);
+  if (arguments->settings.texture && !scene.system.textured)
+    throw Error(ErrorCode::InvalidArgument,
+                "--texture: " + scene.name + " has no texture coordinates");
   arguments->settings.level = arguments->level.value_or(std::min(scene.system.level, kMostLevel));
   if (!arguments->script.empty())
     run_edit(*arguments, std::move(scene), instance);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "cage_edges.h"
 #include "nearest_given.h"
@@ -56,6 +57,8 @@ Model::Model(const Device& device, vulkan::Context& context, const Scene& scene)
   const NearestGiven nearest = nearest_given(system_);
   offsets_ = word_buffer(device, nearest.offsets);
   nearest_ = word_buffer(device, nearest.rows);
+  if (const std::vector<glm::vec2> uvs = system_.uvs(); !uvs.empty())
+    uvs_ = buffer_of(device, std::as_bytes(std::span(uvs)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
   const Buffer staging(device, tables_.upload_bytes(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                        Place::Host);
   tables_.write_upload(system_, staging.mapped());

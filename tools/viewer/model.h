@@ -23,6 +23,8 @@ class Model {
   [[nodiscard]] const vulkan::System& system() const { return system_; }
   [[nodiscard]] const vulkan::DeviceSystem& tables() const { return tables_; }
   [[nodiscard]] VkBuffer indices() const { return indices_; }
+  /// Of each vertex two floats; null where the mesh has no texture coordinates.
+  [[nodiscard]] VkBuffer uvs() const { return uvs_; }
   [[nodiscard]] std::uint32_t edge_count() const { return edge_count_; }
   [[nodiscard]] std::uint32_t used_count() const {
     return static_cast<std::uint32_t>(system_.used_vertices().size());
@@ -47,7 +49,7 @@ class Model {
   vulkan::DeviceSystem tables_;
   Buffer indices_, used_, edges_;
   std::uint32_t edge_count_;
-  Buffer offsets_, nearest_;
+  Buffer offsets_, nearest_, uvs_;
   std::vector<Run> patches_;
   std::uint32_t face_count_;
 };

@@ -52,6 +52,10 @@ EditClicks draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSet
   ImGui::Checkbox("points", &settings.points);
   ImGui::SameLine();
   ImGui::Checkbox("errors", &settings.heat);
+  if (renderer.scene().system.textured) {
+    ImGui::SameLine();
+    ImGui::Checkbox("texture", &settings.texture);
+  }
   ImGui::Checkbox("edit", &edits);
   if (facts.tessellates) {
     ImGui::SameLine();

@@ -15,6 +15,8 @@
 #include "surface.frag.spv.h"
 #include "surface.vert.spv.h"
 #include "targets.h"
+#include "textured.frag.spv.h"
+#include "textured.vert.spv.h"
 #include "vertex_error.comp.spv.h"
 
 namespace planish::viewer {
@@ -36,21 +38,23 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits which, VkShaderModul
 }
 
 constexpr std::uint32_t kFloat = sizeof(float);
-constexpr VkVertexInputBindingDescription kVertex{0, shared::kVertexFloats* kFloat,
-                                                  VK_VERTEX_INPUT_RATE_VERTEX};
+constexpr std::array kBuffers{
+    VkVertexInputBindingDescription{0, shared::kVertexFloats* kFloat, VK_VERTEX_INPUT_RATE_VERTEX},
+    VkVertexInputBindingDescription{1, 2 * kFloat, VK_VERTEX_INPUT_RATE_VERTEX}};
 constexpr std::array kAttributes{
     VkVertexInputAttributeDescription{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0},
     VkVertexInputAttributeDescription{1, 0, VK_FORMAT_R32G32B32_SFLOAT,
                                       shared::kNormalFloat* kFloat},
-    VkVertexInputAttributeDescription{2, 0, VK_FORMAT_R32_SFLOAT, shared::kErrorFloat* kFloat}};
+    VkVertexInputAttributeDescription{2, 0, VK_FORMAT_R32_SFLOAT, shared::kErrorFloat* kFloat},
+    VkVertexInputAttributeDescription{3, 1, VK_FORMAT_R32G32_SFLOAT, 0}};
 
-VkPipelineVertexInputStateCreateInfo vertex_input(bool has_vertices) {
+VkPipelineVertexInputStateCreateInfo vertex_input(bool has_vertices, bool has_uvs) {
   VkPipelineVertexInputStateCreateInfo info{
       VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   if (!has_vertices) return info;
-  info.vertexBindingDescriptionCount = 1;
-  info.pVertexBindingDescriptions = &kVertex;
-  info.vertexAttributeDescriptionCount = kAttributes.size();
+  info.vertexBindingDescriptionCount = has_uvs ? 2 : 1;
+  info.pVertexBindingDescriptions = kBuffers.data();
+  info.vertexAttributeDescriptionCount = kAttributes.size() - (has_uvs ? 0 : 1);
   info.pVertexAttributeDescriptions = kAttributes.data();
   return info;
 }
@@ -81,6 +85,12 @@ VkShaderStageFlags patch_stages(const Device& device) {
   // A device that lacks it does not want to hear of it.
   if (device.has_tessellation()) stages |= VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT;
   return stages;
+}
+
+Drawing textured_drawing() {
+  Drawing drawing{spirv::textured_vert, spirv::textured_frag, true};
+  drawing.has_uvs = true;
+  return drawing;
 }
 
 }  // namespace
@@ -143,7 +153,7 @@ OwnedGraphicsPipeline make_drawing(VkDevice device, VkRenderPass pass, VkPipelin
   VkPipelineTessellationStateCreateInfo tessellation{
       VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO};
   tessellation.patchControlPoints = 1;
-  const auto input = vertex_input(drawing.has_vertices);
+  const auto input = vertex_input(drawing.has_vertices, drawing.has_uvs);
   VkPipelineInputAssemblyStateCreateInfo assembly{
       VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
   assembly.topology =
@@ -197,6 +207,7 @@ Pipelines::Pipelines(const Device& device, VkRenderPass pass)
       background(make_drawing(device, pass, layout,
                               {spirv::background_vert, spirv::background_frag, false, false})),
       surface(make_drawing(device, pass, layout, {spirv::surface_vert, spirv::surface_frag, true})),
+      textured(make_drawing(device, pass, layout, textured_drawing())),
       edges(make_drawing(device, pass, layout,
                          {spirv::edge_vert, spirv::edge_frag, false, true, Blend::Over})),
       hidden_edges(make_drawing(device, pass, layout,

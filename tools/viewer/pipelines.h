@@ -16,7 +16,7 @@ struct Pipelines {
 
   OwnedSetLayout set_layout, surface_layout;
   OwnedPipelineLayout layout;
-  OwnedGraphicsPipeline background, surface, edges, hidden_edges, points;
+  OwnedGraphicsPipeline background, surface, textured, edges, hidden_edges, points;
   OwnedGraphicsPipeline patches;  // where the device has tessellation
   OwnedComputePipeline vertex_error;
 };
@@ -38,6 +38,7 @@ struct Drawing {
   bool tests_depth = true;
   Blend blend = Blend::None;
   Words control{}, evaluation{};  ///< of tessellation: patches of one point
+  bool has_uvs = false;           ///< with has_vertices: in a buffer of their own
 };
 /// Of storage buffers, from binding 0 on.
 [[nodiscard]] OwnedSetLayout make_set_layout(VkDevice device, std::uint32_t count,

@@ -1,6 +1,7 @@
 #include "renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace planish::viewer {
@@ -64,6 +65,7 @@ void Renderer::prepare(int level) {
 void Renderer::set_mesh(PolygonMesh mesh) {
   scene_.mesh = std::move(mesh);
   scene_.system.fair_decisions = nullptr;  // which were by the rules before
+  scene_.system.textured = !scene_.mesh.uvs.empty();
   has_other_mesh_ = true;
 }
 
@@ -207,10 +209,11 @@ void Renderer::draw(VkCommandBuffer commands, const OrbitCamera& camera, VkExten
     for (const Model::Run& run : model_->patches())
       vkCmdDraw(commands, run.count, 1, run.first, run.end);
   } else if (settings.surface) {
-    const VkBuffer vertices = frame.vertices();
-    const VkDeviceSize start = 0;
-    bind(pipelines_.surface, 0, 1);
-    vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &start);
+    const bool is_textured = settings.texture && !settings.heat && model_->uvs() != VK_NULL_HANDLE;
+    const std::array<VkBuffer, 2> vertices{frame.vertices(), model_->uvs()};
+    constexpr std::array<VkDeviceSize, 2> kStarts{};
+    bind(is_textured ? pipelines_.textured : pipelines_.surface, 0, 1);
+    vkCmdBindVertexBuffers(commands, 0, is_textured ? 2 : 1, vertices.data(), kStarts.data());
     vkCmdBindIndexBuffer(commands, model_->indices(), 0, VK_INDEX_TYPE_UINT32);
     vkCmdDrawIndexed(commands, model_->tables().index_count(), 1, 0, 0, 0);
   }

@@ -49,21 +49,23 @@ void host_barrier(VkCommandBuffer commands) {
           {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT});
 }
 
-Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words) {
-  const VkDeviceSize bytes = words.size_bytes();
-  const Buffer staging(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, Place::Host);
-  std::memcpy(staging.mapped().data(), words.data(), bytes);
-  Buffer buffer(device, bytes,
-                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                Place::Device);
+Buffer buffer_of(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage) {
+  const Buffer staging(device, bytes.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, Place::Host);
+  std::memcpy(staging.mapped().data(), bytes.data(), bytes.size());
+  Buffer buffer(device, bytes.size(), usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Device);
   device.run([&](VkCommandBuffer commands) {
-    const VkBufferCopy all{0, 0, bytes};
+    const VkBufferCopy all{0, 0, bytes.size()};
     vkCmdCopyBuffer(commands, staging, buffer, 1, &all);
     barrier(commands, {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT},
-            {VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-             VK_ACCESS_SHADER_READ_BIT});
+            {VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT |
+                 VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+             VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT});
   });
   return buffer;
+}
+
+Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words) {
+  return buffer_of(device, std::as_bytes(words), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
 }
 
 Buffer picture_buffer(const Device& device, VkExtent2D extent) {

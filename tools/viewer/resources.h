@@ -41,7 +41,11 @@ void barrier(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::
 /// After copies into mapped buffers: makes them visible to the host once its fence is there.
 void host_barrier(VkCommandBuffer commands);
 
-/// A storage buffer of these words in the device's own memory, which they have reached.
+/// A buffer of these bytes in the device's own memory, which they have reached: to be read by
+/// shaders and as vertices.
+[[nodiscard]] Buffer buffer_of(const Device& device, std::span<const std::byte> bytes,
+                               VkBufferUsageFlags usage);
+/// A storage buffer of these words.
 [[nodiscard]] Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words);
 
 struct ImageOptions {

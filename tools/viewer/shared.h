@@ -48,6 +48,8 @@ VIEWER_CONSTANT uint kErrorFloat = 6u;
 
 VIEWER_CONSTANT uint kErrorGroup = 64u;  // invocations of a work group of vertex_error.comp
 
+VIEWER_CONSTANT float kBoardSquares = 16.0f;  // of textured.frag, from 0 to 1 of u and of v
+
 // Push constants of all draws.
 struct DrawParameters {
   mat4 clip_from_world;

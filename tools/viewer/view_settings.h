@@ -11,10 +11,11 @@ struct ViewSettings {
   int iterations = 6;  ///< of each frame
   bool warm_start = true;
   bool surface = true, cage = false, points = false, heat = false;
-  bool tessellate = false;  ///< the surface as fine as it is seen, where no errors are shown
+  bool texture = false;     ///< a board by texture coordinates, where the mesh has some
+  bool tessellate = false;  ///< the surface as fine as it is seen, without errors and texture
   bool paused = false;
 
-  [[nodiscard]] bool draws_patches() const { return tessellate && !heat; }
+  [[nodiscard]] bool draws_patches() const { return tessellate && !heat && !texture; }
 };
 
 }  // namespace planish::viewer

@@ -1,0 +1,19 @@
+#version 450
+// The surface, straight from what record_evaluate wrote, with the texture coordinates that
+// vulkan::System has of its vertices.
+#extension GL_GOOGLE_include_directive : require
+#include "draw.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 3) in vec2 uv;
+layout(location = 0) out vec3 out_position;
+layout(location = 1) out vec3 out_normal;
+layout(location = 3) out vec2 out_uv;
+
+void main() {
+  out_position = position;
+  out_normal = normal;
+  out_uv = uv;
+  gl_Position = draw.clip_from_world * vec4(position, 1.0);
+}
