@@ -11,6 +11,7 @@
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_packing.h"
 #include "planish/files/gltf/gltf_survey.h"
+#include "planish/files/gltf/position_grid.h"
 #include "planish/files/shared/ordered_stream.h"
 
 namespace planish {

@@ -4,16 +4,15 @@
 #include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
 #include <string_view>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/packed_numbers.h"
+#include "planish/files/gltf/position_grid.h"
 #include "planish/files/gltf/stored_position.h"
 #include "planish/files/gltf/strip_order.h"
 
@@ -22,11 +21,6 @@ namespace {
 
 // Textures of 16384 texels: an eighth of a texel, and room for 16 tilings in float's 24 bits.
 constexpr double kUvError = 1.0 / (8 * 16384);
-constexpr double kMostShort = 65535;
-constexpr double kMostMantissas = 2.0 * ((1 << 23) - 1);  // with a sign
-// A node's translation that is within this of zero everywhere is left out by glTF-Transform, and by
-// what is built on it.
-constexpr double kLeastTranslation = 1e-5;
 
 template <class Value>
 std::span<const std::byte> bytes_of(const RawVector<Value>& values) {
@@ -62,55 +56,6 @@ void use(PackedArray& packed, std::span<const std::byte> bytes) {
   packed.bytes.resize(bytes.size());
   std::memcpy(packed.bytes.data(), bytes.data(), bytes.size());
   packed.array.bytes = bytes.size();
-}
-
-// Whole numbers for all positions: node.translation and node.scale carry the grid.
-struct PositionGrid {
-  glm::dvec3 origin{0.0};
-  double step = 0;  // 0: float32 stays
-
-  [[nodiscard]] glm::vec3 place(const glm::vec3& position) const {
-    return glm::vec3(glm::round((glm::dvec3(position) - origin) / step));
-  }
-};
-
-double extent_of(const GltfBounds& all) {
-  const glm::dvec3 sides = glm::dvec3(all.maximum) - glm::dvec3(all.minimum);
-  return std::max({sides.x, sides.y, sides.z});
-}
-
-// For packing as coarse as that leaves room for, else in 16 bits where those do.
-PositionGrid placed_grid(const GltfBounds& all, const GltfOptions& options) {
-  const glm::dvec3 least(all.minimum), sides = glm::dvec3(all.maximum) - least;
-  const bool packs = options.compression == GltfCompression::Meshopt;
-  if (options.grid_step > 0) {
-    if (packs) return {glm::dvec3(0.0), options.grid_step};
-    const double reach = std::ldexp(options.grid_step, 15);
-    const bool fits = glm::all(glm::greaterThanEqual(least, glm::dvec3(-reach))) &&
-                      glm::all(glm::lessThan(glm::dvec3(all.maximum), glm::dvec3(reach)));
-    return fits ? PositionGrid{glm::dvec3(-reach), options.grid_step} : PositionGrid{};
-  }
-  const double extent = extent_of(all);
-  const double coarsest = coarsest_step(options.position_error);
-  const double step = packs ? coarsest : extent / kMostShort;
-  if (!(step > 0) || step > coarsest || extent > kMostMantissas * step) return {};
-  return {packs ? least + 0.5 * sides : least, step};
-}
-
-bool is_dropped(const glm::dvec3& translation) {
-  return glm::all(glm::lessThanEqual(glm::abs(translation), glm::dvec3(kLeastTranslation)));
-}
-
-// The same about zero where its place would be lost: 16 bits, which have no sign, do not do then.
-PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
-  const PositionGrid grid = placed_grid(all, options);
-  if (grid.origin == glm::dvec3(0.0) || !is_dropped(grid.origin) || !is_dropped(options.origin))
-    return grid;
-  const glm::vec3 farthest = glm::max(glm::abs(all.minimum), glm::abs(all.maximum));
-  const double reach = std::max({farthest.x, farthest.y, farthest.z});
-  const bool fits =
-      options.compression == GltfCompression::Meshopt && 2 * reach <= kMostMantissas * grid.step;
-  return fits ? PositionGrid{.step = grid.step} : PositionGrid{};
 }
 
 class Packer {
@@ -370,8 +315,6 @@ GltfContents Packer::assembled() {
 
 }  // namespace
 
-double coarsest_step(double error) { return 2 / std::sqrt(3.0) * error; }
-
 GltfBounds bounds_of_all(const GltfDocument& document) {
   GltfBounds all;
   bool is_first = true;
@@ -383,14 +326,6 @@ GltfBounds bounds_of_all(const GltfDocument& document) {
     is_first = false;
   }
   return all;
-}
-
-void tell_kept_float(const GltfOptions& options, const GltfBounds& bounds) {
-  if (!options.kept_float || options.compression != GltfCompression::Quantize ||
-      position_grid(bounds, options).step > 0)
-    return;
-  const bool is_for_place = placed_grid(bounds, options).step > 0;
-  options.kept_float(is_for_place ? 0 : std::sqrt(3.0) / 2 * extent_of(bounds) / kMostShort);
 }
 
 GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,

@@ -8,10 +8,6 @@
 
 namespace planish {
 
-/// The step of the coarsest grid on which every position moves by `error` at most, half a step in
-/// each of three directions.
-[[nodiscard]] double coarsest_step(double error);
-
 /// A buffer in memory and the document that describes it.
 struct GltfContents {
   GltfDocument document;
@@ -23,8 +19,6 @@ struct GltfContents {
 /// the document's, or of more. The same bytes for any number of threads.
 [[nodiscard]] GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,
                                      const GltfOptions& options, const GltfBounds& bounds);
-/// Calls options.kept_float, if it is there and positions within these bounds stay float32.
-void tell_kept_float(const GltfOptions& options, const GltfBounds& bounds);
 [[nodiscard]] GltfBounds bounds_of_all(const GltfDocument& document);
 
 }  // namespace planish

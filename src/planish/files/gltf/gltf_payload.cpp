@@ -10,6 +10,7 @@
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_packing.h"
 #include "planish/files/gltf/gltf_survey.h"
+#include "planish/files/gltf/position_grid.h"
 
 namespace planish {
 namespace {

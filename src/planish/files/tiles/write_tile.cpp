@@ -13,7 +13,7 @@
 #include "planish/core/json.h"
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
-#include "planish/files/gltf/gltf_packing.h"
+#include "planish/files/gltf/position_grid.h"
 
 namespace planish {
 namespace {
