@@ -11,6 +11,7 @@
 
 #include "planish/core/concurrent_sets.h"
 #include "planish/core/parallel.h"
+#include "planish/mesh/area_vector.h"
 
 namespace planish {
 
@@ -55,18 +56,13 @@ std::vector<std::int32_t> first_vertices(const MeshTopology& topology) {
   return first;
 }
 
-// Six times what a face and a point enclose; below 0 where the face looks at the point.
+// What a face and a point enclose, three times; below 0 where the face looks at the point.
 double volume_of(const PolygonMesh& mesh, std::span<const std::int32_t> face,
                  const glm::dvec3& about) {
-  const glm::dvec3 a = mesh.positions[face[0]] - about;
-  double volume = 0;
-  for (std::size_t i = 1; i + 1 < face.size(); ++i)
-    volume += glm::dot(
-        a, glm::cross(mesh.positions[face[i]] - about, mesh.positions[face[i + 1]] - about));
-  return volume;
+  return glm::dot(mesh.positions[face[0]] - about, area_vector(mesh.positions, face));
 }
 
-// Of a closed part what it holds.
+// What a closed part holds, three times.
 double volume_of(const PolygonMesh& mesh, const MeshTopology& topology) {
   return ordered_reduce(
       static_cast<std::size_t>(topology.face_count()), kInsideOutGrain, 0.0,
@@ -91,7 +87,7 @@ std::vector<ClosedPart> parts_of(const PolygonMesh& mesh, const MeshTopology& to
       parts.push_back({.first_face = f});
     }
     ClosedPart& part = parts[part_of[root]];
-    part.volume += volume_of(mesh, face, mesh.positions[root]) / 6;
+    part.volume += volume_of(mesh, face, mesh.positions[root]) / 3;
     for (const std::int32_t v : face) {
       part.low = glm::min(part.low, mesh.positions[v]);
       part.high = glm::max(part.high, mesh.positions[v]);

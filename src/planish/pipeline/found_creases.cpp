@@ -8,6 +8,7 @@
 
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/coherent_edges.h"
 #include "planish/mesh/convex_faces.h"
@@ -133,7 +134,7 @@ bool are_creases_clear(const PolygonMesh& mesh,
     is_any_smooth |= is_crease[e] == 0;
     const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
     const glm::dvec3 &a = areas[topology.face_of(corner)], &b = areas[topology.face_of(twin)];
-    const double turn = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+    const double turn = angle_between(a, b);
     const double weight = glm::length(a) / topology.face_size(topology.face_of(corner)) +
                           glm::length(b) / topology.face_size(topology.face_of(twin));
     all += turn * turn * weight;
