@@ -134,7 +134,7 @@ ExitCode run(int argc, char** argv) {
   std::optional<InterpolationMethod> method;
   if (arguments->instances > 0) method = InterpolationMethod::Progressive;
   Scene scene = load_scene(arguments->scene, arguments->job, method);
-  if (arguments->settings.texture && !scene.system.textured)
+  if (arguments->settings.texture && scene.mesh.uvs.empty())
     throw Error(ErrorCode::InvalidArgument,
                 "--texture: " + scene.name + " has no texture coordinates");
   arguments->settings.level = arguments->level.value_or(std::min(scene.system.level, kMostLevel));

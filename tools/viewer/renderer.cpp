@@ -65,7 +65,6 @@ void Renderer::prepare(int level) {
 void Renderer::set_mesh(PolygonMesh mesh) {
   scene_.mesh = std::move(mesh);
   scene_.system.fair_decisions = nullptr;  // which were by the rules before
-  scene_.system.textured = !scene_.mesh.uvs.empty();
   has_other_mesh_ = true;
 }
 
@@ -78,6 +77,7 @@ void Renderer::finish() {
 void Renderer::build(int level) {
   finish();
   scene_.system.level = level;
+  scene_.system.textured = !scene_.mesh.uvs.empty();
   auto model = std::make_unique<Model>(device_, context_, scene_);
   decltype(frames_) frames;
   for (auto& frame : frames) frame = std::make_unique<Frame>(device_, context_, *model);
@@ -209,7 +209,7 @@ void Renderer::draw(VkCommandBuffer commands, const OrbitCamera& camera, VkExten
     for (const Model::Run& run : model_->patches())
       vkCmdDraw(commands, run.count, 1, run.first, run.end);
   } else if (settings.surface) {
-    const bool is_textured = settings.texture && !settings.heat && model_->uvs() != VK_NULL_HANDLE;
+    const bool is_textured = settings.draws_squares() && model_->uvs() != VK_NULL_HANDLE;
     const std::array<VkBuffer, 2> vertices{frame.vertices(), model_->uvs()};
     constexpr std::array<VkDeviceSize, 2> kStarts{};
     bind(is_textured ? pipelines_.textured : pipelines_.surface, 0, 1);

@@ -64,7 +64,6 @@ Scene load_scene(const std::string& path, const std::string& name,
   scene.system.sharp = fitted.options.sharp;
   scene.system.within = fitted.options.within;
   scene.system.tolerance = settings.tolerance;
-  scene.system.textured = !scene.mesh.uvs.empty();
   if (fitted.fit.fair) {
     scene.decisions = std::make_shared<FairDecisions>(std::move(fitted.fit.fair->decisions));
     scene.system.fair_decisions = scene.decisions.get();

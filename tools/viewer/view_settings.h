@@ -15,6 +15,7 @@ struct ViewSettings {
   bool tessellate = false;  ///< the surface as fine as it is seen, without errors and texture
   bool paused = false;
 
+  [[nodiscard]] bool draws_squares() const { return texture && !heat; }
   [[nodiscard]] bool draws_patches() const { return tessellate && !heat && !texture; }
 };
 
