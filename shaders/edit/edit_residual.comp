@@ -5,6 +5,7 @@
 #include "shared.h"
 #include "edit.glsl"
 #include "read.glsl"
+#include "square_bits.glsl"
 
 READ(0, uvec2, entries)
 READ(1, uint, chunks)
@@ -44,7 +45,7 @@ void step_row(uint place) {
   velocity[place] = vec4(next, 0.0);
   precise float square =
       residual.x * residual.x + residual.y * residual.y + residual.z * residual.z;
-  uint largest = min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u);
+  uint largest = square_bits(square);
   if (largest > steps[step].max_square_bits) atomicMax(steps[step].max_square_bits, largest);
 }
 

@@ -6,6 +6,7 @@
 #include "shared.h"
 #define PLANISH_PARAMETERS AllStepsParameters
 #include "table.glsl"
+#include "square_bits.glsl"
 
 // The three sides of all instances.
 layout(std430, set = 0, binding = 2) restrict buffer Side0 { vec4 side0[]; };
@@ -71,7 +72,7 @@ void main() {
       precise vec3 residual = initial_at(first + at.row).xyz - image;
       precise float square =
           residual.x * residual.x + residual.y * residual.y + residual.z * residual.z;
-      own_largest = max(own_largest, min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u));
+      own_largest = max(own_largest, square_bits(square));
       vec3 position = displacements[now][at.row];
       precise vec3 moved =
           position + (momentum * (position - previous[chunk]) + gain * residual);

@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #include "items.glsl"
+#include "square_bits.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) restrict buffer Displacement { float displacement[]; };
@@ -35,7 +36,7 @@ void main() {
     }
     precise float square = rest.x * rest.x + rest.y * rest.y + rest.z * rest.z;
     value = vec4(weights[row] * rest * rest, square);
-    largest = min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u);
+    largest = square_bits(square);
   }
   write_group_sums(value, largest, group_of_items());
 }

@@ -5,6 +5,7 @@
 #include "shared.h"
 #include "table.glsl"
 #include "group_fold.glsl"
+#include "square_bits.glsl"
 
 READ(2, vec4, previous)
 READ(3, vec4, current)
@@ -62,7 +63,7 @@ void main() {
     if (at.row == kNoRow) continue;
     float square = advance(at, momentum, gain);
     sum += square;
-    largest = max(largest, min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u));
+    largest = max(largest, square_bits(square));
   }
   uint place = parameters.step * parameters.partials_total;
   uint group = parameters.first_group + gl_WorkGroupID.x;
