@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools" / "mutation"))
 
 from drawing import all_changes, draw  # noqa: E402
-from listing import Mutation, read_lists, read_module  # noqa: E402
+from listing import Module, Mutation, read_lists, read_module  # noqa: E402
 from operators import candidates  # noqa: E402
 
 LISTS = ROOT / "tests" / "mutations"
@@ -62,6 +62,16 @@ class Lists(unittest.TestCase):
                     continue  # stale: its line has changed since
                 pairs = zip(text.split("\n"), after.split("\n"), strict=True)
                 self.assertEqual(sum(a != b for a, b in pairs), 1, mutation.name)
+
+    def test_ask_first_what_is_named_after_the_source(self):
+        def asked(*tests):
+            return Module("", [], [], list(tests), [], []).tests_named_after("src/planish/fair/fold_cure.cpp")
+
+        self.assertEqual(asked("fair_test", "pipeline_test"), ["fair_test *FoldCure*"])
+        self.assertEqual(asked("cli_test -Fair*"), ["cli_test *FoldCure*-Fair*"])
+        for test in ("vulkan_test Embed*", "ctest ^c$"):
+            self.assertEqual(asked(test), [])
+        self.assertEqual(asked(), [])
 
     def test_equal_lines_are_told_apart(self):
         text = "a;\n  b;\n  b;\n"

@@ -44,6 +44,13 @@ class Module:
     programs: list
     mutations: list
 
+    def tests_named_after(self, path):
+        """Of the first program the tests that are named after a source: fold_cure.cpp, *FoldCure*."""
+        program, _, chosen = self.tests[0].partition(" ") if self.tests else ("ctest", "", "")
+        if program == "ctest" or chosen.partition("-")[0]:
+            return []
+        return [f"{program} *{pathlib.Path(path).stem.title().replace('_', '')}*{chosen}"]
+
     def write(self, folder):
         lines = list(self.head)
         for key in ("sources", "tests", "programs"):

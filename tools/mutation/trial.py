@@ -1,7 +1,8 @@
 """One mutation: compiled beside the build folder, linked into its tests, and what they say of it.
 
 Neither the tree nor the build folder changes. The mutated source is a file of its own in a scratch folder,
-its object comes before the library in the link of each program, and takes the place of the library's.
+its object comes before the library in the link of each program, and takes the place of the library's. Of sources
+that are compiled together the others are compiled once a run, so that each call to another source can be replaced.
 """
 
 import dataclasses
@@ -12,6 +13,7 @@ import shlex
 import shutil
 import signal
 import subprocess
+import threading
 import time
 
 
@@ -22,10 +24,43 @@ class Outcome:
     seconds: float = 0.0
 
 
+class Compiler:
+    """The commands of the build folder, with other sources, outputs and flags."""
+
+    def __init__(self, graph, optimise, folder):
+        self.graph, self.optimise, self.folder = graph, optimise, pathlib.Path(folder)
+        self.lock, self.together = threading.Lock(), {}
+
+    def shell(self, command):
+        subprocess.run(command, shell=True, cwd=self.graph.build, check=True, text=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+    def object(self, object_file, source, given, output, flags):
+        """`given` in the place of `source`; flags come before all folders of headers."""
+        command = self.graph.commands[object_file]["command"]
+        command = re.sub(r"-M[DTF]+( \S+\.o(\.d)?)?(?= )", "", command)
+        command = command.replace(f" -c {source}", f" -c {given}").replace(f" -o {object_file}", f" -o {output}")
+        if self.optimise:
+            command = re.sub(r" -O[0-3g]\b", f" {self.optimise}", command)
+        # Places behind an array's end are found as the address sanitizer's build finds them.
+        self.shell(re.sub(r" (?=-I|-c )", f" {flags} -w -D_GLIBCXX_ASSERTIONS ", command, count=1))
+        return str(output)
+
+    def replaceable(self, object_file, source):
+        """The object of several sources whose functions give way to those of an object before it in the link."""
+        with self.lock:
+            if object_file not in self.together:
+                output = self.folder / f"together_{len(self.together)}.o"
+                # None is inlined or cloned into another source (the last -f of a kind holds).
+                self.together[object_file] = self.object(
+                    object_file, f"{source}", f"{source} -fPIC -fsemantic-interposition", output, "")
+            return self.together[object_file]
+
+
 class Trial:
-    def __init__(self, graph, root, scratch, optimise, failing, timeout):
+    def __init__(self, graph, root, scratch, compiler, failing, timeout):
         self.graph, self.root, self.scratch = graph, root, pathlib.Path(scratch)
-        self.optimise, self.failing, self.timeout = optimise, failing, timeout
+        self.compiler, self.failing, self.timeout = compiler, failing, timeout
         self.linked = {}
 
     def run(self, mutation, module, tests, deadline):
@@ -52,46 +87,28 @@ class Trial:
                 if time.monotonic() > deadline:
                     return Outcome("unfinished", f"the time was up before {test}")
                 said = self.ask(test, module)
-                if said and said.verdict != "survived":
+                if said and said.verdict in ("killed", "timeout"):
                     return said
-                asked += said is not None
+                asked += said is not None and said.verdict == "survived"
             return Outcome("survived" if asked else "untested", "; ".join(tests))
         except subprocess.CalledProcessError as error:
             reason = [line for line in (error.stderr or "").split("\n") if "error" in line.lower()]
             return Outcome("did-not-build", (reason or [str(error)])[0][:300])
-
-    def shell(self, command):
-        subprocess.run(command, shell=True, cwd=self.graph.build, check=True, text=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
     def compile(self, path, text):
         """{object of the build folder: the one that stands for it}"""
         if path.suffix != ".cpp":
             return self.compile_kernels(path, text)
         result = {}
+        mutated = self.scratch / path.name
+        mutated.write_text(text)
         for number, (object_file, source) in enumerate(self.graph.objects(path)):
-            mutated = self.scratch / path.name
-            mutated.write_text(text)
+            # A header beside the source is looked for where the source stood.
+            result[object_file] = self.compiler.object(object_file, source, mutated, self.scratch / f"{number}.o",
+                                                       f"-iquote {path.parent}")
             if source != str(path):
-                unity = pathlib.Path(source).read_text().replace(f'#include "{path}"', f'#include "{mutated}"')
-                mutated = self.scratch / pathlib.Path(source).name
-                mutated.write_text(unity)
-            result[object_file] = self.compile_object(object_file, source, mutated, path.parent, number)
+                result[object_file] += " " + self.compiler.replaceable(object_file, source)
         return result
-
-    def compile_object(self, object_file, source, mutated, folder, number, include=""):
-        command = self.graph.commands[object_file]["command"]
-        output = self.scratch / f"{number}_{pathlib.Path(object_file).name}"
-        command = re.sub(r"-M[DTF]+( \S+\.o(\.d)?)?(?= )", "", command)
-        command = command.replace(f" -c {source}", f" -c {mutated}").replace(f" -o {object_file}", f" -o {output}")
-        if self.optimise:
-            command = re.sub(r" -O[0-3g]\b", f" {self.optimise}", command)
-        # A header beside the source is looked for where the source stood, the mutated words first.
-        # Places behind an array's end are found as the address sanitizer's build finds them.
-        flags = f" -w -D_GLIBCXX_ASSERTIONS -iquote {folder}"
-        self.shell(command.replace(" -I", f"{include}{flags} -I", 1) if include
-                   else command.replace(" -c ", f"{flags} -c ", 1))
-        return str(output)
 
     def compile_kernels(self, path, text):
         shaders = self.root / "shaders"
@@ -108,12 +125,12 @@ class Trial:
             for name in kernels + headers:
                 joined = re.sub(rf"{re.escape(str(self.graph.build / name))}(?=[\s\"]|$)",
                                 str(self.scratch / name), joined)
-            self.shell(re.sub(rf"{re.escape(str(shaders))}(?=[/\s]|$)", str(copy), joined))
+            self.compiler.shell(re.sub(rf"{re.escape(str(shaders))}(?=[/\s]|$)", str(copy), joined))
         result = {}
         for number, object_file in enumerate(self.graph.readers(headers)):
             source = self.graph.commands[object_file]["file"]
-            result[object_file] = self.compile_object(object_file, source, source, pathlib.Path(source).parent,
-                                                      number, f" -I{generated}")
+            result[object_file] = self.compiler.object(object_file, source, source, self.scratch / f"{number}.o",
+                                                       f"-I{generated}")  # the mutated words first
         return result
 
     def link(self, program):
@@ -132,8 +149,8 @@ class Trial:
             result = self.scratch / "programs" / program
             result.parent.mkdir(parents=True, exist_ok=True)
             # Were an inline function made elsewhere now, the library's own object would come along.
-            flags = " -fuse-ld=lld" if shutil.which("ld.lld") else ""
-            self.shell(changed.replace(f" -o {program}", f" -o {result}{flags} -Wl,--allow-multiple-definition"))
+            flags = "-Wl,--allow-multiple-definition" + (" -fuse-ld=lld" if shutil.which("ld.lld") else "")
+            self.compiler.shell(changed.replace(f" -o {program}", f" -o {result} {flags}"))
         self.linked[program] = result
         return result
 
