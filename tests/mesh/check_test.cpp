@@ -8,7 +8,6 @@
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
-#include "planish/mesh/sound_topology.h"
 
 namespace planish {
 namespace {
@@ -17,6 +16,7 @@ using Kind = MeshProblemKind;
 using test::cube;
 using test::grid;
 using test::mesh_of;
+using test::polygon;
 using test::tetrahedron;
 using test::torus;
 using testing::ElementsAre;
@@ -264,16 +264,6 @@ TEST(Check, ValenceTooHighAtAVertex) {
                           "refined"));
 }
 
-PolygonMesh polygon(std::int32_t corners) {
-  PolygonMesh mesh;
-  mesh.positions.resize(corners, glm::dvec3(0.0));
-  mesh.positions[0].x = 1;
-  std::vector<std::int32_t> face(corners);
-  for (std::int32_t i = 0; i < corners; ++i) face[i] = i;
-  mesh.add_face(face);
-  return mesh;
-}
-
 TEST(Check, ValenceTooHighOfAFace) {
   EXPECT_THAT(messages(polygon(65536)),
               ElementsAre("valence-too-high 0: face 0 has 65536 corners, at most 65535 can be "
@@ -377,21 +367,6 @@ TEST(MeshProblemNames, AreDistinct) {
     names.push_back(name_of(static_cast<Kind>(kind)));
   std::ranges::sort(names);
   EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
-}
-
-// Of meshes without a problem at once, not by the way that lists problems one by one.
-TEST(SoundTopology, IsThatOfMeshesWithoutProblemsAlone) {
-  for (const std::int32_t corners : {3, 12, 13, 40}) {
-    PolygonMesh mesh = polygon(corners);
-    EXPECT_TRUE(sound_topology(mesh)) << corners;
-    mesh.face_vertices[2] = mesh.face_vertices[0];
-    EXPECT_FALSE(sound_topology(mesh)) << corners << ", one twice";
-  }
-  for (const PolygonMesh& mesh : {tetrahedron(), cube(), torus(5, 4)}) {
-    const auto topology = sound_topology(mesh);
-    ASSERT_TRUE(topology);
-    EXPECT_EQ(topology->corner_count(), std::ssize(mesh.face_vertices));
-  }
 }
 
 }  // namespace

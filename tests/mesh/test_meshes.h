@@ -41,6 +41,17 @@ inline PolygonMesh cube() {
   return mesh;
 }
 
+/// One face, whose corners but the first are all at the origin.
+inline PolygonMesh polygon(std::int32_t corners) {
+  PolygonMesh mesh;
+  mesh.positions.resize(corners, glm::dvec3(0.0));
+  mesh.positions[0].x = 1;
+  std::vector<std::int32_t> face(corners);
+  for (std::int32_t i = 0; i < corners; ++i) face[i] = i;
+  mesh.add_face(face);
+  return mesh;
+}
+
 /// An open grid of columns x rows quads in the plane z = 0.
 inline PolygonMesh grid(std::int32_t columns, std::int32_t rows) {
   PolygonMesh mesh;
