@@ -215,6 +215,25 @@ TEST(Interpolate, ReportsDivergenceAndSingularity) {
   EXPECT_EQ(singular.worst_vertex, 1);
 }
 
+// Conjugate gradients take no indefinite system: both residuals are 1, and the step that
+// 2 / (0.5 - 0.4999) asks for throws them far off.
+TEST(Interpolate, ConjugateGradientsReportDivergence) {
+  StencilTable rows;
+  rows.sizes = {1, 2, 2};
+  rows.indices = {0, 0, 1, 0, 2};
+  rows.weights = {1, 0.5, 0.5, 1.4999, -0.4999};
+  rows.close(3);
+  InterpolationOptions options;
+  options.solver = Solver::ConjugateGradients;
+  const std::vector<double> row_weights(3, 1.0);
+  options.row_weights = row_weights;
+  const std::vector<glm::dvec3> given{{0, 0, 0}, {2, 0, 0}, {1 / 1.4999, 0, 0}};
+  const auto result = interpolate(*make_cpu_backend(), rows.view(), given, options);
+  EXPECT_EQ(result.stop_reason, StopReason::Diverged);
+  EXPECT_EQ(result.iterations, 1);
+  EXPECT_FALSE(result.converged);
+}
+
 TEST(Interpolate, RefusesAToleranceThatIsNotPositive) {
   Problem problem(test::cube());
   const auto backend = make_cpu_backend();
