@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fair/cure_meshes.h"
 #include "fair/fair_case.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "support/delaunay_sphere.h"
@@ -54,6 +55,28 @@ TEST(FairNet, PassesThroughEveryGivenPoint) {
       EXPECT_LT(interpolation_error(c, rounded), 4e-8);
     }
   }
+}
+
+// Of level 1, whose rules are uniform: the limit of a dart is level with the points beside it.
+TEST(FairNet, DartsHaveTheirCurvePointMidway) {
+  int darts = 0, cured = 0;
+  for (const auto& [name, mesh] : cure_meshes()) {
+    SCOPED_TRACE(name);
+    const FairCase c(mesh);
+    const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+    const FairNet net = c.net(8);
+    for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
+      const FairTopology::CurvePoint& place = topology.curve_points[s];
+      if (topology.kind(place.vertex) != VertexKind::Dart) continue;
+      ++darts;
+      cured += net.decisions.cures[place.vertex] > 0;
+      const dvec3 middle = (net.state[place.corner_after] + net.state[place.corner_before]) / 2.0;
+      const auto at = static_cast<std::size_t>(topology.corner_count) + s;
+      EXPECT_LT(glm::distance(net.state[at], middle), 1e-15);
+    }
+  }
+  EXPECT_GT(darts, cured);
+  EXPECT_GT(cured, 0);
 }
 
 TEST(FairNet, TurnsMovesAndScalesWithTheMesh) {
