@@ -21,7 +21,8 @@ bool is_hardware(const ListedDevice& device) { return device.description.kind ==
 std::string selectors(const std::vector<ListedDevice>& devices) {
   std::string text;
   for (const ListedDevice& device : devices) {
-    text += (text.empty() ? "" : ", ") + device.selector + " (" + device.description.name + ")";
+    text +=
+        formatted("{}{} ({})", text.empty() ? "" : ", ", device.selector, device.description.name);
   }
   return text;
 }
@@ -58,8 +59,9 @@ void add_vulkan_devices(DeviceList& list) {
 std::size_t find_index(const std::vector<ListedDevice>& devices, const std::string& number) {
   const auto found = std::ranges::find(devices, number, &ListedDevice::selector);
   if (found != devices.end()) return static_cast<std::size_t>(found - devices.begin());
-  throw Error(ErrorCode::NoDevice, "--device " + number + ": there " +
-                                       (devices.size() == 1 ? "is " : "are ") + selectors(devices));
+  throw Error(ErrorCode::NoDevice,
+              formatted("--device {}: there {}{}", number, devices.size() == 1 ? "is " : "are ",
+                        selectors(devices)));
 }
 
 // Exactly by index, UUID or name, else by a part of the name that only one device has; any case.

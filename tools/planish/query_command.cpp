@@ -15,6 +15,7 @@
 #include "output/answers.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
+#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
@@ -146,8 +147,9 @@ std::vector<glm::dvec3> read_questions(const std::string& path, Console& console
   if (cloud.missing_count > 0) {
     throw Error(
         ErrorCode::UnreadableInput,
-        visible(path) + ": " + std::to_string(cloud.missing_count) +
-            " of its points are not finite, and there is one answer a point; leave them out");
+        formatted(
+            "{}: {} of its points are not finite, and there is one answer a point; leave them out",
+            visible(path), cloud.missing_count));
   }
   for (glm::dvec3& point : cloud.points) point += cloud.origin;
   return std::move(cloud.points);

@@ -7,6 +7,7 @@
 #include "options/option_flags.h"
 #include "options/settings.h"
 #include "output/cage_header.h"
+#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/pipeline/option_table.h"
 #include "report/report.h"
@@ -52,15 +53,16 @@ std::string to_json_text(const Verification& result, const FitSettings& settings
 
 std::string to_text(const Verification& result, const FitSettings& settings, const Input& cage,
                     const Input& given) {
-  return std::string(result.confirmed ? "confirmed" : "rejected") + ": the limit surface of " +
-         cage.name + (result.confirmed ? " passes" : " does not pass") + " through the " +
-         counted(result.vertex_count, "vertex") + " of " + given.name + "\n  max error  " +
-         short_number(result.error.max) + " of the diagonal, at vertex " +
-         std::to_string(result.worst_vertex) + " (tolerance " + short_number(settings.tolerance) +
-         ")\n  rms error  " + short_number(result.error.rms) + "\n  surface    " +
-         subdivision_text(settings.scheme, settings.weights) + ", boundary " +
-         option_text(settings, "boundary") + ", creases " + option_text(settings, "creases") +
-         ", repair " + option_text(settings, "repair") + "\n";
+  return formatted(
+      "{}: the limit surface of {}{} through the {} of {}\n  max error  {} of the diagonal, at "
+      "vertex {} (tolerance {})\n  rms error  {}\n  surface    {}, boundary {}, creases {}, repair "
+      "{}\n",
+      result.confirmed ? "confirmed" : "rejected", cage.name,
+      result.confirmed ? " passes" : " does not pass", counted(result.vertex_count, "vertex"),
+      given.name, short_number(result.error.max), result.worst_vertex,
+      short_number(settings.tolerance), short_number(result.error.rms),
+      subdivision_text(settings.scheme, settings.weights), option_text(settings, "boundary"),
+      option_text(settings, "creases"), option_text(settings, "repair"));
 }
 
 ExitCode run_verify(const VerifyFlags& flags) {

@@ -10,6 +10,7 @@
 #include "mpi_flags.h"
 #include "mpi_report.h"
 #include "options/scene_file.h"
+#include "planish/core/formatted.h"
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "terminal/text.h"
@@ -131,7 +132,7 @@ ExitCode run_all(Process& process) {
   if (!process.request.own.is_scene || failed == 0)
     return process.request.own.is_scene ? ExitCode::Done : code;
   if (process.ranks.rank == 0)
-    process.console.error(std::to_string(failed) + " of " + counted(count, "job") + " failed");
+    process.console.error(formatted("{} of {} failed", failed, counted(count, "job")));
   return ExitCode::JobsFailed;
 }
 

@@ -8,6 +8,7 @@
 #include "job/input.h"
 #include "mpi_options.h"
 #include "options/fit_flags.h"
+#include "planish/core/formatted.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
@@ -37,8 +38,8 @@ double parse_seconds(const std::string& text) {
 }
 
 std::string version_line() {
-  return std::string("planish-mpi ") + PLANISH_VERSION + " (" + kGitRevision + ")\nPETSc " +
-         PetscSession::version() + "\n";
+  return formatted("planish-mpi {} ({})\nPETSc {}\n", PLANISH_VERSION, kGitRevision,
+                   PetscSession::version());
 }
 
 void add_own_flags(CLI::App& command, OwnFlags& flags) {
@@ -153,8 +154,8 @@ Job fit_job_of(const CLI::App& fit, const FitFlags& flags, const OwnFlags& own) 
   std::vector<GivenSetting> given = given_flags(fit);
   require_available(given, {.adaptive = {.angle = 1}});
   if (flags.inputs.size() != 1)
-    refuse("INPUT", std::to_string(flags.inputs.size()) +
-                        " meshes; one at a time, or a scene: planish-mpi run SCENE");
+    refuse("INPUT", "{} meshes; one at a time, or a scene: planish-mpi run SCENE",
+           flags.inputs.size());
   const Settings settings = settings_of(flags);
   for (const FitOption& option : option_table()) {
     const bool lacks_fair =

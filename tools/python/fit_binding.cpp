@@ -6,6 +6,7 @@
 #include "bindings.h"
 #include "errors.h"
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/tessellate_fit.h"
@@ -181,9 +182,9 @@ void add_surface_class(py::module_& module) {
       .def_property_readonly(
           "level", [](const PythonSurface& self) { return self.surface.level; }, "Splits.")
       .def("__repr__", [](const PythonSurface& self) {
-        return "<planish.Surface: level " + std::to_string(self.surface.level) + ", " +
-               counted(std::ssize(self.surface.positions), "vertex") + ", " +
-               counted(self.surface.face_count(), "face") + ">";
+        return formatted("<planish.Surface: level {}, {}, {}>", self.surface.level,
+                         counted(std::ssize(self.surface.positions), "vertex"),
+                         counted(self.surface.face_count(), "face"));
       });
   add_riders(type, [](const py::object& self) -> const SurfaceMesh& {
     return self.cast<PythonSurface&>().surface;
@@ -245,8 +246,8 @@ void add_fit_class(py::module_& module) {
            "The \"surface\" of a report: folded area, deviation of normals in degrees, bending, "
            "which is that of level 1 whatever the level.")
       .def("__repr__", [](const PythonFit& self) {
-        return "<planish.Fit: " + counted(self.fitted.mesh.vertex_count(), "vertex") + ", " +
-               (self.fitted.fit.interpolation.converged ? "converged>" : "not converged>");
+        return formatted("<planish.Fit: {}, {}", counted(self.fitted.mesh.vertex_count(), "vertex"),
+                         self.fitted.fit.interpolation.converged ? "converged>" : "not converged>");
       });
   add_pickle<PythonFit>(type, &packed, &unpack);
 }

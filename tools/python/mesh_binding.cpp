@@ -7,6 +7,7 @@
 #include "errors.h"
 #include "options.h"
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
@@ -26,7 +27,8 @@ namespace {
 FileFormat require_format(const std::string& path, FormatUse use) {
   const auto format = format_of(path);
   if (!format || !serves(*format, use))
-    refuse(visible(std::string_view(path)) + ": " + extensions_in_words(use) + " is wanted");
+    refuse(
+        formatted("{}: {} is wanted", visible(std::string_view(path)), extensions_in_words(use)));
   return *format;
 }
 
@@ -104,8 +106,8 @@ void add_to_points(const py::object& normals, const py::object& colors,
   if (normals.is_none()) return;
   const Doubles rows = as_rows(normals, "normals", 3, 3);
   if (rows.shape(0) != std::ssize(cloud.points))
-    refuse("normals: " + std::to_string(rows.shape(0)) + " for " +
-           counted(std::ssize(cloud.points), "point"));
+    refuse(
+        formatted("normals: {} for {}", rows.shape(0), counted(std::ssize(cloud.points), "point")));
   for (py::ssize_t i = 0; i < rows.shape(0); ++i)
     cloud.normals.emplace_back(rows.at(i, 0), rows.at(i, 1), rows.at(i, 2));
 }
@@ -226,8 +228,8 @@ void add_mesh_class(py::module_& module) {
           },
           "int32 (c, 2): edges that stay sharp.")
       .def("__repr__", [](const PythonMesh& self) {
-        return "<planish.Mesh: " + counted(self.mesh.vertex_count(), "vertex") + ", " +
-               counted(self.mesh.face_count(), "face") + ">";
+        return formatted("<planish.Mesh: {}, {}>", counted(self.mesh.vertex_count(), "vertex"),
+                         counted(self.mesh.face_count(), "face"));
       });
   add_riders(type, [](const py::object& self) -> const PolygonMesh& {
     return self.cast<PythonMesh&>().mesh;

@@ -68,8 +68,7 @@ void SceneDrawing::add_primitive(const JsonPlace& primitive, const glm::dmat4& t
   const GltfAccessor normals = accessor(attributes["NORMAL"], GltfAccessor::Use::Positions);
   const GltfAccessor indices = accessor(primitive["indices"], GltfAccessor::Use::Indices);
   if (normals.count() != positions.count())
-    attributes["NORMAL"].fail(std::to_string(normals.count()) + " normals for " +
-                              std::to_string(positions.count()) + " vertices");
+    attributes["NORMAL"].fail("{} normals for {} vertices", normals.count(), positions.count());
   budget_.add_triangles(primitive, positions.count(), indices.count());
   const glm::dmat3 linear(to_world), turned = normals_transform(linear);
   const glm::dvec3 shift = glm::dvec3(to_world[3]) - mesh_.origin;
@@ -81,14 +80,13 @@ void SceneDrawing::add_primitive(const JsonPlace& primitive, const glm::dmat4& t
   if (!attribute_.empty()) {
     const GltfAccessor values = accessor(attributes[attribute_], GltfAccessor::Use::Numbers);
     if (values.count() != positions.count())
-      attributes[attribute_].fail(std::to_string(values.count()) + " numbers for " +
-                                  std::to_string(positions.count()) + " vertices");
+      attributes[attribute_].fail("{} numbers for {} vertices", values.count(), positions.count());
     for (std::int64_t i = 0; i < values.count(); ++i)
       mesh_.values.push_back(static_cast<float>(values.value(i)));
   }
   for (std::int64_t i = 0; i < indices.count(); ++i) {
     if (indices.index(i) >= positions.count())
-      primitive["indices"].fail("entry " + std::to_string(i) + " names no vertex");
+      primitive["indices"].fail("entry {} names no vertex", i);
     mesh_.indices.push_back(first + indices.index(i));
   }
 }

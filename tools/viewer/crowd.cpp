@@ -91,9 +91,9 @@ VkDeviceSize Crowd::point_bytes() const {
   const std::uint64_t most = context_.max_storage_range() / each;
   if (options_.count > most)
     throw Error(ErrorCode::OutOfMemory,
-                device_.name() + " has room for " + std::to_string(most) + " instances of " +
-                    std::to_string(corners) + " corners in one binding, not for " +
-                    std::to_string(options_.count) + "; choose fewer, or a smaller mesh");
+                formatted("{} has room for {} instances of {} corners in one binding, not for {}; "
+                          "choose fewer, or a smaller mesh",
+                          device_.name(), most, corners, options_.count));
   return VkDeviceSize(options_.count) * system_.given_count() * sizeof(glm::vec3);
 }
 

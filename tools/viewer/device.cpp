@@ -76,7 +76,7 @@ const Candidate& pick(const std::vector<Candidate>& candidates, const std::strin
     const Candidate& candidate = candidates[i];
     const std::string& name = candidate.capabilities.name;
     const std::string why = objection(candidate);
-    listing += "; " + std::to_string(i) + " '" + name + "'" + (why.empty() ? "" : " " + why);
+    listing += formatted("; {} '{}'{}", i, name, why.empty() ? "" : " " + why);
     const bool named = std::to_string(i) == wanted ||
                        lower_case(name).find(lower_case(wanted)) != std::string::npos;
     if (named && why.empty() && (!best || rank_of(candidate) > rank_of(*best))) best = &candidate;

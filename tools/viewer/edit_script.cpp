@@ -35,15 +35,13 @@ class ScriptWords {
   double number(const char* wanted) {
     const std::string text = word(wanted);
     double value = 0;
-    if (!parse_number(text, value))
-      refuse(where_, std::string(wanted) + " is wanted, not '" + text + "'");
+    if (!parse_number(text, value)) refuse(where_, "{} is wanted, not '{}'", wanted, text);
     return value;
   }
   std::int32_t count(const char* wanted, std::int32_t least, std::int32_t most) {
     const double value = number(wanted);
     if (value != std::floor(value) || value < least || value > most)
-      refuse(where_, std::string(wanted) + " from " + std::to_string(least) + " to " +
-                         std::to_string(most) + " is wanted, not " + words_[next_ - 1]);
+      refuse(where_, "{} from {} to {} is wanted, not {}", wanted, least, most, words_[next_ - 1]);
     return static_cast<std::int32_t>(value);
   }
   std::int32_t count_or_one(const char* wanted, std::int32_t most) {
@@ -132,7 +130,7 @@ std::vector<ScriptStep> parse_script(std::string_view text, const std::string& n
     ++number;
     line = line.substr(0, line.find('#'));
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    ScriptWords words(line, name + ":" + std::to_string(number));
+    ScriptWords words(line, formatted("{}:{}", name, number));
     ScriptStep step{words.where(), step_of(words)};
     words.end();
     result.push_back(std::move(step));

@@ -89,10 +89,10 @@ std::optional<std::pair<std::int32_t, std::int32_t>> EditSession::pick_edge(cons
 void EditSession::select(std::vector<std::int32_t> vertices) {
   for (const std::int32_t vertex : vertices) {
     if (vertex >= 0 && vertex < mesh_.vertex_count()) continue;
-    throw Error(ErrorCode::InvalidArgument,
-                "there is no vertex " + std::to_string(vertex) + "; the mesh has 0 to " +
-                    std::to_string(mesh_.vertex_count() - 1),
-                vertex);
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("there is no vertex {}; the mesh has 0 to {}", vertex, mesh_.vertex_count() - 1),
+        vertex);
   }
   selected_ = std::move(vertices);
 }

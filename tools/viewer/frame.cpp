@@ -1,4 +1,5 @@
 #include "frame.h"
+#include "planish/core/formatted.h"
 
 #include <cstring>
 #include <string>
@@ -20,8 +21,8 @@ OwnedDescriptorPool make_pool(VkDevice device) {
 std::uint64_t vertex_bytes(vulkan::Context& context, const Model& model) {
   const std::uint64_t bytes =
       std::uint64_t(model.system().vertex_count()) * shared::kVertexFloats * sizeof(float);
-  context.binding_limit().require(
-      bytes, "vertices of level " + std::to_string(model.system().level()), "choose a lower level");
+  context.binding_limit().require(bytes, formatted("vertices of level {}", model.system().level()),
+                                  "choose a lower level");
   return bytes;
 }
 

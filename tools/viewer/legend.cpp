@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "planish/core/formatted.h"
 #include "shared.h"
 
 namespace planish::viewer {
@@ -51,7 +52,7 @@ void draw_legend(const std::string& line) {
   const int lowest = static_cast<int>(shared::kHeatLowest);
   const int decades = static_cast<int>(shared::kHeatHighest) - lowest;
   for (int i = 0; i <= decades; ++i) {
-    const std::string text = "1e" + std::to_string(lowest + i);
+    const std::string text = formatted("1e{}", lowest + i);
     const float at = x + width * static_cast<float>(i) / static_cast<float>(decades);
     const float text_width = ImGui::CalcTextSize(text.c_str()).x;
     // Inside the bar's ends, centred between them.

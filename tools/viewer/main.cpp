@@ -62,7 +62,7 @@ void run_headless(const Arguments& arguments, Scene scene,
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   const std::string how = arguments.settings.draws_patches()
                               ? "tessellated"
-                              : "at level " + std::to_string(headless.system().level());
+                              : formatted("at level {}", headless.system().level());
   const double error = headless.status().residual / headless.system().diagonal();
   std::printf("%s %s on %s: %d frames of %s in %.2f s, error %s of the diagonal\n", name.c_str(),
               how.c_str(), device.name().c_str(), frames,

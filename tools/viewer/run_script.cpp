@@ -32,7 +32,7 @@ class ScriptRun {
   }
   [[nodiscard]] const OrbitCamera& camera() const { return headless_.options().camera; }
   [[nodiscard]] static std::string text_of(const glm::vec2& pixel) {
-    return std::to_string(std::lround(pixel.x)) + " " + std::to_string(std::lround(pixel.y));
+    return formatted("{} {}", std::lround(pixel.x), std::lround(pixel.y));
   }
   void show() {
     headless_.show(session_, Headless::Solved::On);

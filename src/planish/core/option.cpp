@@ -38,7 +38,7 @@ std::string whole_wanted_of(const OptionInfo& option) {
 void check_whole(const OptionInfo& option, std::int64_t value, std::string_view where) {
   const auto number = static_cast<double>(value);
   if (!(number >= option.limits.least && number <= option.limits.most))
-    refuse(where, formatted("{} is out of range; {}", value, whole_wanted_of(option)));
+    refuse(where, "{} is out of range; {}", value, whole_wanted_of(option));
 }
 
 void check_number(const OptionInfo& option, double value, std::string_view where) {
@@ -54,13 +54,12 @@ void check_list(const OptionInfo& option, std::span<const Value> values, std::st
   const std::string entry(option.entry);
   if (values.empty()) {
     const std::string_view good = option.initial.empty() ? option.example : option.initial;
-    refuse(where,
-           formatted("no {} is named; {} is a good one", entry, good.substr(good.rfind(',') + 1)));
+    refuse(where, "no {} is named; {} is a good one", entry, good.substr(good.rfind(',') + 1));
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     check(option, values[i], where);
     if (std::ranges::find(values.first(i), values[i]) != values.begin() + static_cast<long>(i))
-      refuse(where, formatted("{} {} is named twice", entry, shown(values[i])));
+      refuse(where, "{} {} is named twice", entry, shown(values[i]));
   }
 }
 
@@ -120,8 +119,8 @@ OptionValue parse_option(const OptionInfo& option, std::string_view text, std::s
   OptionValue value;
   value.text = text;
   const auto no_list = [&] {
-    refuse(where, formatted("{} is no list of {}s such as {}", in_double_quotes(text), option.entry,
-                            option.example));
+    refuse(where, "{} is no list of {}s such as {}", in_double_quotes(text), option.entry,
+           option.example);
   };
   switch (option.kind) {
     case OptionKind::Word:

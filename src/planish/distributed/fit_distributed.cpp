@@ -34,10 +34,11 @@ void warn_of_semi_sharp(const Ranks& ranks, const MeshSlice& slice,
     count += crease.sharpness > 0 && crease.sharpness < kInfiniteSharpness ? 1 : 0;
   count = sum_over(ranks, count);
   if (count == 0) return;
-  warnings.push_back({.code = "semi-sharp-creases",
-                      .message = "creases of a sharpness below 10, taken as smooth: " +
-                                 std::to_string(count) + "; give 10 for a sharp edge",
-                      .count = count});
+  warnings.push_back(
+      {.code = "semi-sharp-creases",
+       .message = formatted(
+           "creases of a sharpness below 10, taken as smooth: {}; give 10 for a sharp edge", count),
+       .count = count});
 }
 
 void warn_of_bare_cage(const SliceAttributes& attributes, std::vector<Warning>& warnings) {

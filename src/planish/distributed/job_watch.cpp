@@ -1,5 +1,7 @@
 #include "planish/distributed/job_watch.h"
 
+#include "planish/core/formatted.h"
+
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -48,7 +50,7 @@ void JobWatch::fault_point() const {
 #ifdef PLANISH_MPI_FAULTS
   const char* wanted = std::getenv("PLANISH_MPI_FAULT");
   if (wanted == nullptr || phases_.empty()) return;
-  const std::string here = std::to_string(rank_) + ":" + std::string(phases_.back().name);
+  const std::string here = formatted("{}:{}", rank_, phases_.back().name);
   if (here == wanted) std::raise(SIGKILL);
   if (here + ":stop" == wanted) std::raise(SIGSTOP);
 #endif

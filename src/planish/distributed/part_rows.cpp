@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "planish/core/assert.h"
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/sharp_features.h"
@@ -151,8 +152,8 @@ std::vector<FoundProblem> unused_and_infinite(const MeshPart& part) {
     const auto is_fine = [](double x) { return std::abs(x) <= kMaxCoordinate; };
     if (!part.around(v).empty() || (is_fine(p.x) && is_fine(p.y) && is_fine(p.z))) continue;
     found.push_back({MeshProblemKind::NonFinitePosition, part.file_ids[v],
-                     "vertex " + std::to_string(part.file_ids[v]) + " is at (" + shortest(p.x) +
-                         ", " + shortest(p.y) + ", " + shortest(p.z) + ")"});
+                     formatted("vertex {} is at ({}, {}, {})", part.file_ids[v], shortest(p.x),
+                               shortest(p.y), shortest(p.z))});
   }
   return found;
 }

@@ -158,9 +158,10 @@ class PartTilesWriter {
                   name + ": the surface has no face; 3D Tiles need one");
     }
     if (total_ > std::numeric_limits<std::int32_t>::max()) {
-      throw Error(ErrorCode::OutOfMemory,
-                  name + ": " + std::to_string(total_) +
-                      " tiles are more than 32 bits count; take larger ones (--tile-vertices)");
+      throw Error(
+          ErrorCode::OutOfMemory,
+          formatted("{}: {} tiles are more than 32 bits count; take larger ones (--tile-vertices)",
+                    name, total_));
     }
   }
 

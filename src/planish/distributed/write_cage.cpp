@@ -68,8 +68,9 @@ CageFaces encode_faces(const Ranks& ranks, std::span<const std::int64_t> sizes,
   agree(ranks, [&] {
     if (vertex_total > std::numeric_limits<std::int32_t>::max())
       throw Error(ErrorCode::InvalidArgument,
-                  "--cage: a PLY's int indices end at 2^31 - 1, and the cage has " +
-                      std::to_string(vertex_total) + " vertices; leave it out");
+                  formatted("--cage: a PLY's int indices end at 2^31 - 1, and the cage has {} "
+                            "vertices; leave it out",
+                            vertex_total));
     const std::size_t count_bytes = faces.has_short_counts ? 1 : 4;
     faces.bytes.reserve(4 * corners.size() + count_bytes * sizes.size());
     std::size_t corner = 0;

@@ -61,8 +61,9 @@ void require_attributes(std::span<const VertexAttribute> attributes) {
     const std::size_t wild =
         first_where(values.size(), [&](std::size_t i) { return !std::isfinite(values[i]); });
     if (wild < values.size())
-      refuse(name, "of vertex " + std::to_string(wild / static_cast<std::size_t>(attribute.width)) +
-                       " is " + shortest(values[wild]) + "; finite numbers are wanted");
+      refuse(name,
+             formatted("of vertex {} is {}; finite numbers are wanted",
+                       wild / static_cast<std::size_t>(attribute.width), shortest(values[wild])));
   }
 }
 

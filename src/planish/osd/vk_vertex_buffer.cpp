@@ -11,9 +11,10 @@ namespace planish::osd {
 VkVertexBuffer* VkVertexBuffer::Create(int numElements, int numVertices,
                                        VkDeviceContext* deviceContext) {
   if (numElements < 1 || numVertices < 0)
-    throw Error(ErrorCode::InvalidArgument, "VkVertexBuffer of " + std::to_string(numVertices) +
-                                                " vertices of " + std::to_string(numElements) +
-                                                " floats: neither may be negative or no float");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("VkVertexBuffer of {} vertices of {} floats: neither may be negative or no float",
+                  numVertices, numElements));
   return new VkVertexBuffer(numElements, numVertices, *deviceContext);
 }
 

@@ -141,9 +141,11 @@ void require_falling(const FitFileOptions& options) {
   int finer = options.level;
   for (const int level : options.coarser_levels) {
     if (level >= finer)
-      throw Error(ErrorCode::InvalidArgument, "coarser_levels: " + std::to_string(level) +
-                                                  " follows level " + std::to_string(finer) +
-                                                  "; name levels from fine to coarse, each once");
+      throw Error(
+          ErrorCode::InvalidArgument,
+          formatted(
+              "coarser_levels: {} follows level {}; name levels from fine to coarse, each once",
+              level, finer));
     finer = level;
   }
 }

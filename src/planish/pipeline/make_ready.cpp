@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
@@ -19,11 +20,11 @@ void cut_concave_faces(ReadyMesh& prepared) {
   const auto source_of = [&](std::int32_t face) { return sources.empty() ? face : sources[face]; };
   const auto count = static_cast<std::int64_t>(convex.cut_faces.size());
   std::ranges::transform(convex.cut_faces, convex.cut_faces.begin(), source_of);
-  prepared.changes.push_back(
-      {"concave-faces",
-       "faces with corners that turn inward or lie unevenly, cut in parts for the fair surface: " +
-           std::to_string(count),
-       count, convex.cut_faces.front()});
+  prepared.changes.push_back({"concave-faces",
+                              formatted("faces with corners that turn inward or lie unevenly, cut "
+                                        "in parts for the fair surface: {}",
+                                        count),
+                              count, convex.cut_faces.front()});
   std::vector<std::int32_t>& changed = prepared.changed_faces;
   changed.insert(changed.end(), convex.cut_faces.begin(), convex.cut_faces.end());
   std::ranges::sort(changed);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "planish/core/formatted.h"
 #include "planish/core/refuse.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/pipeline/option_words.h"
@@ -66,8 +65,8 @@ Precision solve_precision(const FitSettings& settings) {
 void check_consistent(const FitSettings& settings, SpellOption spell) {
   if (settings.device == "vulkan" && settings.precision != PrecisionChoice::Auto) {
     refuse(spell("precision"),
-           formatted("{} is for the CPU backend; leave it out with {} vulkan, or take {} cpu",
-                     option_text(settings, "precision"), spell("device"), spell("device")));
+           "{} is for the CPU backend; leave it out with {} vulkan, or take {} cpu",
+           option_text(settings, "precision"), spell("device"), spell("device"));
   }
   if (settings.within.of_diagonal.value_or(0) > 0 &&
       *settings.within.of_diagonal <= settings.tolerance) {
@@ -76,8 +75,8 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
                                 ", within which the surface passes the vertices anyway");
   }
   if (settings.adaptive.any() && settings.attributes.any()) {
-    refuse(spell("attributes"), formatted("fields are made on levels; take {} instead of {} and {}",
-                                          spell("levels"), spell("chord_errors"), spell("angle")));
+    refuse(spell("attributes"), "fields are made on levels; take {} instead of {} and {}",
+           spell("levels"), spell("chord_errors"), spell("angle"));
   }
   if (settings.scheme == Scheme::DooSabin) return;
   const std::string scheme = option_text(settings, "scheme");
@@ -90,14 +89,14 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
            scheme + " surfaces come in levels; take " + spell("levels") + ", or " + doo_sabin);
   }
   if (settings.weights != Weights::DooSabin) {
-    refuse(spell("weights"), formatted("{} belongs to {}; leave it and {} paper out with {} {}",
-                                       option_text(settings, "weights"), doo_sabin, spell("preset"),
-                                       spell("scheme"), scheme));
+    refuse(spell("weights"), "{} belongs to {}; leave it and {} paper out with {} {}",
+           option_text(settings, "weights"), doo_sabin, spell("preset"), spell("scheme"), scheme);
   }
   if (settings.interpolation == InterpolationChoice::Fair) {
-    refuse(spell("interpolation"), formatted("fair builds control points of Doo-Sabin's level 1, "
-                                             "which {} does not have; take progressive, or {}",
-                                             scheme, doo_sabin));
+    refuse(spell("interpolation"),
+           "fair builds control points of Doo-Sabin's level 1, "
+           "which {} does not have; take progressive, or {}",
+           scheme, doo_sabin);
   }
 }
 

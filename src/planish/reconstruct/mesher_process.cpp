@@ -185,17 +185,19 @@ class Conversation {
     check_stop();
     const int status = child_.wait();
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
-      throw Error(ErrorCode::OutOfMemory, child_.program() + ": was killed while meshing " +
-                                              std::to_string(point_count_) +
-                                              " points; it takes about 2 kB of memory a point");
+      throw Error(
+          ErrorCode::OutOfMemory,
+          formatted("{}: was killed while meshing {} points; it takes about 2 kB of memory a point",
+                    child_.program(), point_count_));
     fail(WIFSIGNALED(status)
              ? formatted("was ended by signal {}", WTERMSIG(status))
              : formatted("ended with code {} without an answer", WEXITSTATUS(status)));
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error(ErrorCode::InvalidArgument, child_.program() + ": " + what +
-                                                "; is it the planish-reconstruct of this version?");
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: {}; is it the planish-reconstruct of this version?",
+                          child_.program(), what));
   }
 
   Child& child_;

@@ -48,15 +48,17 @@ void warn_of_mesh(const Reconstruction& result, const ReconstructOptions& option
   if (facts.boundary_loop_count > 0)
     callbacks.warn(
         {.code = "open-mesh",
-         .message = "the mesh is open: " + counted(facts.boundary_loop_count, "boundary loop") +
-                    (facts.boundary_loop_count == 1 ? " is" : " are") + " left, genus " +
-                    std::to_string(facts.genus) + "; --fill-holes N closes loops of up to N edges",
+         .message = formatted(
+             "the mesh is open: {}{} left, genus {}; --fill-holes N closes loops of up to N edges",
+             counted(facts.boundary_loop_count, "boundary loop"),
+             facts.boundary_loop_count == 1 ? " is" : " are", facts.genus),
          .count = facts.boundary_loop_count});
   if (facts.component_count > 1)
-    callbacks.warn({.code = "several-components",
-                    .message = "the mesh has " + std::to_string(facts.component_count) +
-                               " components; --components largest keeps one",
-                    .count = facts.component_count});
+    callbacks.warn(
+        {.code = "several-components",
+         .message = formatted("the mesh has {} components; --components largest keeps one",
+                              facts.component_count),
+         .count = facts.component_count});
   if (result.dropped_component_count > 0)
     callbacks.warn({.code = "components-dropped",
                     .message = counted(result.dropped_component_count, "smaller component") +

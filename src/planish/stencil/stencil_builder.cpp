@@ -63,8 +63,9 @@ void append(StencilTable& rows, const StencilRow& row, Derivatives derivatives) 
 void require_entries_fit(std::int64_t entry_count) {
   if (entry_count <= std::numeric_limits<std::int32_t>::max()) return;
   throw Error(ErrorCode::OutOfMemory,
-              "a stencil table of up to " + std::to_string(entry_count) +
-                  " entries exceeds 2^31 - 1; split faces or vertices with thousands of edges");
+              formatted("a stencil table of up to {} entries exceeds 2^31 - 1; split faces or "
+                        "vertices with thousands of edges",
+                        entry_count));
 }
 
 StencilTable concatenate(std::int32_t source_count, std::vector<StencilTable>&& pieces) {

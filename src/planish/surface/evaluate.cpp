@@ -10,6 +10,7 @@
 
 #include "planish/backend/initial_residual.h"
 #include "planish/core/assert.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/stop.h"
 #include "planish/doosabin/limit_masks.h"
@@ -196,7 +197,7 @@ SummedTable doo_sabin_masks(const UsedPart& used, const LimitOptions& options) {
 void require_level(int level) {
   if (level >= 0 && level <= kMaxLevel) return;
   throw Error(ErrorCode::InvalidArgument,
-              "level " + std::to_string(level) + " is outside 0 to " + std::to_string(kMaxLevel));
+              formatted("level {} is outside 0 to {}", level, kMaxLevel));
 }
 
 SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOptions& options) {

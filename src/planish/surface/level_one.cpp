@@ -11,9 +11,10 @@ namespace planish {
 
 void require_state_size(std::int64_t size, const LevelOne& level_one) {
   if (static_cast<std::int64_t>(level_one.state.size()) == size) return;
-  throw Error(ErrorCode::InvalidArgument,
-              "level 1 of this mesh with these creases has " + std::to_string(size) +
-                  " control points, and " + std::to_string(level_one.state.size()) + " are given");
+  throw Error(
+      ErrorCode::InvalidArgument,
+      formatted("level 1 of this mesh with these creases has {} control points, and {} are given",
+                size, level_one.state.size()));
 }
 
 std::vector<glm::dvec3> limit_points(const Subdivision& subdivision,

@@ -28,15 +28,16 @@ class VerticesOfInput {
   void for_each(std::int32_t given, const std::string& where, const Take& take) const {
     if (sources_.empty()) {
       if (given >= count_)
-        refuse(where, formatted("there is no vertex {}; the mesh has 0 to {}", given, count_ - 1));
+        refuse(where, "there is no vertex {}; the mesh has 0 to {}", given, count_ - 1);
       return take(given);
     }
     const auto found =
         std::ranges::equal_range(order_, given, {}, [&](std::int32_t v) { return source(v); });
     if (found.empty())
-      refuse(where, formatted("there is no vertex {} once the mesh is mended: it is not in the "
-                              "input, or became another",
-                              given));
+      refuse(where,
+             "there is no vertex {} once the mesh is mended: it is not in the "
+             "input, or became another",
+             given);
     for (const std::int32_t vertex : found) take(vertex);
   }
 
@@ -51,8 +52,7 @@ class VerticesOfInput {
 void apply_move(Editor& editor, const VerticesOfInput& input, const SceneMove& move) {
   if (move.undo > 0) {
     for (std::int64_t i = 0; i < move.undo; ++i) {
-      if (!editor.can_undo())
-        refuse(move.where, formatted("there are no {} moves to take back", move.undo));
+      if (!editor.can_undo()) refuse(move.where, "there are no {} moves to take back", move.undo);
       editor.undo();
     }
     return;

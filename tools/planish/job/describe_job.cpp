@@ -27,7 +27,8 @@ std::string write_line(const std::filesystem::path& path, const std::string& wha
 std::string file_text(const OutputForecast& file, std::string_view faces,
                       GltfCompression compression) {
   if (file.vertices == 0) return "";
-  std::string text = ", " + counted(file.vertices, "vertex") + ", " + counted(file.faces, faces);
+  std::string text =
+      formatted(", {}, {}", counted(file.vertices, "vertex"), counted(file.faces, faces));
   if (!file.bytes) return text;
   const bool is_known = compression == GltfCompression::None;
   return text + (is_known ? ", about " : ", at most about ") + byte_size(*file.bytes);
@@ -61,8 +62,9 @@ std::string needs_text(const Forecast& forecast) {
 std::string describe_points(const PlannedJob& planned, const PointInput& input,
                             const DeviceDescription& device, const PathClaims& claims,
                             std::uint64_t page_bytes) {
-  std::string text = "would reconstruct and fit " + input.name + ": " +
-                     counted(std::ssize(input.cloud.points), "point") + "\n" + device_line(device);
+  std::string text =
+      formatted("would reconstruct and fit {}: {}\n{}", input.name,
+                counted(std::ssize(input.cloud.points), "point"), device_line(device));
   for (const PlannedOutput& output : planned.outputs) text += write_line(output.path, "", claims);
   return text + needs_text(forecast_of_points(input.cloud, planned.job.settings, planned.outputs,
                                               page_bytes));
@@ -99,9 +101,10 @@ std::string outputs_text(const PlannedJob& planned, FileFormat input, const Poly
             ? formatted("  (at least {}, in {})", counted(file.faces, "B-spline face"),
                         word_of(kStepUnitWords,
                                 settled_unit(planned.job.settings.step.unit, name_of(input))))
-            : "  (" +
-                  (is_cage ? "control cage" : finenesses_text(output.fineness, output.coarser)) +
-                  file_text(file, faces_of(output, planned.job.settings.scheme), compression) + ")";
+            : formatted(
+                  "  ({}{})",
+                  is_cage ? "control cage" : finenesses_text(output.fineness, output.coarser),
+                  file_text(file, faces_of(output, planned.job.settings.scheme), compression));
     text += write_line(output.path, what, claims);
     text += companion_lines(output, file.bytes.value_or(0), mesh, compression, claims);
   }
@@ -236,8 +239,9 @@ ExitCode describe_jobs(const std::vector<PlannedJob>& jobs, const DeviceList& de
   if (!files.page.empty())
     write_text(write_line(files.page, std::string("  (page") + of_all, claims));
   if (claims.any_refused()) exit_code = ExitCode::UnwritableOutput;  // before any work
-  write_text("would end with exit code " + std::to_string(static_cast<int>(exit_code)) +
-             (exit_code == ExitCode::Done ? ", or 5 if the solve does not converge\n" : "\n"));
+  write_text(
+      formatted("would end with exit code {}{}", static_cast<int>(exit_code),
+                exit_code == ExitCode::Done ? ", or 5 if the solve does not converge\n" : "\n"));
   return exit_code;
 }
 

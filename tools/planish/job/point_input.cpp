@@ -132,22 +132,24 @@ std::string noise_line(const Reconstruction& result) {
   std::string line = "  noise       ";
   if (result.noise >= 0)
     line += short_number(result.noise / result.diagonal) + " of the diagonal; ";
-  return line + "points moved onto local fits " +
-         (result.smooth_rounds == 1 ? "once" : formatted("{} times", result.smooth_rounds)) +
-         ", mesh within " + short_number(result.tolerance) + "; --smooth 0 leaves them\n";
+  return formatted("{}points moved onto local fits {}, mesh within {}; --smooth 0 leaves them\n",
+                   line,
+                   result.smooth_rounds == 1 ? "once" : formatted("{} times", result.smooth_rounds),
+                   short_number(result.tolerance));
 }
 
 std::string reconstruction_summary(const PointInput& input, const Reconstruction& result) {
   const MeshStatistics& facts = result.statistics;
   const auto used = static_cast<std::int64_t>(result.used_points.size());
-  return "  points      " + with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
-         ", " + with_separators(used) + " used, spacing " +
-         short_number(result.spacing / result.diagonal) + " of the diagonal\n" +
-         noise_line(result) + "  mesh        " + counted(facts.vertex_count, "vertex") + ", " +
-         counted(facts.face_count, "face") + ", genus " + std::to_string(facts.genus) + ", " +
-         counted(facts.boundary_loop_count, "boundary loop") + "; farthest point " +
-         short_number(result.distances.max / result.diagonal) + ", rms " +
-         short_number(result.distances.rms / result.diagonal) + " of the diagonal\n";
+  return formatted(
+      "  points      {}, {} used, spacing {} of the diagonal\n{}  mesh        {}, {}, genus {}, "
+      "{}; farthest point {}, rms {} of the diagonal\n",
+      with_separators(static_cast<std::int64_t>(input.cloud.points.size())), with_separators(used),
+      short_number(result.spacing / result.diagonal), noise_line(result),
+      counted(facts.vertex_count, "vertex"), counted(facts.face_count, "face"), facts.genus,
+      counted(facts.boundary_loop_count, "boundary loop"),
+      short_number(result.distances.max / result.diagonal),
+      short_number(result.distances.rms / result.diagonal));
 }
 
 }  // namespace planish::command

@@ -24,8 +24,8 @@ FileFormat output_format_of(const FitFlags& flags, FormatUse use, FileFormat ini
   for (const FormatInfo& info : formats())
     if (info.name == flags.output_format && serves(info.format, FormatUse::WriteSurface))
       return serves(info.format, use) ? info.format : initial;
-  refuse("--output-format", "\"" + visible(flags.output_format) + "\" is not one of " +
-                                names_of(FormatUse::WriteSurface));
+  refuse("--output-format", "\"{}\" is not one of {}", visible(flags.output_format),
+         names_of(FormatUse::WriteSurface));
 }
 
 // Where an output of that input goes: the path itself, or the input's name in a folder.
@@ -37,8 +37,8 @@ std::string output_path(const std::string& path, const std::string& input, FileF
   if (names_folder(path) || is_new_folder) return path_in_folder(path, input, format);
   if (!one_of_several) return path;
   if (path == "-") refuse(flag, "stdout takes one surface only, and there are several inputs");
-  refuse(flag, visible(path) + " is one file, and there are several inputs; name a folder: " +
-                   std::string(flag) + " " + visible(std::filesystem::path(path).stem()) + "/");
+  refuse(flag, "{} is one file, and there are several inputs; name a folder: {} {}/", visible(path),
+         flag, visible(std::filesystem::path(path).stem()));
 }
 
 void add_file_flags(CLI::App& command, FitFlags& flags) {
@@ -123,7 +123,7 @@ int workers_of(const FitFlags& flags) {
   if (!parse_integer(flags.workers, workers))
     refuse("--jobs", "\"" + visible(flags.workers) + "\" is no whole number");
   if (workers < 1 || workers > kMost)
-    refuse("--jobs", std::to_string(workers) + " is out of range; 1 to 256 is wanted");
+    refuse("--jobs", "{} is out of range; 1 to 256 is wanted", workers);
   return static_cast<int>(workers);
 }
 

@@ -50,8 +50,8 @@ void MemoryFlags::apply(const std::string& output) const {
   }
   const std::uint64_t bytes = parse_size(budget, "--memory", kMost, "6G or 800M");
   if (bytes < kLeast)
-    refuse("--memory", byte_size(bytes) + " are too little; the least that works is " +
-                           std::to_string(kLeast >> 20) + "M");
+    refuse("--memory", "{} are too little; the least that works is {}M", byte_size(bytes),
+           kLeast >> 20);
   hold_arrays_within(bytes, folder.empty() ? folder_beside(output) : std::filesystem::path(folder));
 }
 

@@ -35,8 +35,8 @@ Sampling sampling_of(const Json& json, const std::string& where) {
     const std::string& pattern = text_of(json["pattern"], path("pattern"));
     sampling.poisson_disk = pattern == kPatterns[0];
     if (std::ranges::find(kPatterns, pattern) == kPatterns.end())
-      refuse(path("pattern"), formatted("\"{}\" is not one of poisson-disk, uniform{}",
-                                        visible(pattern), did_you_mean(pattern, kPatterns)));
+      refuse(path("pattern"), "\"{}\" is not one of poisson-disk, uniform{}", visible(pattern),
+             did_you_mean(pattern, kPatterns));
   }
   if (json.contains("seed"))
     sampling.seed = static_cast<std::uint32_t>(count_of(json["seed"], path("seed"), 0, INT32_MAX));
@@ -129,8 +129,8 @@ class JobParser {
       constexpr std::array<std::string_view, 2> kKinds{"surface", "cage"};
       if (what == kKinds[1]) request.kind = OutputKind::Cage;
       if (std::ranges::find(kKinds, what) == kKinds.end()) {
-        refuse(path, formatted("\"{}\" is not one of surface, cage{}", visible(what),
-                               did_you_mean(what, kKinds)));
+        refuse(path, "\"{}\" is not one of surface, cage{}", visible(what),
+               did_you_mean(what, kKinds));
       }
     }
     const bool cage = request.kind == OutputKind::Cage;

@@ -9,8 +9,7 @@ namespace {
 
 // So many numbers: a point, or a row of a matrix.
 std::vector<double> numbers_of(const Json& json, const std::string& where, std::size_t count) {
-  if (!json.is_array() || json.size() != count)
-    refuse(where, std::to_string(count) + " numbers are wanted");
+  if (!json.is_array() || json.size() != count) refuse(where, "{} numbers are wanted", count);
   std::vector<double> numbers;
   for (std::size_t i = 0; i < count; ++i)
     numbers.push_back(number_of(json[i], entry_path(where, i)));
@@ -58,8 +57,8 @@ SceneMove move_of(const Json& json, const std::string& where) {
       move.to.push_back(point_of(point, entry));
     });
     if (move.to.size() != move.vertices.size())
-      refuse(path("to"), std::to_string(move.to.size()) + " positions stand there, and " +
-                             std::to_string(move.vertices.size()) + " vertices");
+      refuse(path("to"), "{} positions stand there, and {} vertices", move.to.size(),
+             move.vertices.size());
   }
   if (json.contains("by")) move.map[3] = glm::dvec4(point_of(json["by"], path("by")), 1.0);
   if (json.contains("matrix")) move.map = affine_map(json["matrix"], path("matrix"));

@@ -16,8 +16,8 @@ template <class Value, class Read>
 std::vector<Value> list_of(const OptionInfo& option, const Json& json, const std::string& where,
                            const Read& read) {
   if (!json.is_array()) {
-    refuse(where, "a list of " + std::string(option.entry) + "s such as [" +
-                      std::string(option.example) + "] is wanted, not " + json.type_name());
+    refuse(where, "a list of {}s such as [{}] is wanted, not {}", option.entry, option.example,
+           json.type_name());
   }
   std::vector<Value> values;
   for (std::size_t i = 0; i < json.size(); ++i)
@@ -27,7 +27,7 @@ std::vector<Value> list_of(const OptionInfo& option, const Json& json, const std
 
 std::int64_t vertex_of(const Json& json, const std::string& where) {
   const std::int64_t vertex = integer_of(json, where);
-  if (vertex < 0) refuse(where, "a vertex counted from 0 is wanted, not " + std::to_string(vertex));
+  if (vertex < 0) refuse(where, "a vertex counted from 0 is wanted, not {}", vertex);
   return vertex;
 }
 

@@ -59,7 +59,7 @@ std::int64_t count_of(const Json& json, const std::string& where, std::int64_t l
                       std::int64_t most) {
   const std::int64_t number = integer_of(json, where);
   if (number < least || number > most)
-    refuse(where, formatted("{} is not from {} to {}", number, least, most));
+    refuse(where, "{} is not from {} to {}", number, least, most);
   return number;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
@@ -40,7 +41,7 @@ class StrictParse {
 [[noreturn]] void refuse_at(std::size_t byte, std::string_view text, const std::string& name) {
   const std::string_view before = text.substr(0, std::min(byte, text.size()));
   const auto line = std::ranges::count(before, '\n') + 1;
-  refuse(name + ":" + std::to_string(line), "no valid JSON here");
+  refuse(formatted("{}:{}", name, line), "no valid JSON here");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/parallel.h"
 #include "report/report.h"
@@ -84,8 +85,8 @@ void for_answers(std::span<const glm::dvec3> points, const Answer& answer, const
 
 void answers_ply(std::span<const glm::dvec3> points, const Answer& answer,
                  std::string_view distance_name, const TakeBytes& take) {
-  std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                     std::to_string(points.size()) + "\n";
+  std::string text =
+      formatted("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", points.size());
   for (const char* const name : {"x", "y", "z"})
     text += "property double " + std::string(name) + "\n";
   for (const char* const name : {"nx", "ny", "nz"})

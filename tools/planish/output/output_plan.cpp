@@ -74,9 +74,9 @@ void require_chord_error(const OutputRequest& request, FileFormat format, double
   constexpr double kLeastOfFloats = 1e-7;
   if (chord_error == 0 || chord_error >= kLeastOfFloats || info_of(format).keeps_doubles) return;
   refuse(request.where,
-         formatted("{}: a chord error of {} of the diagonal is finer than the file's float32 "
-                   "numbers hold; take 1e-7 or more, or write .ply, which keeps doubles",
-                   visible(request.path), short_number(chord_error)));
+         "{}: a chord error of {} of the diagonal is finer than the file's float32 "
+         "numbers hold; take 1e-7 or more, or write .ply, which keeps doubles",
+         visible(request.path), short_number(chord_error));
 }
 
 }  // namespace
@@ -155,8 +155,8 @@ void PathClaims::add_tile_folder(const fs::path& folder, std::string_view where)
   for (const auto* others : {&inputs_, &outputs_}) {
     for (const fs::path& other : *others) {
       if (other.parent_path() == target)
-        refuse(where, formatted("{}, the folder of the tiles, has {} in it; choose another name",
-                                visible(folder), visible(other)));
+        refuse(where, "{}, the folder of the tiles, has {} in it; choose another name",
+               visible(folder), visible(other));
     }
   }
   std::error_code error;
@@ -202,9 +202,8 @@ void require_tileable(const std::vector<PlannedOutput>& outputs, const Settings&
   for (const PlannedOutput& output : outputs) {
     if (!info_of(output.format).is_tiles) continue;
     if (settings.scheme != Scheme::DooSabin) {
-      refuse("--scheme",
-             formatted("{}: 3D Tiles are made of Doo-Sabin surfaces, not of {}; write .glb",
-                       visible(output.path), name_of(settings.scheme)));
+      refuse("--scheme", "{}: 3D Tiles are made of Doo-Sabin surfaces, not of {}; write .glb",
+             visible(output.path), name_of(settings.scheme));
     }
     if (output.fineness.level < 1)
       refuse("--levels", visible(output.path) + ": 3D Tiles have levels from 1 on, not 0");

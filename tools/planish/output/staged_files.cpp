@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "planish/core/formatted.h"
 #include "planish/core/output_file.h"
 #include "planish/core/rename_file.h"
 #include "planish/core/visible_text.h"
@@ -52,8 +53,8 @@ fs::path StagedFiles::stage(const fs::path& path) {
     std::string name = (target / ".planish-XXXXXX").string();
     if (error || ::mkdtemp(name.data()) == nullptr) {
       throw Error(ErrorCode::UnwritableOutput,
-                  visible(path) + ": cannot write into " + visible(target) + ": " +
-                      (error ? error.message() : std::strerror(errno)));
+                  formatted("{}: cannot write into {}: {}", visible(path), visible(target),
+                            error ? error.message() : std::strerror(errno)));
     }
     folders_.push_back({target, name});
     add_temporary_folder(name);
@@ -131,7 +132,7 @@ void StagedFiles::put_away(const File& file) const {
     if (!fs::exists(fs::symlink_status(old, ignored))) continue;
     fs::path away;
     do {
-      away = folder / (".replaced-" + std::to_string(number++));
+      away = folder / (formatted(".replaced-{}", number++));
     } while (fs::exists(fs::symlink_status(away, ignored)));
     rename(old, away, true, file.target);
   }

@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/task_arena.h>
 
+#include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
 #include "terminal/text.h"
 
@@ -34,10 +35,10 @@ std::string details(const JobReport& report) {
   std::string text = report.job + ", in detail:\n";
   text += line("threads", std::to_string(oneapi::tbb::this_task_arena::max_concurrency()));
   if (report.fair) {
-    text +=
-        line("drawn in", counted(report.fair->shrunk_vertices, "vertex") + ", " +
-                             counted(report.fair->reversed_vertices, "vertex") + " turned back, " +
-                             with_separators(report.fair->cured_vertices) + " cured of folds");
+    text += line("drawn in", formatted("{}, {} turned back, {} cured of folds",
+                                       counted(report.fair->shrunk_vertices, "vertex"),
+                                       counted(report.fair->reversed_vertices, "vertex"),
+                                       with_separators(report.fair->cured_vertices)));
     text += line("flagged", counted(report.fair->flagged_edges, "edge") + ", " +
                                 counted(report.fair->flagged_faces, "face"));
   } else {
@@ -60,7 +61,7 @@ std::string next_step(const JobReport& report) {
     if (output.path == "-") continue;
     const std::string path = visible(output.path);
     if (output.kind == OutputKind::Cage)
-      return "next: planish verify " + path + " " + visible(report.input.path);
+      return formatted("next: planish verify {} {}", path, visible(report.input.path));
     return "next: open " + path + ", or see it in a browser: planish fit ... --page out.html";
   }
   return "next: see it in a browser: planish fit ... --page out.html";

@@ -42,9 +42,8 @@ class BoundedDecoder : public Decoder {
                                              ahead.Decode(&attribute_count);
     if (!is_read) return false;
     if (3 * std::int64_t{triangle_count} != wanted_.corner_count)
-      return refuse("the stream has " + std::to_string(triangle_count) +
-                    " triangles, and the indices " + std::to_string(wanted_.corner_count) +
-                    " corners");
+      return refuse(formatted("the stream has {} triangles, and the indices {} corners",
+                              triangle_count, wanted_.corner_count));
     if (attribute_count > kMostAttributes) return refuse_attributes();
     return Decoder::DecodeConnectivity();
   }
@@ -52,15 +51,14 @@ class BoundedDecoder : public Decoder {
   bool DecodeAllAttributes() override {
     const auto point_count = std::int64_t{this->point_cloud()->num_points()};
     if (point_count != wanted_.point_count)
-      return refuse("the stream has " + std::to_string(point_count) +
-                    " points, and the positions " + std::to_string(wanted_.point_count));
+      return refuse(formatted("the stream has {} points, and the positions {}", point_count,
+                              wanted_.point_count));
     if (this->point_cloud()->num_attributes() > kMostAttributes) return refuse_attributes();
     std::int64_t number_count = 0;
     for (int i = 0; i < this->point_cloud()->num_attributes(); ++i)
       number_count += this->point_cloud()->attribute(i)->num_components();
     if (number_count > kMostNumbers)
-      return refuse("the attributes of a point have more than " + std::to_string(kMostNumbers) +
-                    " numbers");
+      return refuse(formatted("the attributes of a point have more than {} numbers", kMostNumbers));
     return Decoder::DecodeAllAttributes();
   }
 
@@ -72,7 +70,7 @@ class BoundedDecoder : public Decoder {
     return false;
   }
   bool refuse_attributes() {
-    return refuse("the stream has more than " + std::to_string(kMostAttributes) + " attributes");
+    return refuse(formatted("the stream has more than {} attributes", kMostAttributes));
   }
 
   DracoCounts wanted_;
@@ -122,8 +120,8 @@ UnpackedElements corners_of(const JsonPlace& extension, const draco::Mesh& mesh)
     for (std::size_t k = 0; k < 3; ++k) {
       triangle[k] = mesh.face(draco::FaceIndex(f))[k].value();
       if (triangle[k] >= mesh.num_points())
-        extension.fail("triangle " + std::to_string(f) + " of the stream names point " +
-                       std::to_string(triangle[k]) + " of " + std::to_string(mesh.num_points()));
+        extension.fail("triangle {} of the stream names point {} of {}", f, triangle[k],
+                       mesh.num_points());
     }
     std::memcpy(corners.bytes.data() + std::size_t{f} * 12, triangle.data(), 12);
   }
@@ -141,7 +139,7 @@ UnpackedElements elements_of(const JsonPlace& extension, const draco::Mesh& mesh
   for (std::uint32_t point = 0; point < mesh.num_points(); ++point) {
     const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(point));
     if (value.value() >= attribute.size())
-      extension.fail("point " + std::to_string(point) + " of the stream has no value");
+      extension.fail("point {} of the stream has no value", point);
     attribute.GetValue(value, elements.bytes.data() + point * size);
   }
   return elements;
@@ -164,9 +162,8 @@ DracoMesh decode_draco(const JsonPlace& extension, std::span<const std::byte> st
     extension.fail("the stream is no mesh of Draco's bitstream 2.2");
   const auto most = kMostPackedPerByte * static_cast<std::int64_t>(stream.size());
   if (wanted.corner_count > 3 * most || wanted.point_count > most)
-    extension.fail(std::to_string(wanted.corner_count) + " corners of " +
-                   std::to_string(wanted.point_count) + " points cannot come from " +
-                   std::to_string(stream.size()) + " bytes");
+    extension.fail("{} corners of {} points cannot come from {} bytes", wanted.corner_count,
+                   wanted.point_count, stream.size());
   draco::Mesh mesh;
   if (is_mesh(kSequential)) {
     decode<draco::MeshSequentialDecoder>(extension, stream, wanted, mesh);

@@ -30,21 +30,20 @@ GlbParts split_glb(std::span<const std::byte> bytes, std::string_view name) {
     return {.json = text_of(bytes), .chunk = {}};
   }
   if (bytes.size() < kHeader + kChunkHeader)
-    fail("a GLB begins with 20 bytes, but the file has " + std::to_string(bytes.size()));
+    fail(formatted("a GLB begins with 20 bytes, but the file has {}", bytes.size()));
   const auto version = load<std::uint32_t>(bytes.subspan(4));
-  if (version != 2) fail("GLB version " + std::to_string(version) + " is not 2");
+  if (version != 2) fail(formatted("GLB version {} is not 2", version));
   const auto length = load<std::uint32_t>(bytes.subspan(8));
   if (length > bytes.size() || length < kHeader)
-    fail("header promises " + std::to_string(length) + " bytes, but the file has " +
-         std::to_string(bytes.size()));
+    fail(formatted("header promises {} bytes, but the file has {}", length, bytes.size()));
   GlbParts parts{.json = {}, .chunk = {}, .format = FileFormat::Glb};
   std::span<const std::byte> left = bytes.subspan(kHeader, length - kHeader);
   for (int index = 0; left.size() >= kChunkHeader; ++index) {
     const auto size = load<std::uint32_t>(left);
     const auto type = load<std::uint32_t>(left.subspan(4));
     if (size > left.size() - kChunkHeader)
-      fail("chunk " + std::to_string(index) + " promises " + std::to_string(size) +
-           " bytes, but only " + std::to_string(left.size() - kChunkHeader) + " follow");
+      fail(formatted("chunk {} promises {} bytes, but only {} follow", index, size,
+                     left.size() - kChunkHeader));
     if (index == 0 && type != kJson) fail("the first chunk is not JSON");
     if (index == 0) parts.json = text_of(left.subspan(kChunkHeader, size));
     if (index == 1 && type == kBinary) parts.chunk = left.subspan(kChunkHeader, size);

@@ -50,8 +50,7 @@ std::span<const std::byte> tight_part(const JsonPlace& root, const JsonPlace& pl
   // Both are at most 2^53 and 2^57, so that the sum cannot overflow.
   const std::int64_t offset = place.integer_or("byteOffset", 0);
   if (offset + bytes > static_cast<std::int64_t>(view.size()))
-    place.fail("reaches to byte " + std::to_string(offset + bytes) + " of " + at.path() +
-               ", which has " + std::to_string(view.size()));
+    place.fail("reaches to byte {} of {}, which has {}", offset + bytes, at.path(), view.size());
   return view.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(bytes));
 }
 
@@ -70,8 +69,7 @@ GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, G
   const bool is_signed = component == Byte || component == Short || component == Float;
   const bool is_known = is_signed || component == UByte || component == UShort || component == UInt;
   if (!is_known || (use == Use::Indices ? is_signed : component == UInt))
-    place["componentType"].fail(std::to_string(component) + " cannot be used for " +
-                                std::string(wanted.name));
+    place["componentType"].fail("{} cannot be used for {}", component, wanted.name);
   component_ = static_cast<Component>(component);
   component_bytes_ = component <= UByte ? 1 : component <= UShort ? 2 : 4;
   if (const auto normalized = place.find("normalized")) normalized_ = normalized->boolean();
@@ -93,10 +91,9 @@ void GltfAccessor::use_elements(const JsonPlace& place, const UnpackedElements& 
   component_bytes_ = unpacked.component <= UByte ? 1 : unpacked.component <= UShort ? 2 : 4;
   if (component_ != unpacked.component || number_count_ != unpacked.number_count ||
       count_ != unpacked.count)
-    place.fail("its " + std::to_string(count_) + " elements of " + std::to_string(number_count_) +
-               " numbers of type " + std::to_string(component_) + " are packed as " +
-               std::to_string(unpacked.count) + " of " + std::to_string(unpacked.number_count) +
-               " of type " + std::to_string(unpacked.component));
+    place.fail("its {} elements of {} numbers of type {} are packed as {} of {} of type {}", count_,
+               number_count_, std::to_string(component_), unpacked.count, unpacked.number_count,
+               unpacked.component);
   stride_ = component_bytes_ * number_count_;
   bytes_ = unpacked.bytes;
 }
@@ -109,14 +106,13 @@ void GltfAccessor::use_view(const JsonPlace& root, const JsonPlace& place, GltfS
   constexpr std::int64_t kMaxStride = 252;
   stride_ = view.integer_or("byteStride", element_bytes);
   if (stride_ < element_bytes || stride_ > kMaxStride)
-    view["byteStride"].fail(std::to_string(stride_) + " is not between " +
-                            std::to_string(element_bytes) + " and " + std::to_string(kMaxStride));
+    view["byteStride"].fail("{} is not between {} and {}", stride_, element_bytes, kMaxStride);
   const std::int64_t offset = place.integer_or("byteOffset", 0);
   // Offset and count are at most 2^53 and the stride 252, so that nothing can overflow.
   const std::int64_t end = offset + stride_ * (count_ - 1) + element_bytes;
   if (end > static_cast<std::int64_t>(bytes_.size()))
-    place.fail(std::to_string(count_) + " elements reach to byte " + std::to_string(end) + " of " +
-               view.path() + ", which has " + std::to_string(bytes_.size()));
+    place.fail("{} elements reach to byte {} of {}, which has {}", count_, end, view.path(),
+               bytes_.size());
   bytes_ = bytes_.subspan(static_cast<std::size_t>(offset));
 }
 
@@ -125,11 +121,10 @@ void GltfAccessor::use_sparse(const JsonPlace& root, const JsonPlace& place, std
   const JsonPlace sparse = place["sparse"], indices = sparse["indices"];
   sparse_count_ = sparse["count"].integer(1);
   if (sparse_count_ > count_)
-    sparse["count"].fail(std::to_string(sparse_count_) + " is more than the accessor has (" +
-                         std::to_string(count_) + ")");
+    sparse["count"].fail("{} is more than the accessor has ({})", sparse_count_, count_);
   const std::int64_t type = indices["componentType"].integer();
   if (type != UByte && type != UShort && type != UInt)
-    indices["componentType"].fail(std::to_string(type) + " cannot be used for indices");
+    indices["componentType"].fail("{} cannot be used for indices", type);
   sparse_index_bytes_ = type == UByte ? 1 : type == UShort ? 2 : 4;
   sparse_indices_ = tight_part(root, indices, sparse_count_ * sparse_index_bytes_, source);
   sparse_values_ =
@@ -142,12 +137,8 @@ void GltfAccessor::require_ascending(const JsonPlace& indices) const {
   std::int64_t before = -1;
   for (std::int64_t i = 0; i < sparse_count_; ++i) {
     const std::int64_t at = sparse_index(i);
-    if (at >= count_)
-      indices.fail("entry " + std::to_string(i) + " names element " + std::to_string(at) + " of " +
-                   std::to_string(count_));
-    if (at <= before)
-      indices.fail("entry " + std::to_string(i) + " is " + std::to_string(at) + " behind " +
-                   std::to_string(before) + "; they must ascend");
+    if (at >= count_) indices.fail("entry {} names element {} of {}", i, at, count_);
+    if (at <= before) indices.fail("entry {} is {} behind {}; they must ascend", i, at, before);
     before = at;
   }
 }

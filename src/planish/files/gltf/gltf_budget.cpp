@@ -18,7 +18,7 @@ constexpr std::uint64_t kSmallScene = std::uint64_t{64} << 20;
 
 std::string gibibytes_text(std::uint64_t bytes) {
   const std::uint64_t tenths = bytes / ((std::uint64_t{1} << 30) / 10);
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " GiB";
+  return formatted("{}.{} GiB", tenths / 10, tenths % 10);
 }
 
 }  // namespace
@@ -26,8 +26,7 @@ std::string gibibytes_text(std::uint64_t bytes) {
 void GltfBudget::add_triangles(const JsonPlace& place, std::int64_t vertices,
                                std::int64_t corners) {
   if (vertices > limits_.corners)
-    place.fail("names " + std::to_string(vertices) + " vertices; at most " +
-               std::to_string(limits_.corners) + " are read");
+    place.fail("names {} vertices; at most {} are read", vertices, limits_.corners);
   add(place, corners_, corners, "triangle corners and points");
   take(place, corners, kCornerBytes);
   take(place, std::min(vertices, corners), kPlacedBytes);
@@ -59,8 +58,10 @@ void GltfBudget::add(const JsonPlace& place, std::int64_t& total, std::int64_t c
   // Counts are at most 3 * 2^53 and what was let through is small.
   total += count;
   if (total > limits_.corners)
-    place.fail("the scene has more than " + std::to_string(limits_.corners) + " " + what +
-               ", which 32-bit numbers do not reach; split it into several files");
+    place.fail(
+        "the scene has more than {} {}, which 32-bit numbers do not reach; split it into "
+        "several files",
+        limits_.corners, what);
 }
 
 void GltfBudget::take(const JsonPlace& place, std::int64_t count, std::uint64_t bytes_each) {
@@ -70,9 +71,9 @@ void GltfBudget::take(const JsonPlace& place, std::int64_t count, std::uint64_t 
     free_bytes_ = limits_.memory_bytes > 0 ? limits_.memory_bytes : available_memory_bytes();
   if (bytes_ <= free_bytes_) return;
   throw Error(ErrorCode::OutOfMemory,
-              file_ + ": " + place.path() + ": the scene up to here needs about " +
-                  gibibytes_text(bytes_) + " of memory where " + gibibytes_text(free_bytes_) +
-                  " are free; split it into several files");
+              formatted("{}: {}: the scene up to here needs about {} of memory where {} are free; "
+                        "split it into several files",
+                        file_, place.path(), gibibytes_text(bytes_), gibibytes_text(free_bytes_)));
 }
 
 }  // namespace planish

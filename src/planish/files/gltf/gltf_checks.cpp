@@ -4,6 +4,7 @@
 #include <span>
 
 #include "planish/core/first_where.h"
+#include "planish/core/formatted.h"
 #include "planish/files/shared/writable.h"
 #include "planish/mesh/mesh_arrays.h"
 
@@ -29,15 +30,16 @@ void require_attributes(const SurfaceMesh& surface, const GltfOptions& options) 
   const std::size_t bare =
       first_where(face_uvs.size(), [&](std::size_t i) { return face_uvs[i] < 0; });
   if (bare < face_uvs.size())
-    refuse_to_write(options,
-                    "corner " + std::to_string(bare) +
-                        " has no texture coordinate; glTF needs one for every corner or none",
-                    static_cast<std::int64_t>(bare));
+    refuse_to_write(
+        options,
+        formatted("corner {} has no texture coordinate; glTF needs one for every corner or none",
+                  bare),
+        static_cast<std::int64_t>(bare));
   const auto require_finite = [&](std::size_t count, const auto& is_wrong,
                                   const std::string& what) {
     const std::size_t wild = first_where(count, is_wrong);
     if (wild < count)
-      refuse_to_write(options, what + " " + std::to_string(wild) + " is not finite in float32",
+      refuse_to_write(options, formatted("{} {} is not finite in float32", what, wild),
                       static_cast<std::int64_t>(wild));
   };
   require_finite(
@@ -70,17 +72,16 @@ void require_fields(std::int64_t row_count, const GltfOptions& options) {
         field.values.size(), [&](std::size_t i) { return !std::isfinite(field.values[i]); });
     if (wild < field.values.size())
       refuse_to_write(options,
-                      field.name + " of vertex " +
-                          std::to_string(wild / static_cast<std::size_t>(field.width)) +
-                          " is not finite",
+                      formatted("{} of vertex {} is not finite", field.name,
+                                wild / static_cast<std::size_t>(field.width)),
                       static_cast<std::int64_t>(wild) / field.width);
   }
 }
 
 void require_writable(const SurfaceMesh& surface, const GltfOptions& options) {
   if (surface.normals.size() != surface.positions.size()) {
-    refuse_to_write(options, std::to_string(surface.normals.size()) + " normals for " +
-                                 std::to_string(surface.positions.size()) + " positions");
+    refuse_to_write(options, formatted("{} normals for {} positions", surface.normals.size(),
+                                       surface.positions.size()));
   }
   require_faces(surface, options);
   require_attributes(surface, options);

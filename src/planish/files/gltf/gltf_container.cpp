@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "planish/core/formatted.h"
 #include "planish/core/memory_size.h"
 #include "planish/files/gltf/gltf_layout.h"
 
@@ -25,9 +26,9 @@ void send(std::span<const ByteSink> sinks, const std::array<std::uint32_t, N>& w
 void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
   if (bytes <= options.large_bytes) return;
   options.callbacks.warn(
-      {"large-file", options.name + ": " + std::to_string(bytes) +
-                         " bytes; many programs cannot open a glTF file as large as this, fewer "
-                         "levels make it smaller"});
+      {"large-file", formatted("{}: {} bytes; many programs cannot open a glTF file as large as "
+                               "this, fewer levels make it smaller",
+                               options.name, bytes)});
 }
 
 std::vector<ByteSink> sinks_to(OutputFile& file, const GltfOptions& options) {

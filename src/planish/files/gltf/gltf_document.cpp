@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/files/gltf/gltf_materials.h"
@@ -70,7 +71,7 @@ tinygltf::Asset asset_of(const GltfOptions& options) {
 
 // Of a mesh and its node.
 std::string name_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
-  const std::string number = document.mesh_count > 1 ? " " + std::to_string(mesh + 1) : "";
+  const std::string number = document.mesh_count > 1 ? formatted(" {}", mesh + 1) : "";
   return valid_utf8(options.name + number);
 }
 

@@ -156,9 +156,9 @@ std::uint64_t glb_byte_count(std::uint64_t json_bytes, std::uint64_t buffer_byte
       kGlbHeaderBytes + 2 * kGlbChunkHeaderBytes + padded(json_bytes) + padded(buffer_bytes);
   if (bytes > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(ErrorCode::InvalidArgument,
-                std::string(name) + ": " + std::to_string(bytes) +
-                    " bytes are more than a .glb file can hold (4294967295); write .gltf, whose "
-                    ".bin has no such limit, or use fewer levels");
+                formatted("{}: {} bytes are more than a .glb file can hold (4294967295); write "
+                          ".gltf, whose .bin has no such limit, or use fewer levels",
+                          name, bytes));
   }
   return bytes;
 }

@@ -12,8 +12,7 @@ namespace {
 template <int Count>
 std::array<double, Count> numbers_of(const JsonPlace& place) {
   if (place.array_size() != Count)
-    place.fail("has " + std::to_string(place.array_size()) + " numbers, " + std::to_string(Count) +
-               " are needed");
+    place.fail("has {} numbers, {} are needed", place.array_size(), Count);
   std::array<double, Count> numbers;
   for (int i = 0; i < Count; ++i) numbers[i] = place[i].number();
   return numbers;
@@ -70,13 +69,11 @@ std::vector<glm::dmat4> places_of(const JsonPlace& root, const JsonPlace& attrib
     const GltfAccessor values(root, number->integer(), GltfAccessor::Use::Vectors, source);
     const bool is_rotation = number->path().ends_with("ROTATION");
     if (values.number_count() != (is_rotation ? 4 : 3))
-      number->fail("has " + std::to_string(values.number_count()) + " numbers for each place");
-    if (values.count() > kMostPlaces)
-      number->fail("places more than " + std::to_string(kMostPlaces) + " meshes");
+      number->fail("has {} numbers for each place", values.number_count());
+    if (values.count() > kMostPlaces) number->fail("places more than {} meshes", kMostPlaces);
     if (places.empty()) places.resize(static_cast<std::size_t>(values.count()), glm::dmat4(1.0));
     if (std::ssize(places) != values.count())
-      number->fail(std::to_string(values.count()) + " places, and another attribute has " +
-                   std::to_string(places.size()));
+      number->fail("{} places, and another attribute has {}", values.count(), places.size());
     for (std::int64_t i = 0; i < values.count(); ++i) {
       glm::dmat4& place = places[i];
       const auto value = [&](std::int64_t k) { return values.value(i, k); };
@@ -85,8 +82,7 @@ std::vector<glm::dmat4> places_of(const JsonPlace& root, const JsonPlace& attrib
         continue;
       }
       for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(value(axis)))
-          number->fail("place " + std::to_string(i) + " is not finite");
+        if (!std::isfinite(value(axis))) number->fail("place {} is not finite", i);
         if (name[0] == 'S') place[axis] *= value(axis);
         if (name[0] == 'T') place[3][axis] = value(axis);
       }

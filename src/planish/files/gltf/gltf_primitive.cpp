@@ -48,7 +48,7 @@ GltfAccessor SourcePrimitive::accessor(const JsonPlace& place, std::string_view 
   if (const auto identifier = identifiers_.find(name); identifier != identifiers_.end()) {
     const auto found = unpacked_->by_identifier.find(identifier->second);
     if (found == unpacked_->by_identifier.end())
-      place.fail("the Draco stream has no attribute " + std::to_string(identifier->second));
+      place.fail("the Draco stream has no attribute {}", identifier->second);
     elements = &found->second;
   }
   return {root_, place.integer(), use, source_, elements};
@@ -67,16 +67,14 @@ std::optional<GltfAccessor> SourcePrimitive::attribute(std::string_view name,
   if (!place) return std::nullopt;
   GltfAccessor found = accessor(*place, name, use);
   if (found.count() != positions().count())
-    place->fail(std::to_string(found.count()) + " elements for " +
-                std::to_string(positions().count()) + " vertices");
+    place->fail("{} elements for {} vertices", found.count(), positions().count());
   return found;
 }
 
 GltfAccessor SourcePrimitive::target(const JsonPlace& place) const {
   GltfAccessor found(root_, place.integer(), GltfAccessor::Use::Positions, source_);
   if (found.count() != positions().count())
-    place.fail(std::to_string(found.count()) + " elements for " +
-               std::to_string(positions().count()) + " vertices");
+    place.fail("{} elements for {} vertices", found.count(), positions().count());
   return found;
 }
 
@@ -85,9 +83,8 @@ glm::dvec3 SourcePrimitive::position(std::int64_t vertex, const GltfInstance& in
   const glm::dvec3 placed(instance.to_world * glm::dvec4(stored, 1.0));
   if (!is_finite_place(placed)) {
     const glm::dvec3& shown = is_finite_place(stored) ? placed : stored;
-    place_["attributes"]["POSITION"].fail("vertex " + std::to_string(vertex) + " is at (" +
-                                          shortest(shown.x) + ", " + shortest(shown.y) + ", " +
-                                          shortest(shown.z) + ")");
+    place_["attributes"]["POSITION"].fail("vertex {} is at ({}, {}, {})", vertex, shortest(shown.x),
+                                          shortest(shown.y), shortest(shown.z));
   }
   return placed;
 }
@@ -98,8 +95,7 @@ glm::vec4 SourcePrimitive::color(const GltfAccessor& colors, std::int64_t vertex
   const bool in_range = color.r >= 0 && color.g >= 0 && color.b >= 0 && color.a >= 0 &&
                         color.r <= 1 && color.g <= 1 && color.b <= 1 && color.a <= 1;
   if (!in_range)
-    place_["attributes"]["COLOR_0"].fail("the colour of vertex " + std::to_string(vertex) +
-                                         " is not within 0 and 1");
+    place_["attributes"]["COLOR_0"].fail("the colour of vertex {} is not within 0 and 1", vertex);
   return color;
 }
 

@@ -99,8 +99,7 @@ std::span<const std::byte> GltfSource::buffer(std::int64_t index) {
   if (!uri && !is_chunk) place.fail("has no `uri`, and there is no binary chunk for it");
   const std::span<const std::byte> bytes = is_chunk ? glb_chunk_ : fetch(*uri);
   if (length > bytes.size())
-    place["byteLength"].fail("promises " + std::to_string(length) + " bytes, but there are only " +
-                             std::to_string(bytes.size()));
+    place["byteLength"].fail("promises {} bytes, but there are only {}", length, bytes.size());
   return bytes.first(length);
 }
 
@@ -121,9 +120,9 @@ std::span<const std::byte> GltfSource::part(const JsonPlace& place) {
   const auto length = static_cast<std::uint64_t>(place["byteLength"].integer());
   // Both are at most 2^53, so that the sum cannot overflow.
   if (offset + length > bytes.size())
-    place.fail("bytes " + std::to_string(offset) + " to " + std::to_string(offset + length) +
-               " are asked of a buffer of " + std::to_string(bytes.size()) +
-               "; fetch the file anew, it may be cut short");
+    place.fail(
+        "bytes {} to {} are asked of a buffer of {}; fetch the file anew, it may be cut short",
+        offset, offset + length, bytes.size());
   return bytes.subspan(offset, length);
 }
 

@@ -45,9 +45,8 @@ JsonPlace JsonPlace::operator[](std::string_view key) const {
 
 JsonPlace JsonPlace::operator[](std::int64_t index) const {
   if (index >= array_size())
-    fail("entry " + std::to_string(index) + " is asked for, but there are only " +
-         std::to_string(array_size()));
-  return {(*value_)[index], file_, path_ + "[" + std::to_string(index) + "]"};
+    fail("entry {} is asked for, but there are only {}", index, array_size());
+  return {(*value_)[index], file_, formatted("{}[{}]", path_, index)};
 }
 
 std::int64_t JsonPlace::array_size() const {
@@ -60,7 +59,7 @@ std::int64_t JsonPlace::integer(std::int64_t least) const {
   const double value = value_->is_number() ? value_->get<double>() : std::nan("");
   if (!(value >= static_cast<double>(least) && value <= static_cast<double>(kMaxInteger)) ||
       value != std::floor(value))
-    fail(clipped() + " is no integer from " + std::to_string(least));
+    fail("{} is no integer from {}", clipped(), least);
   return static_cast<std::int64_t>(value);
 }
 
@@ -100,8 +99,7 @@ nlohmann::json parse_json(std::string_view text, std::string_view file) {
     throw Error(ErrorCode::UnreadableInput, std::string(file) + ": " + what);
   };
   const auto limit_depth = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-    if (depth > kMaxDepth)
-      fail("JSON is nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    if (depth > kMaxDepth) fail(formatted("JSON is nested deeper than {} levels", kMaxDepth));
     return true;
   };
   try {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "planish/core/formatted.h"
 #include "planish/core/json_fwd.h"
 
 namespace planish {
@@ -43,6 +44,12 @@ class JsonPlace {
   /// As messages begin: `FILE: PATH`.
   [[nodiscard]] std::string named() const;
   [[noreturn]] void fail(const std::string& what) const;
+  /// With formatted() text.
+  template <class... Values>
+  requires(sizeof...(Values) > 0)
+      [[noreturn]] void fail(FormatText<sizeof...(Values)> format, const Values&... values) const {
+    fail(formatted(format, values...));
+  }
 
  private:
   [[nodiscard]] std::string clipped() const;

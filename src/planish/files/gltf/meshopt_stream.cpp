@@ -21,8 +21,7 @@ constexpr std::int64_t kMostPerByte = 64;
 void require_size(const JsonPlace& extension, const Stream& wanted, std::int64_t most,
                   std::span<const std::byte> stream) {
   if (wanted.count > most)
-    extension["count"].fail(std::to_string(wanted.count) + " elements cannot come from " +
-                            std::to_string(stream.size()) + " bytes");
+    extension["count"].fail("{} elements cannot come from {} bytes", wanted.count, stream.size());
 }
 
 const unsigned char* unsigned_of(std::span<const std::byte> bytes) {
@@ -42,7 +41,7 @@ void unfilter(const JsonPlace& extension, const Stream& wanted, RawVector<std::b
   } else if (name == "EXPONENTIAL") {
     meshopt_decodeFilterExp(values.data(), count, stride);
   } else {
-    filter->fail(quote(name) + " is no filter of " + std::to_string(stride) + " bytes");
+    filter->fail("{} is no filter of {} bytes", quote(name), stride);
   }
 }
 
@@ -50,7 +49,7 @@ RawVector<std::byte> decode_attributes(const JsonPlace& extension, const Stream&
                                        std::span<const std::byte> stream) {
   constexpr std::int64_t kMostStride = 256;
   if (wanted.stride % 4 != 0 || wanted.stride > kMostStride)
-    extension["byteStride"].fail(std::to_string(wanted.stride) + " is no multiple of 4 up to 256");
+    extension["byteStride"].fail("{} is no multiple of 4 up to 256", wanted.stride);
   const auto size = static_cast<std::int64_t>(stream.size());
   require_size(extension, wanted, size * kMostPerByte / wanted.stride, stream);
   RawVector<std::byte> values(
@@ -66,9 +65,9 @@ RawVector<std::byte> decode_attributes(const JsonPlace& extension, const Stream&
 RawVector<std::byte> decode_indices(const JsonPlace& extension, const Stream& wanted,
                                     std::span<const std::byte> stream, bool is_triangles) {
   if (wanted.stride != 2 && wanted.stride != 4)
-    extension["byteStride"].fail(std::to_string(wanted.stride) + " is neither 2 nor 4");
+    extension["byteStride"].fail("{} is neither 2 nor 4", wanted.stride);
   if (is_triangles && wanted.count % 3 != 0)
-    extension["count"].fail(std::to_string(wanted.count) + " corners make no whole triangles");
+    extension["count"].fail("{} corners make no whole triangles", wanted.count);
   const auto size = static_cast<std::int64_t>(stream.size());
   require_size(extension, wanted, is_triangles ? 3 * size : size, stream);
   RawVector<std::byte> values(

@@ -82,8 +82,7 @@ void SceneReader::read_instance(const GltfInstance& instance, std::size_t bytes)
   const JsonPlace primitives = mesh["primitives"];
   for (std::int64_t i = 0; i < primitives.array_size(); ++i) {
     if (++primitive_count_ > kMaxPrimitives)
-      primitives.fail("the scene places more than " + std::to_string(kMaxPrimitives) +
-                      " primitives");
+      primitives.fail("the scene places more than {} primitives", kMaxPrimitives);
     read_primitive(primitives[i], instance,
                    bytes / static_cast<std::size_t>(primitives.array_size()));
   }
@@ -94,7 +93,7 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
   constexpr std::int64_t kPoints = 0, kTriangles = 4, kFan = 6;
   constexpr std::int64_t kPiece = 4096;  // corners
   const std::int64_t mode = place.integer_or("mode", kTriangles);
-  if (mode > kFan) place["mode"].fail(std::to_string(mode) + " is no mode of primitives");
+  if (mode > kFan) place["mode"].fail("{} is no mode of primitives", mode);
   const bool has_positions = place["attributes"].find("POSITION").has_value();
   if (mode == kPoints && has_positions && asset_ == nullptr)
     return read_point_primitive(place, instance);
@@ -126,8 +125,7 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t vertex = indices ? indices->index(i) : i;
     if (vertex >= vertex_count)
-      place["indices"].fail("entry " + std::to_string(i) + " names vertex " +
-                            std::to_string(vertex) + " of " + std::to_string(vertex_count));
+      place["indices"].fail("entry {} names vertex {} of {}", i, vertex, vertex_count);
     corners_[i] = static_cast<std::int32_t>(vertex);
     vertices_[i] = welded(primitive, vertex, instance);
     if ((i + 1) % kPiece != 0) continue;
@@ -169,7 +167,7 @@ void SceneReader::read_uvs(const JsonPlace& place, const SourcePrimitive& primit
   for (std::int64_t i = 0; i < uvs->count(); ++i) {
     const glm::dvec2 uv = uvs->texture_coordinate(i);
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
-      attribute.fail("the texture coordinate of vertex " + std::to_string(i) + " is not finite");
+      attribute.fail("the texture coordinate of vertex {} is not finite", i);
     uvs_.emplace_back(uv.x, 1.0 - uv.y);
   }
 }
@@ -228,7 +226,7 @@ void SceneReader::add_triangles(const JsonPlace& place, std::int64_t mode, bool 
   };
   if (mode == kTriangles) {
     if (vertices_.size() % 3 != 0)
-      place.fail(std::to_string(vertices_.size()) + " corners make no whole triangles");
+      place.fail("{} corners make no whole triangles", vertices_.size());
     for (std::size_t i = 0; i < vertices_.size(); i += 3) add(i, i + 1, i + 2);
     return;
   }

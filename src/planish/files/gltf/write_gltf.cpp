@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/memory_size.h"
@@ -161,7 +162,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
 std::filesystem::path gltf_buffer_path(const std::filesystem::path& document, std::size_t index) {
   std::filesystem::path path = document;
   if (index == 0) return path.replace_extension(".bin");
-  return path.replace_filename(document.stem().string() + "-" + std::to_string(index + 1) + ".bin");
+  return path.replace_filename(formatted("{}-{}.bin", document.stem().string(), index + 1));
 }
 
 std::vector<std::byte> encode_glb(const SurfaceMesh& surface, const GltfOptions& options) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
@@ -24,7 +25,7 @@ bool is_too_large(const ObjCounts& counts) {
 constexpr const char* kNamesUv = "face names texture coordinate ";
 
 std::string fault_of(const LargestIndex& largest, int base, const char* what, std::int64_t count) {
-  return what + std::to_string(largest.index + base) + " of " + std::to_string(count);
+  return formatted("{}{} of {}", what, largest.index + base, count);
 }
 
 void require(const LargestIndex& largest, int base, const char* what, std::int64_t count,
@@ -197,10 +198,10 @@ void require_obj(ObjPart& part, const ObjCounts& all, const TextLines& lines) {
 void warn_of(const ObjPart& part, std::string_view name, std::vector<Warning>& warnings) {
   const auto warn_of_unknown = [&](const char* code, const LineNote& unknown) {
     if (unknown.count > 0)
-      warnings.push_back({.code = code,
-                          .message = "line " + std::to_string(unknown.line) + ": " + unknown.what +
-                                     "; such lines are ignored",
-                          .count = unknown.count});
+      warnings.push_back(
+          {.code = code,
+           .message = formatted("line {}: {}; such lines are ignored", unknown.line, unknown.what),
+           .count = unknown.count});
   };
   warn_of_unknown("unknown-keyword", part.notes.unknown_keyword);
   warn_of_unknown("unknown-tag", part.tags.unknown);

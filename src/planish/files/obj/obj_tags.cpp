@@ -1,10 +1,12 @@
 // Based on: the shapes of OpenSubdiv's regression suite.
 #include "planish/files/obj/obj_tags.h"
-#include "planish/core/number_text.h"
 
 #include <algorithm>
 #include <limits>
 #include <vector>
+
+#include "planish/core/formatted.h"
+#include "planish/core/number_text.h"
 
 namespace planish {
 
@@ -68,9 +70,10 @@ void ObjTags::read(Words words) {
 void ObjTags::add_creases(std::span<const std::int32_t> vertices, std::span<const float> values) {
   const std::size_t edges = vertices.size() / 2;
   if (vertices.size() % 2 != 0 || (values.size() != 1 && values.size() != edges))
-    lines_.fail("crease of " + std::to_string(vertices.size()) + " vertices and " +
-                std::to_string(values.size()) +
-                " sharpnesses; pairs of vertices with one sharpness each or together are needed");
+    lines_.fail(
+        formatted("crease of {} vertices and {} sharpnesses; pairs of vertices with one sharpness "
+                  "each or together are needed",
+                  vertices.size(), values.size()));
   for (std::size_t i = 0; i < edges; ++i)
     mesh_.creases.push_back({.v0 = vertices[2 * i],
                              .v1 = vertices[2 * i + 1],
@@ -79,9 +82,9 @@ void ObjTags::add_creases(std::span<const std::int32_t> vertices, std::span<cons
 
 void ObjTags::add_corners(std::span<const std::int32_t> vertices, std::span<const float> values) {
   if (values.size() != 1 && values.size() != vertices.size())
-    lines_.fail("corner tag of " + std::to_string(vertices.size()) + " vertices and " +
-                std::to_string(values.size()) +
-                " sharpnesses; one sharpness each or together is needed");
+    lines_.fail(formatted(
+        "corner tag of {} vertices and {} sharpnesses; one sharpness each or together is needed",
+        vertices.size(), values.size()));
   for (std::size_t i = 0; i < vertices.size(); ++i)
     mesh_.corners.push_back(
         {.vertex = vertices[i], .sharpness = values[values.size() == 1 ? 0 : i]});

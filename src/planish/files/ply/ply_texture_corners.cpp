@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "planish/core/formatted.h"
+
 namespace planish {
 
 void PlyTextureCorners::add_face(std::span<const double> numbers, std::size_t corner_count) {
@@ -33,9 +35,9 @@ void PlyTextureCorners::finish(MeshFile& file) const {
   if (wrong_count_ > 0)
     file.warnings.push_back(
         {.code = "ignored-texture-coordinates",
-         .message = "faces whose list `texcoord` has not two finite numbers for each corner, left "
-                    "without texture coordinates: " +
-                    std::to_string(wrong_count_),
+         .message = formatted("faces whose list `texcoord` has not two finite numbers for each "
+                              "corner, left without texture coordinates: {}",
+                              wrong_count_),
          .count = wrong_count_,
          .first = first_wrong_});
   if (std::ranges::find(has_, 1) == has_.end()) return;

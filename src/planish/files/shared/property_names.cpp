@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "planish/core/formatted.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/identifier.h"
@@ -37,11 +38,11 @@ void PropertyNames::warn(std::vector<Warning>& warnings, std::string_view file,
   warnings.push_back(
       {.code = "left-out-properties",
        .message =
-           std::string(file) + ": property " + quote(left_out_) + " of the " +
-           std::string(elements) + " is left out" +
-           (left_out_count_ > 1 ? ", and " + std::to_string(left_out_count_ - 1) + " more" : "") +
-           "; " + std::to_string(kMaxProperties) +
-           " are read, of names of their own, whatever their case",
+           formatted("{}: property {} of the {} is left out{}; {} are read, of names of their own, "
+                     "whatever their case",
+                     file, quote(left_out_), elements,
+                     left_out_count_ > 1 ? formatted(", and {} more", left_out_count_ - 1) : "",
+                     kMaxProperties),
        .count = left_out_count_});
 }
 

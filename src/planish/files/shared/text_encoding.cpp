@@ -127,8 +127,9 @@ TextFile text_file(const FileBytes& file, FileFormat format) {
   const std::string name(file.name);
   if (is_utf16(bytes)) {
     const auto fail = [&](const std::string& what) {
-      throw Error(ErrorCode::UnreadableInput, name + ": is text of UTF-16" + what +
-                                                  "; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)");
+      throw Error(ErrorCode::UnreadableInput,
+                  formatted("{}: is text of UTF-16{}; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)",
+                            name, what));
     };
     if (file.is_strict) fail("");
     DecodedText text = decode_utf16(bytes);
@@ -143,11 +144,12 @@ TextFile text_file(const FileBytes& file, FileFormat format) {
   if (size == bytes.size() || size == 0 || file.is_strict ||
       ends_in_binary(characters_of(bytes), format))
     return result;
-  result.warnings.push_back({.code = "trailing-zeros",
-                             .message = name + ": " + std::to_string(bytes.size() - size) +
-                                        " zero bytes stand behind the text, from byte " +
-                                        std::to_string(size) + " on; they are left out",
-                             .count = static_cast<std::int64_t>(bytes.size() - size)});
+  result.warnings.push_back(
+      {.code = "trailing-zeros",
+       .message =
+           formatted("{}: {} zero bytes stand behind the text, from byte {} on; they are left out",
+                     name, bytes.size() - size, size),
+       .count = static_cast<std::int64_t>(bytes.size() - size)});
   bytes = bytes.first(size);
   return result;
 }

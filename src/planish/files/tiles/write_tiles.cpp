@@ -194,9 +194,10 @@ void require_options(const DooSabinSurface& surface, const TilesOptions& options
   // Four corners a face are numbered by int32.
   const double faces = std::ldexp(surface.topology().corner_count(), 2 * (options.level - 1));
   if (4 * faces > std::numeric_limits<std::int32_t>::max()) {
-    throw Error(ErrorCode::OutOfMemory,
-                options.gltf.name + ": level " + std::to_string(options.level) +
-                    " has more corners than 32-bit indices reach; take fewer levels");
+    throw Error(
+        ErrorCode::OutOfMemory,
+        formatted("{}: level {} has more corners than 32-bit indices reach; take fewer levels",
+                  options.gltf.name, options.level));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/formatted.h"
 #include "planish/files/shared/identifier.h"
 #include "planish/files/usda/usd_materials.h"
 #include "planish/surface/surface_blocks.h"
@@ -45,8 +46,8 @@ void stream_list(const PolygonStream& stream, const std::string& name, PolygonPa
 
 std::string interpolation(const char* name, int element_size = 1) {
   const std::string size =
-      element_size > 1 ? "        elementSize = " + std::to_string(element_size) + "\n" : "";
-  return " (\n" + size + "        interpolation = \"" + name + "\"\n    )\n";
+      element_size > 1 ? formatted("        elementSize = {}\n", element_size) : "";
+  return formatted(" (\n{}        interpolation = \"{}\"\n    )\n", size, name);
 }
 
 void write_triple(FileBuffer& out, const glm::vec3& v) {
@@ -177,7 +178,7 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
 // Names of prims are identifiers; the number keeps them apart.
 std::string prim_name(const FaceGroup& group, std::size_t index) {
   const std::string& given = group.name.empty() ? group.material : group.name;
-  return "group_" + std::to_string(index) + (given.empty() ? "" : identifier_of("_" + given));
+  return formatted("group_{}{}", index, given.empty() ? "" : identifier_of("_" + given));
 }
 
 // Where the faces of a group are.

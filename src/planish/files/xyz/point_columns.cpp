@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/lower_case.h"
 #include "planish/core/number_text.h"
 #include "planish/files/shared/property_names.h"
@@ -152,11 +153,11 @@ void ColumnFaults::add(std::size_t column, std::int64_t at_line, std::string_vie
   columns |= std::uint64_t{1} << column;
   if (line != 0) return;
   line = at_line;
-  what = found.empty()
-             ? "a point has " + counted(static_cast<std::int64_t>(column + kPlace), "column") +
-                   ", the first has more"
-             : "column " + std::to_string(column + kPlace + 1) + " holds " + quote(found) +
-                   ", which is no number";
+  what =
+      found.empty()
+          ? "a point has " + counted(static_cast<std::int64_t>(column + kPlace), "column") +
+                ", the first has more"
+          : formatted("column {} holds {}, which is no number", column + kPlace + 1, quote(found));
 }
 
 void add_columns(const PointColumns& columns, std::span<const float> values,
@@ -166,8 +167,8 @@ void add_columns(const PointColumns& columns, std::span<const float> values,
     cloud.warnings.push_back({.code = "columns", .message = std::string(file) + what});
   };
   if (faults.columns != 0)
-    warn(":" + std::to_string(faults.line) + ": " + faults.what +
-         "; columns that are not of every point are left out");
+    warn(formatted(":{}: {}; columns that are not of every point are left out", faults.line,
+                   faults.what));
   const ColumnValues of(values, columns.further);
   std::vector<std::string> names;
   if (!columns.names.empty()) {
@@ -180,13 +181,15 @@ void add_columns(const PointColumns& columns, std::span<const float> values,
                             " behind x y z, which no first line names, ";
     const bool is_one = columns.further == 1;
     if (names.empty())
-      warn(": " + all + (is_one ? "is" : "are") +
-           " left out; a line `x y z` and a name for each before the points says what they are");
+      warn(
+          formatted(": {}{} left out; a line `x y z` and a name for each before the points says "
+                    "what they are",
+                    all, is_one ? "is" : "are"));
     else if (!is_formats)
-      warn(": " + all + (is_one ? "is" : "are") + " taken as " + names_as_text(names) + " by " +
-           (is_one ? "its" : "their") +
-           " number and values; a line `x y z` and a name "
-           "for each before the points says otherwise");
+      warn(
+          formatted(": {}{} taken as {} by {} number and values; a line `x y z` and a name for "
+                    "each before the points says otherwise",
+                    all, is_one ? "is" : "are", names_as_text(names), is_one ? "its" : "their"));
   }
   if (names.empty()) return;
   std::vector<bool> is_taken(names.size(), false);

@@ -176,9 +176,10 @@ void advance_front(std::span<const glm::dvec3> points, const TakeTriangles& take
   Delaunay delaunay;
   triangulate(points, delaunay, callbacks);
   if (delaunay.dimension() < 2)
-    throw Error(ErrorCode::UnusableMesh,
-                std::to_string(points.size()) +
-                    " points span no surface; at least three that are not on a line are needed");
+    throw Error(
+        ErrorCode::UnusableMesh,
+        formatted("{} points span no surface; at least three that are not on a line are needed",
+                  points.size()));
   Front front(delaunay);
   // Of four facets a cell has each with a neighbour.
   const FrontWatch watch(callbacks, points.size(), 2 * delaunay.number_of_cells());

@@ -31,9 +31,9 @@ DeviceDescription describe(const Capabilities& device) {
   description.name = device.name;
   description.uuid = device.uuid;
   description.driver = device.driver;
-  description.api = std::to_string(VK_API_VERSION_MAJOR(device.api_version)) + "." +
-                    std::to_string(VK_API_VERSION_MINOR(device.api_version)) + "." +
-                    std::to_string(VK_API_VERSION_PATCH(device.api_version));
+  description.api =
+      formatted("{}.{}.{}", VK_API_VERSION_MAJOR(device.api_version),
+                VK_API_VERSION_MINOR(device.api_version), VK_API_VERSION_PATCH(device.api_version));
   return description;
 }
 

@@ -7,9 +7,8 @@ namespace planish::vulkan {
 void BindingLimit::require(std::uint64_t wanted, const std::string& what,
                            const std::string& remedy) const {
   if (allows(wanted)) return;
-  throw Error(ErrorCode::OutOfMemory, what + " take " + std::to_string(wanted) +
-                                          " bytes of one binding, but " + name + " is " +
-                                          std::to_string(bytes) + "; " + remedy);
+  throw Error(ErrorCode::OutOfMemory, formatted("{} take {} bytes of one binding, but {} is {}; {}",
+                                                what, wanted, name, bytes, remedy));
 }
 
 }  // namespace planish::vulkan

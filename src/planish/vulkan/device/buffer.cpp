@@ -23,11 +23,10 @@ Buffer::Buffer(const Maker& on, std::uint64_t size, MemoryUse use, const char* n
   const Capabilities& capabilities = context.capabilities();
   // Asked before the buffer is made: beyond this limit even vkCreateBuffer is undefined.
   if (size_ > capabilities.max_allocation)
-    throw Error(ErrorCode::OutOfMemory, capabilities.name + ": a buffer needs " +
-                                            std::to_string(size_) +
-                                            " bytes, but maxMemoryAllocationSize is " +
-                                            std::to_string(capabilities.max_allocation) +
-                                            "; use --device cpu or a smaller mesh");
+    throw Error(ErrorCode::OutOfMemory,
+                formatted("{}: a buffer needs {} bytes, but maxMemoryAllocationSize is {}; use "
+                          "--device cpu or a smaller mesh",
+                          capabilities.name, size_, capabilities.max_allocation));
   const DeviceFunctions& vk = context.vk();
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size_;

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "planish/core/formatted.h"
 #include "planish/vulkan/device/kernels.h"
 #include "planish/vulkan/device/result.h"
 
@@ -12,9 +13,8 @@ namespace planish::vulkan {
 namespace {
 
 std::string version_text(std::uint32_t version) {
-  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." +
-         std::to_string(VK_API_VERSION_MINOR(version)) + "." +
-         std::to_string(VK_API_VERSION_PATCH(version));
+  return formatted("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                   VK_API_VERSION_PATCH(version));
 }
 
 std::string uuid_text(const std::uint8_t (&uuid)[VK_UUID_SIZE]) {
@@ -106,8 +106,8 @@ std::string why_not_usable(const Capabilities& device, bool has_compute) {
     return "offers Vulkan " + version_text(device.api_version) + ", 1.1 is needed";
   if (!has_compute) return "has no queue family with compute";
   if (device.max_storage_buffers < kMaxBindings)
-    return "maxPerStageDescriptorStorageBuffers is " + std::to_string(device.max_storage_buffers) +
-           ", " + std::to_string(kMaxBindings) + " are needed";
+    return formatted("maxPerStageDescriptorStorageBuffers is {}, {} are needed",
+                     device.max_storage_buffers, kMaxBindings);
   return {};
 }
 

@@ -75,9 +75,8 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
       memory_(functions_, device_, capabilities_, callbacks_, host.memory,
               (options.further_usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0),
       pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_, labels_) {
-  log("planish: " + capabilities_.name + ", " +
-      (variant_.read_path == ReadPath::Texel ? "texel" : "storage") + " buffers, " +
-      std::to_string(binding_limit_.bytes) + " bytes a binding");
+  log(formatted("planish: {}, {} buffers, {} bytes a binding", capabilities_.name,
+                variant_.read_path == ReadPath::Texel ? "texel" : "storage", binding_limit_.bytes));
 }
 
 Context::Context(const OwnDevice& own, const ContextOptions& options)

@@ -63,19 +63,18 @@ std::uint32_t MemoryAllocator::pick_type(const MemoryRequest& request) const {
   if (lacking.empty())
     throw Error(ErrorCode::OutOfMemory, capabilities_.name + " has no memory type for a buffer");
   throw Error(ErrorCode::OutOfMemory,
-              capabilities_.name + ": a buffer needs " + std::to_string(request.requirements.size) +
-                  " bytes, but " + lacking + "; use --device cpu or a smaller mesh");
+              formatted("{}: a buffer needs {} bytes, but {}; use --device cpu or a smaller mesh",
+                        capabilities_.name, request.requirements.size, lacking));
 }
 
 std::string MemoryAllocator::lacking_room(std::uint32_t type, std::uint64_t size) const {
   if (size > capabilities_.max_allocation)
-    return "maxMemoryAllocationSize is " + std::to_string(capabilities_.max_allocation);
+    return formatted("maxMemoryAllocationSize is {}", capabilities_.max_allocation);
   const std::uint32_t heap = capabilities_.memory.memoryTypes[type].heapIndex;
   const std::uint64_t heap_size = capabilities_.memory.memoryHeaps[heap].size;
   const std::uint64_t taken = heap_bytes_[heap];
   if (taken <= heap_size && size <= heap_size - taken) return "";
-  return "memory heap " + std::to_string(heap) + " has " + std::to_string(heap_size) +
-         " bytes, of which " + std::to_string(taken) + " are taken";
+  return formatted("memory heap {} has {} bytes, of which {} are taken", heap, heap_size, taken);
 }
 
 MemoryBlock MemoryAllocator::take(std::uint32_t type, std::uint64_t size, bool is_mapped) {

@@ -31,7 +31,7 @@ std::string listing(const std::vector<FoundDevice>& devices) {
   if (devices.empty()) return "there is no Vulkan device";
   std::string text = "there are";
   for (std::size_t i = 0; i < devices.size(); ++i)
-    text += (i ? ", " : " ") + std::to_string(i) + " '" + devices[i].capabilities.name + "'";
+    text += formatted("{}{} '{}'", i ? ", " : " ", i, devices[i].capabilities.name);
   return text;
 }
 
@@ -88,14 +88,14 @@ std::size_t pick_device(const std::vector<FoundDevice>& devices, const std::stri
     const std::vector<std::size_t> matches = devices_named(devices, lower_case(wanted));
     if (matches.size() > 1)
       throw Error(ErrorCode::NoDevice,
-                  "'" + wanted + "' names several devices; " + listing(devices));
+                  formatted("'{}' names several devices; {}", wanted, listing(devices)));
     picked = matches.empty() ? devices.size() : matches.front();
   }
   if (picked >= devices.size())
-    throw Error(ErrorCode::NoDevice, "no device '" + wanted + "'; " + listing(devices));
+    throw Error(ErrorCode::NoDevice, formatted("no device '{}'; {}", wanted, listing(devices)));
   const Capabilities& device = devices[picked].capabilities;
   if (!device.usable)
-    throw Error(ErrorCode::NoDevice, "device '" + device.name + "' " + device.reason);
+    throw Error(ErrorCode::NoDevice, formatted("device '{}' {}", device.name, device.reason));
   return picked;
 }
 

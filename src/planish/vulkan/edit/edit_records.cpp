@@ -36,9 +36,11 @@ EditRecords edit_records(const PatchMesh& mesh, const PatchRecords& patches,
                          std::vector<std::uint32_t> slots) {
   const std::int32_t vertex_count = mesh.topology().vertex_count();
   if (patches.owners.size() > std::numeric_limits<std::int32_t>::max())
-    throw Error(ErrorCode::OutOfMemory,
-                "edits count " + std::to_string(patches.owners.size()) +
-                    " patches in numbers of 31 bits; use a lower level or a smaller mesh");
+    throw Error(
+        ErrorCode::OutOfMemory,
+        formatted(
+            "edits count {} patches in numbers of 31 bits; use a lower level or a smaller mesh",
+            patches.owners.size()));
   EditRecords records;
   records.slots = std::move(slots);
   records.job_count = patches.owners.size();

@@ -44,9 +44,9 @@ GpuEdit::GpuEdit(const Maker& on, const EditedParts& parts, std::int32_t given_c
     : context_(on.context()), parts_(parts), instances_(parts.solve.instances()) {
   if (parts.masks.slices().size() != 1)
     throw Error(ErrorCode::OutOfMemory,
-                context_.capabilities().name + ": the limit masks are in " +
-                    std::to_string(parts.masks.slices().size()) +
-                    " slices, edits take one; use a smaller mesh, or solve all of it");
+                formatted("{}: the limit masks are in {} slices, edits take one; use a smaller "
+                          "mesh, or solve all of it",
+                          context_.capabilities().name, parts.masks.slices().size()));
   shared::EditParameters parameters = common_parameters(given_count);
   parameters.slot_count = static_cast<std::uint32_t>(slots.size());
   make_work(on, parameters);

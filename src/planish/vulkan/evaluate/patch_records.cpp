@@ -334,9 +334,9 @@ void Packer::refuse(const PatchSlice& slice) const {
   limits_.range.require(largest_binding(slice), "a patch's words, weights or rows",
                         "use --device cpu, a lower level or a smaller mesh");
   throw Error(ErrorCode::OutOfMemory,
-              "a patch takes more than the " + std::to_string(limits_.max_units) +
-                  " chunks of one dispatch that maxComputeWorkGroupCount allows; use --device cpu "
-                  "or a lower level");
+              formatted("a patch takes more than the {} chunks of one dispatch that "
+                        "maxComputeWorkGroupCount allows; use --device cpu or a lower level",
+                        limits_.max_units));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "planish/core/assert.h"
+#include "planish/core/formatted.h"
 #include "planish/patches/patch_form.h"
 
 namespace planish::vulkan {
@@ -127,7 +128,7 @@ void PlacePacker::require_fit() const {
     limits_.range.require(count * item_bytes, "places of the surface: " + what,
                           "ask a LimitSurface on the CPU, or take a smaller mesh");
   };
-  check("the weights of " + std::to_string(classes_.size()) + " kinds of corners", texel_count_,
+  check(formatted("the weights of {} kinds of corners", classes_.size()), texel_count_,
         sizeof records_.weights[0]);
   check("what is known of corners", word_count_, sizeof(std::uint32_t));
   check("control points", static_cast<std::uint64_t>(mesh_.point_count()),

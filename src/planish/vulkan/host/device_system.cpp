@@ -41,8 +41,9 @@ void require_editable_system(const System& system, const DeviceSystemOptions& op
                 "points; solve all of them, or make the System with another method");
   if (system.within() > 0)
     throw Error(ErrorCode::InvalidArgument,
-                "edits take surfaces through their points, not within " +
-                    std::to_string(system.within()) + " of them; make the System with within 0");
+                formatted("edits take surfaces through their points, not within {} of them; make "
+                          "the System with within 0",
+                          std::to_string(system.within())));
 }
 
 DeviceTable make_masks(const Maker& on, const System& system) {
@@ -118,9 +119,8 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
     copies.push_back({buffer.handle(), bytes.size()});
   });
   for (const Copy& copy : copies) device_bytes += copy.bytes;
-  on.log("planish: a system of " + std::to_string(used_vertices.size()) + " vertices takes " +
-         std::to_string(device_bytes) + " bytes, its limit masks in " +
-         std::to_string(masks.slices().size()) + " slices");
+  on.log(formatted("planish: a system of {} vertices takes {} bytes, its limit masks in {} slices",
+                   used_vertices.size(), device_bytes, masks.slices().size()));
 }
 
 void DeviceSystem::Parts::plan_masks() {
@@ -173,9 +173,9 @@ std::uint64_t DeviceSystem::device_bytes() const { return parts_->device_bytes; 
 
 void DeviceSystem::write_upload(const System& system, std::span<std::byte> staging) const {
   if (staging.size() != upload_bytes())
-    throw Error(ErrorCode::InvalidArgument, "the upload takes " + std::to_string(upload_bytes()) +
-                                                " bytes of staging memory, not " +
-                                                std::to_string(staging.size()));
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("the upload takes {} bytes of staging memory, not {}", upload_bytes(),
+                          staging.size()));
   if (!parts_->packed)
     throw Error(ErrorCode::InvalidArgument,
                 "the upload was written before, and what it is made of is gone; copy its bytes, or "

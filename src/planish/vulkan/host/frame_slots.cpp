@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <string>
 
-#include "planish/core/error.h"
-
 namespace planish::vulkan {
 
 namespace {
@@ -33,16 +31,15 @@ void check_formats(const VertexLayout& layout) {
   for (std::size_t k = 0; k < 3; ++k)
     require_option(std::isfinite(layout.box_center[k]) && std::isfinite(layout.box_half[k]) &&
                        layout.box_half[k] > 0,
-                   "the box of compact positions has a centre of finite numbers and halves above "
-                   "0, not " +
-                       std::to_string(layout.box_half[k]));
+                   "the box of compact positions has a centre of finite numbers and "
+                   "halves above 0, not {}",
+                   std::to_string(layout.box_half[k]));
 }
 
 void check_holds(std::uint32_t stride, std::uint32_t offset, std::uint32_t bytes) {
   require_option(offset <= stride && stride - offset >= bytes,
-                 "a vertex of stride " + std::to_string(stride) + " does not hold " +
-                     std::to_string(bytes) + " bytes from offset " + std::to_string(offset) +
-                     " on");
+                 "a vertex of stride {} does not hold {} bytes from offset {} on", stride, bytes,
+                 offset);
 }
 
 void check_tangents(const VertexLayout& layout, bool has_tables) {
@@ -60,8 +57,8 @@ void check_moved(const MovedPoints& moved, bool has_tables) {
   require_option(moved.max_count > 0,
                  "the list of moved points has a max_count of 0; give its largest");
   require_option(moved.offset % sizeof(std::uint32_t) == 0,
-                 "the list of moved points begins at " + std::to_string(moved.offset) +
-                     ", which is no multiple of 4 bytes");
+                 "the list of moved points begins at {}, which is no multiple of 4 bytes",
+                 moved.offset);
 }
 
 // Of instances together: `bytes`, of which one has `each`.
@@ -72,15 +69,15 @@ struct Span {
 
 void check_span(const Context& context, std::uint32_t instances, const Span& span) {
   const std::uint64_t fit = std::max<std::uint64_t>(context.max_storage_range() / span.each, 1);
-  const std::string what = std::string(span.what) + " of " + std::to_string(instances);
+  const std::string what = formatted("{} of {}", span.what, instances);
   require_binding(context, span.bytes, what + " instances",
-                  "make Solves of at most " + std::to_string(fit) + " instances");
+                  formatted("make Solves of at most {} instances", fit));
 }
 
 void check_instance_stride(VkDeviceSize stride, std::uint64_t needed) {
-  require_option(stride >= needed, "vertices of an instance take " + std::to_string(needed) +
-                                       " bytes, but the next one's begin after " +
-                                       std::to_string(stride));
+  require_option(stride >= needed,
+                 "vertices of an instance take {} bytes, but the next one's begin after {}", needed,
+                 stride);
 }
 
 void check_strides(const FrameSlot& slot, std::uint64_t vertex_count) {
@@ -146,10 +143,6 @@ void check_vectors(const Context& context, const InstanceSizes& sizes,
 
 }  // namespace
 
-void require_option(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorCode::InvalidArgument, message);
-}
-
 void check_layout(const VertexLayout& layout, const InstanceSizes& sizes) {
   const VertexStream attributes = attributes_of(layout);
   require_option(is_word(layout.offset) && is_word(layout.stride) &&
@@ -161,28 +154,28 @@ void check_layout(const VertexLayout& layout, const InstanceSizes& sizes) {
   check_holds(attributes.stride, layout.normal_offset, bytes_of(layout.normal_format));
   check_tangents(layout, sizes.has_tangents);
   const std::uint32_t largest = std::max(layout.stride, attributes.stride);
-  require_option(largest <= sizes.max_vertex_stride, "the stride " + std::to_string(largest) +
-                                                         " of a vertex layout is above " +
-                                                         std::to_string(sizes.max_vertex_stride) +
-                                                         ", the DeviceSystem's max_vertex_stride");
+  require_option(
+      largest <= sizes.max_vertex_stride,
+      "the stride {} of a vertex layout is above {}, the DeviceSystem's max_vertex_stride", largest,
+      sizes.max_vertex_stride);
 }
 
 std::vector<FrameSlot> checked_slots(const Context& context, const InstanceSizes& sizes,
                                      const SolveOptions& options) {
   const std::uint32_t count = options.instances;
-  require_option(
-      count >= 1 && count <= kMostInstances,
-      "instances " + std::to_string(count) + " are outside 1 to " + std::to_string(kMostInstances));
+  require_option(count >= 1 && count <= kMostInstances, "instances {} are outside 1 to {}", count,
+                 kMostInstances);
   std::vector<FrameSlot> slots = {{options.given, options.vertices, options.moved}};
   slots.insert(slots.end(), options.further_slots.begin(), options.further_slots.end());
   require_option(slots.size() <= kMostSlots,
-                 std::to_string(slots.size()) + " slots are more than " +
-                     std::to_string(kMostSlots) + ", the frames in flight that a Solve serves");
+                 "{} slots are more than {}, the frames in flight that a Solve serves",
+                 slots.size(), kMostSlots);
   for (FrameSlot& slot : slots) slot = with_strides(sizes, slot);
   if (count == 1) return slots;
-  require_option(!sizes.is_fair, "Solves of the fair method have one instance, not " +
-                                     std::to_string(count) +
-                                     "; make as many Solves and take record_solves()");
+  require_option(!sizes.is_fair,
+                 "Solves of the fair method have one instance, not {}; "
+                 "make as many Solves and take record_solves()",
+                 count);
   for (const FrameSlot& slot : slots) check_strides(slot, sizes.vertices);
   check_vectors(context, sizes, options);
   for (const FrameSlot& slot : slots) check_spans(context, count, slot);

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "planish/core/error.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/tables/instances.h"
 
@@ -12,8 +12,11 @@ namespace planish::vulkan {
 /// Of a host's point or normal.
 inline constexpr std::uint32_t kVectorBytes = 3 * sizeof(float);
 
-/// Throws Error{InvalidArgument} where the condition fails.
-void require_option(bool condition, const std::string& message);
+/// Throws Error{InvalidArgument} with formatted() text where the condition fails.
+template <class... Values>
+void require_option(bool condition, FormatText<sizeof...(Values)> format, const Values&... values) {
+  if (!condition) throw Error(ErrorCode::InvalidArgument, formatted(format, values...));
+}
 
 /// What a Solve has of each instance, in numbers.
 struct InstanceSizes {

@@ -29,8 +29,7 @@ namespace {
 GpuSolveOptions solve_options(const Context& context, const SolveOptions& options) {
   const std::uint64_t most = context.max_storage_range() / sizeof(shared::StepRecord) - 1;
   require_option(options.max_iterations >= 1 && options.max_iterations <= most,
-                 "max_iterations " + std::to_string(options.max_iterations) + " is outside 1 to " +
-                     std::to_string(most));
+                 "max_iterations {} is outside 1 to {}", options.max_iterations, most);
   GpuSolveOptions result;
   result.max_steps = options.max_iterations + 1;  // one more only measures
   result.sums_squares = false;
@@ -39,9 +38,8 @@ GpuSolveOptions solve_options(const Context& context, const SolveOptions& option
 }
 
 GpuFairOptions fair_options(const SolveOptions& options) {
-  require_option(options.polish_steps <= kMostPolishSteps,
-                 "polish_steps " + std::to_string(options.polish_steps) + " are outside 0 to " +
-                     std::to_string(kMostPolishSteps));
+  require_option(options.polish_steps <= kMostPolishSteps, "polish_steps {} are outside 0 to {}",
+                 options.polish_steps, kMostPolishSteps);
   GpuFairOptions result;
   result.polish_steps = options.polish_steps;
   return result;

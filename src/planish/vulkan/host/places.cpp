@@ -22,9 +22,10 @@ void check_list(const PlaceList& list) {
   if (list.count == 0) refuse_places("a list of places has none; give its count");
   if (list.offset % sizeof(float) != 0 || list.stride % sizeof(float) != 0 ||
       list.stride < kPlaceBytes)
-    refuse_places("a list of places with offset " + std::to_string(list.offset) + " and stride " +
-                  std::to_string(list.stride) +
-                  ": both are multiples of 4 bytes, the stride 12 at least");
+    refuse_places(
+        formatted("a list of places with offset {} and stride {}: both are multiples of 4 bytes, "
+                  "the stride 12 at least",
+                  list.offset, list.stride));
 }
 
 void check_results(const PlaceLayout& layout) {
@@ -33,18 +34,19 @@ void check_results(const PlaceLayout& layout) {
                                    layout.dvv_offset,      layout.state_offset};
   if (!layout.buffer) refuse_places("results of places have no buffer");
   if (layout.offset % sizeof(float) != 0 || layout.stride % sizeof(float) != 0)
-    refuse_places("results of places lie at multiples of 4 bytes, not from " +
-                  std::to_string(layout.offset) + " on every " + std::to_string(layout.stride));
+    refuse_places(
+        formatted("results of places lie at multiples of 4 bytes, not from {} on every {}",
+                  layout.offset, layout.stride));
   for (const std::uint32_t offset : offsets)
     if (offset != kNotWritten && (offset % sizeof(float) != 0 || offset >= layout.stride))
-      refuse_places("the offset " + std::to_string(offset) +
-                    " of a place's result is no multiple of 4 below the stride " +
-                    std::to_string(layout.stride));
+      refuse_places(
+          formatted("the offset {} of a place's result is no multiple of 4 below the stride {}",
+                    offset, layout.stride));
   const std::uint64_t end = result_bytes(layout);
   if (end == 0) refuse_places("no result of places is wanted; give one an offset");
   if (end > layout.stride)
-    refuse_places("a place's results end at " + std::to_string(end) + " bytes, behind the stride " +
-                  std::to_string(layout.stride));
+    refuse_places(
+        formatted("a place's results end at {} bytes, behind the stride {}", end, layout.stride));
 }
 
 const PlaceTables& tables_of(const std::optional<PlaceTables>& tables) {
@@ -55,8 +57,8 @@ const PlaceTables& tables_of(const std::optional<PlaceTables>& tables) {
 
 void check_instance(const Solve& solve, std::uint32_t instance) {
   if (instance >= solve.instance_count())
-    refuse_places("instance " + std::to_string(instance) + " of places is none of the Solve's " +
-                  std::to_string(solve.instance_count()));
+    refuse_places(formatted("instance {} of places is none of the Solve's {}", instance,
+                            solve.instance_count()));
 }
 
 std::optional<Buffer> make_list(Context& context, const PlaceList& list) {

@@ -38,15 +38,15 @@ constexpr std::uint32_t kMostCountedSteps = 4096;
 
 void check_options(const SystemOptions& options) {
   if (options.level < 0 || options.level > kMostLevels)
-    throw Error(ErrorCode::InvalidArgument, "level " + std::to_string(options.level) +
-                                                " is outside 0 to " + std::to_string(kMostLevels));
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("level {} is outside 0 to {}", options.level, kMostLevels));
   int last = 0;
   for (const int level : options.levels) {
     if (level <= last || level > int{shared::kMostLevels})
       throw Error(ErrorCode::InvalidArgument,
-                  "levels to choose from ascend from 1 to " + std::to_string(shared::kMostLevels) +
-                      ", but " + std::to_string(level) + " stands " +
-                      (last > 0 ? "behind " + std::to_string(last) : std::string("first")));
+                  formatted("levels to choose from ascend from 1 to {}, but {} stands {}",
+                            shared::kMostLevels, level,
+                            last > 0 ? formatted("behind {}", last) : std::string("first")));
     last = level;
   }
   if (!(options.tolerance > 0))
@@ -67,19 +67,19 @@ void check_decisions(const FairDecisions* decisions, std::size_t count) {
        {&decisions->reversed, &decisions->halvings, &decisions->late_halvings, &decisions->cures})
     if (words->size() != count)
       throw Error(ErrorCode::InvalidArgument,
-                  "fair_decisions are of " + std::to_string(words->size()) +
-                      " vertices, but faces name " + std::to_string(count) +
-                      "; take those of a fair net of the same mesh");
+                  formatted("fair_decisions are of {} vertices, but faces name {}; take those of a "
+                            "fair net of the same mesh",
+                            words->size(), count));
   if (!decisions->leans.empty() && decisions->leans.size() != count)
     throw Error(ErrorCode::InvalidArgument,
-                "fair_decisions have leans of " + std::to_string(decisions->leans.size()) +
-                    " vertices, but faces name " + std::to_string(count) +
-                    "; take those of a fair net of the same mesh, or none");
+                formatted("fair_decisions have leans of {} vertices, but faces name {}; take those "
+                          "of a fair net of the same mesh, or none",
+                          decisions->leans.size(), count));
   if (!decisions->ellipses.empty() && decisions->ellipses.size() != count)
     throw Error(ErrorCode::InvalidArgument,
-                "fair_decisions have ellipses of " + std::to_string(decisions->ellipses.size()) +
-                    " vertices, but faces name " + std::to_string(count) +
-                    "; take those of a fair net of the same mesh, or none");
+                formatted("fair_decisions have ellipses of {} vertices, but faces name {}; take "
+                          "those of a fair net of the same mesh, or none",
+                          decisions->ellipses.size(), count));
 }
 
 /// How a pose is solved in double from a cold start.

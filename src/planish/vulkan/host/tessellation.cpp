@@ -19,18 +19,15 @@ TessellationOptions checked(const LevelSetTables& tables, const EvaluatedParts& 
                  "a Tessellation has positions and attributes in one buffer");
   const std::size_t levels = tables.levels.size();
   if (options.places.empty()) options.places.assign(levels, count);
-  require_option(options.places.size() == levels, "places are of " +
-                                                      std::to_string(options.places.size()) +
-                                                      " levels, but the "
-                                                      "System has " +
-                                                      std::to_string(levels));
+  require_option(options.places.size() == levels, "places are of {} levels, but the System has {}",
+                 options.places.size(), levels);
   for (std::uint32_t& places : options.places) {
     require_option(places > 0, "a level has places for no instance; give it some, or leave it out");
     places = std::min(places, count);
   }
   require_option(options.places[0] == count,
-                 "the coarsest level has places for " + std::to_string(options.places[0]) +
-                     " instances, but takes all " + std::to_string(count));
+                 "the coarsest level has places for {} instances, but takes all {}",
+                 options.places[0], count);
   return options;
 }
 

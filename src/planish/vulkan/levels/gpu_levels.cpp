@@ -65,9 +65,9 @@ void GpuLevels::make_work(const Maker& on, const TessellationOptions& options) {
     vertices += std::uint64_t(options.places[k]) * levels[k].vertex_count;
     if (vertices > kMostVertices)
       throw Error(ErrorCode::OutOfMemory,
-                  "levels up to number " + std::to_string(k) + " have places for " +
-                      std::to_string(vertices) + " vertices, but draws can name " +
-                      std::to_string(kMostVertices) + "; give TessellationOptions fewer places");
+                  formatted("levels up to number {} have places for {} vertices, but draws can "
+                            "name {}; give TessellationOptions fewer places",
+                            k, vertices, kMostVertices));
   }
   words.first_segment = place_.level_count * shared::kLevelWords;
   words.seen_list =

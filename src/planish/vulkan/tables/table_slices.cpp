@@ -90,11 +90,11 @@ std::string exceeded(const TableSlice& slice, const SliceLimits& limits) {
        slice.row_count * std::max(limits.target_stride, limits.source_stride) + kTargetSlack,
        slice.source_count * limits.source_stride});
   if (!limits.range.allows(bytes))
-    return std::to_string(bytes) + " bytes of one binding, but " + limits.range.name + " is " +
-           std::to_string(limits.range.bytes);
+    return formatted("{} bytes of one binding, but {} is {}", bytes, limits.range.name,
+                     limits.range.bytes);
   if (slice.chunk_count > limits.max_chunks)
-    return std::to_string(slice.chunk_count) + " chunks in one dispatch, but " +
-           "maxComputeWorkGroupCount allows " + std::to_string(limits.max_chunks);
+    return formatted("{} chunks in one dispatch, but maxComputeWorkGroupCount allows {}",
+                     slice.chunk_count, limits.max_chunks);
   return {};
 }
 
@@ -129,8 +129,8 @@ TablePlan plan_with_windows(const StencilView<Real>& table, const SliceLimits& l
     }
     if (const std::string limit = exceeded(longer, limits); !limit.empty())
       throw Error(ErrorCode::OutOfMemory,
-                  "rows from " + std::to_string(slice.first_row) + " on need " + limit +
-                      "; use --device cpu or a smaller mesh",
+                  formatted("rows from {} on need {}; use --device cpu or a smaller mesh",
+                            slice.first_row, limit),
                   slice.first_row);
     slice = longer;
   }

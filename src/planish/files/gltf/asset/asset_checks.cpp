@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/number_text.h"
 #include "planish/files/gltf/scene_reader.h"
@@ -32,8 +33,7 @@ constexpr std::string_view kRemedy = "; save it anew with the program that wrote
 // `number` is that of one of `count` elements of `array`.
 void require_below(const JsonPlace& number, std::int64_t count, std::string_view array) {
   if (number.integer() < count) return;
-  number.fail("names " + std::string(array) + "[" + std::to_string(number.integer()) +
-              "], and the file has " + std::to_string(count) + std::string(kRemedy));
+  number.fail("names {}[{}], and the file has {}{}", array, number.integer(), count, kRemedy);
 }
 
 // What `place` has under `key`, where it is there, is the number of an element of root's `array`.
@@ -103,9 +103,8 @@ void require_room(const JsonPlace& root, const JsonPlace& accessor) {
   if (offset <= length - bytes &&
       (count == 1 || count - 1 <= (length - bytes - offset) / std::max<std::int64_t>(stride, 1)))
     return;
-  accessor.fail(std::to_string(count) + " elements of " + std::to_string(bytes) +
-                " bytes reach beyond " + view.path() + ", which has " + std::to_string(length) +
-                std::string(kRemedy));
+  accessor.fail("{} elements of {} bytes reach beyond {}, which has {}{}", count, bytes,
+                view.path(), length, kRemedy);
 }
 
 std::int64_t accessor_count(const JsonPlace& root, const JsonPlace& number) {
@@ -124,8 +123,8 @@ std::int64_t target_count(const JsonPlace& mesh) {
 void require_weights(const JsonPlace& place, std::int64_t targets) {
   const auto weights = place.find("weights");
   if (!weights || weights->array_size() == targets) return;
-  weights->fail(std::to_string(weights->array_size()) + " for " + std::to_string(targets) +
-                " morph targets; each needs one" + std::string(kRemedy));
+  weights->fail("{} for {} morph targets; each needs one{}", weights->array_size(), targets,
+                kRemedy);
 }
 
 void require_primitive(const JsonPlace& root, const JsonPlace& primitive) {
@@ -139,9 +138,8 @@ void require_primitive(const JsonPlace& root, const JsonPlace& primitive) {
       require_below(target[name], count_of(root, "accessors"), "accessors");
       const auto given = primitive["attributes"].find(name);
       if (given && accessor_count(root, *given) != accessor_count(root, target[name]))
-        target[name].fail(std::to_string(accessor_count(root, target[name])) + " moves for " +
-                          std::to_string(accessor_count(root, *given)) + " vertices" +
-                          std::string(kRemedy));
+        target[name].fail("{} moves for {} vertices{}", accessor_count(root, target[name]),
+                          accessor_count(root, *given), kRemedy);
     }
   }
   const auto variants = extension_of(primitive, "KHR_materials_variants");
@@ -159,9 +157,8 @@ void require_instances(const JsonPlace& root, const JsonPlace& instances) {
     const std::int64_t found = accessor_count(root, (*attributes)[name]);
     if (count < 0) count = found;
     if (found != count)
-      (*attributes)[name].fail(std::to_string(found) + " values, and another attribute has " +
-                               std::to_string(count) + "; each place needs one" +
-                               std::string(kRemedy));
+      (*attributes)[name].fail("{} values, and another attribute has {}; each place needs one{}",
+                               found, count, kRemedy);
   }
 }
 
@@ -209,9 +206,8 @@ void require_trees(const JsonPlace& root) {
       require_below(child, std::ssize(parents), "nodes");
       std::int64_t& parent = parents[child.integer()];
       if (parent >= 0)
-        child.fail("node " + std::to_string(child.integer()) + " is a child of node " +
-                   std::to_string(parent) + " already, but nodes must form trees" +
-                   std::string(kRemedy));
+        child.fail("node {} is a child of node {} already, but nodes must form trees{}",
+                   child.integer(), parent, kRemedy);
       parent = number;
     }
     ++number;
@@ -239,8 +235,8 @@ void require_skin(const JsonPlace& root, const JsonPlace& skin) {
   require_number(root, skin, "inverseBindMatrices", "accessors");
   const auto matrices = skin.find("inverseBindMatrices");
   if (matrices && accessor_count(root, *matrices) < joints.array_size())
-    matrices->fail(std::to_string(accessor_count(root, *matrices)) + " matrices for " +
-                   std::to_string(joints.array_size()) + " joints" + std::string(kRemedy));
+    matrices->fail("{} matrices for {} joints{}", accessor_count(root, *matrices),
+                   joints.array_size(), kRemedy);
 }
 
 // As many values as keys, with those of tangents and of all targets.
@@ -259,8 +255,7 @@ void require_keys(const JsonPlace& root, const JsonPlace& sampler, const JsonPla
   const std::int64_t keys = accessor_count(root, sampler["input"]);
   const std::int64_t found = accessor_count(root, sampler["output"]);
   if (values == 0 || (found % values == 0 && found / values == keys)) return;
-  sampler["output"].fail(std::to_string(found) + " values for " + std::to_string(keys) +
-                         " key frames of " + std::to_string(values) + std::string(kRemedy));
+  sampler["output"].fail("{} values for {} key frames of {}{}", found, keys, values, kRemedy);
 }
 
 // What an animation moves by its place in the document, as far as that is lists: of objects the
@@ -285,7 +280,7 @@ void require_pointer(const JsonPlace& root, const JsonPlace& pointer) {
     std::int64_t number = -1;
     if (!at->value().is_array() || !parse_integer(key, number)) return;
     if (number < 0 || number >= at->array_size())
-      fail("the file has " + std::to_string(at->array_size()) + " of " + at->path());
+      fail(formatted("the file has {} of {}", at->array_size(), at->path()));
     at = (*at)[number];
   }
 }
@@ -298,10 +293,8 @@ void require_animation(const JsonPlace& root, const JsonPlace& animation) {
   }
   for (std::int64_t i = 0; i < channels.array_size(); ++i) {
     if (channels[i]["sampler"].integer() >= samplers.array_size())
-      channels[i]["sampler"].fail("names samplers[" +
-                                  std::to_string(channels[i]["sampler"].integer()) +
-                                  "], and the animation has " +
-                                  std::to_string(samplers.array_size()) + std::string(kRemedy));
+      channels[i]["sampler"].fail("names samplers[{}], and the animation has {}{}",
+                                  channels[i]["sampler"].integer(), samplers.array_size(), kRemedy);
     require_number(root, channels[i]["target"], "node", "nodes");
     require_keys(root, samplers[channels[i]["sampler"].integer()], channels[i]["target"]);
     if (const auto pointer = extension_of(channels[i]["target"], "KHR_animation_pointer"))

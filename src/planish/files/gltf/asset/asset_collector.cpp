@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 
@@ -44,7 +45,7 @@ int AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitiv
 void AssetCollector::find_uvs(const JsonPlace& attributes, const SourcePrimitive& primitive,
                               GltfBudget& budget) {
   for (int set = 0;; ++set) {
-    const std::string name = "TEXCOORD_" + std::to_string(set);
+    const std::string name = formatted("TEXCOORD_{}", set);
     auto uvs = primitive.attribute(name, GltfAccessor::Use::TextureCoordinates);
     if (!uvs) return;
     budget.add_uvs(attributes[name], uvs->count());
@@ -62,8 +63,7 @@ void AssetCollector::read_uvs(std::vector<glm::dvec2>& first) {
     for (std::int64_t i = 0; i < uvs_[set].count(); ++i) {
       const glm::dvec2 uv = uvs_[set].texture_coordinate(i);
       if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
-        uv_places_[set].fail("the texture coordinate of vertex " + std::to_string(i) +
-                             " is not finite");
+        uv_places_[set].fail("the texture coordinate of vertex {} is not finite", i);
       // Ours run upwards, glTF's down.
       to.emplace_back(uv.x, 1.0 - uv.y);
     }
@@ -92,9 +92,8 @@ void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimit
       known = made_.arrays.end() - 1;
       known->values.resize(static_cast<std::size_t>(width * vertex_count_), missing);
     } else if (known->width != width) {
-      attributes[name].fail(std::to_string(values->number_count()) +
-                            " numbers a vertex, and another primitive of the mesh has " +
-                            std::to_string(known->width));
+      attributes[name].fail("{} numbers a vertex, and another primitive of the mesh has {}",
+                            values->number_count(), known->width);
     }
     arrays_.push_back({*values, static_cast<std::size_t>(known - made_.arrays.begin())});
   }
@@ -124,8 +123,9 @@ void AssetCollector::find_targets(const JsonPlace& place, const SourcePrimitive&
   const auto targets = place.find("targets");
   const auto count = static_cast<std::size_t>(targets ? targets->array_size() : 0);
   if (next_primitive_++ > 0 && count != made_.targets.size())
-    place.fail(std::to_string(count) + " morph targets, and another primitive of the mesh has " +
-               std::to_string(made_.targets.size()) + "; all of a mesh need the same");
+    place.fail(
+        "{} morph targets, and another primitive of the mesh has {}; all of a mesh need the same",
+        count, made_.targets.size());
   made_.targets.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const JsonPlace target = (*targets)[static_cast<std::int64_t>(k)];
@@ -144,7 +144,7 @@ void AssetCollector::read_motion(std::int64_t vertex) {
     for (std::int64_t k = 0; k < kJointsOfSet; ++k) {
       const double weight = set.weights.value(vertex, k), joint = set.joints.value(vertex, k);
       if (!std::isfinite(weight) || weight < 0 || joint < 0 || joint != std::floor(joint))
-        set.place.fail("vertex " + std::to_string(vertex) + " is no joint with a weight from 0");
+        set.place.fail("vertex {} is no joint with a weight from 0", vertex);
       if (weight > 0)
         influences_.push_back({static_cast<std::int32_t>(joint), static_cast<float>(weight)});
     }
@@ -152,7 +152,7 @@ void AssetCollector::read_motion(std::int64_t vertex) {
   for (const std::optional<Target>& target : targets_) {
     const glm::dvec3 move = target ? target->moves.position(vertex) : glm::dvec3(0.0);
     if (!std::isfinite(move.x) || !std::isfinite(move.y) || !std::isfinite(move.z))
-      target->place.fail("the move of vertex " + std::to_string(vertex) + " is not finite");
+      target->place.fail("the move of vertex {} is not finite", vertex);
     moves_.push_back(move);
   }
 }

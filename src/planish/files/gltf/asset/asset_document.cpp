@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "planish/core/formatted.h"
 #include "planish/core/version.h"
 #include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
@@ -162,7 +163,7 @@ void AssetDocument::add_level(std::int64_t mesh, const AssetVertices& vertices,
   json level = meshes[mesh];
   level["primitives"] = primitives_of(mesh, vertices, document, made);
   if (level.contains("name"))
-    level["name"] = level["name"].get<std::string>() + "_LOD" + std::to_string(levels.size());
+    level["name"] = formatted("{}_LOD{}", level["name"].get<std::string>(), levels.size());
   levels.push_back({std::ssize(meshes), document.scale, document.translation, least_coverage});
   meshes.push_back(std::move(level));
   new_extensions_.insert(kLodExtension);

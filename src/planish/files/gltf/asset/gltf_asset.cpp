@@ -110,8 +110,9 @@ void GltfAsset::require_joints(std::int64_t number, const AssetVertices& vertice
     if (!mesh || !skin || mesh->integer() != number) continue;
     const std::int64_t joints = root_["skins"][skin->integer()]["joints"].array_size();
     if (last >= joints)
-      skin->fail("its mesh names joint " + std::to_string(last) + ", and the skin has " +
-                 std::to_string(joints) + "; take the skin that the mesh was made for");
+      skin->fail(
+          "its mesh names joint {}, and the skin has {}; take the skin that the mesh was made for",
+          last, joints);
   }
 }
 

@@ -46,7 +46,7 @@ bool moves_weights(const json& target, std::size_t node) {
     return target.contains("node") && target["node"] == node;
   if (!target.contains("extensions") || !target["extensions"].contains(kPointer)) return false;
   const std::string pointer = target["extensions"][kPointer].value("pointer", "");
-  const std::string weights = "/nodes/" + std::to_string(node) + "/weights";
+  const std::string weights = formatted("/nodes/{}/weights", node);
   return pointer == weights || pointer.starts_with(weights + "/");
 }
 
@@ -55,8 +55,8 @@ void aim_at(json& target, std::size_t from, std::size_t to) {
   if (!target.contains("extensions") || !target["extensions"].contains(kPointer)) return;
   json& pointer = target["extensions"][kPointer]["pointer"];
   const std::string text = pointer.get<std::string>();
-  const std::string node = "/nodes/" + std::to_string(from);
-  pointer = "/nodes/" + std::to_string(to) + text.substr(node.size());
+  const std::string node = formatted("/nodes/{}", from);
+  pointer = formatted("/nodes/{}{}", to, text.substr(node.size()));
 }
 
 // Channels of a node's weights move those of each that stands for it, with the same samplers.
@@ -83,9 +83,9 @@ void place_details(json& document, std::size_t number, std::span<const MeshLevel
   const json given = nodes[number];
   if (given.contains("extensions") && given["extensions"].contains(kLodExtension))
     throw Error(ErrorCode::InvalidArgument,
-                "nodes[" + std::to_string(number) +
-                    "] has levels of detail already (MSFT_lod); take a file for each level "
-                    "(--lods files)");
+                formatted("nodes[{}] has levels of detail already (MSFT_lod); take a file for each "
+                          "level (--lods files)",
+                          number));
   const bool is_beside = given.contains("skin");
   std::vector<std::size_t> stand_ins;
   std::vector<std::size_t> coarser;
@@ -98,7 +98,7 @@ void place_details(json& document, std::size_t number, std::span<const MeshLevel
     }
     json node = mesh_part(given);
     if (given.contains("name"))
-      node["name"] = given["name"].get<std::string>() + "_LOD" + std::to_string(k);
+      node["name"] = formatted("{}_LOD{}", given["name"].get<std::string>(), k);
     place(node, levels[k]);
     if (k > 0) coarser.push_back(nodes.size());
     stand_ins.push_back(nodes.size());
