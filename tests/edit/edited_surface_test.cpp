@@ -4,8 +4,10 @@
 
 #include <limits>
 
+#include "edit/edit_case.h"
 #include "planish/core/error.h"
 #include "planish/mesh/placement.h"
+#include "planish/surface/surface_blocks.h"
 #include "support/meshes.h"
 
 namespace planish::test {
@@ -32,6 +34,23 @@ TEST(EditedSurface, IsRefusedWhereThereIsNoSuchLevelOrNoRoom) {
   options.level = 2;
   options.memory_limit_bytes = 1;
   EXPECT_EQ(refusal_of(options), ErrorCode::OutOfMemory);
+}
+
+// What writers get after a move, at the editor's own level and at others.
+TEST(EditedSurface, BlocksAreTheSurfaceOfTheirLevel) {
+  EditCase c(torus(8, 6, 1, 0.4));
+  Editor editor(c.mesh, c.first, c.options);
+  Mover mover(2);
+  mover.choose(editor, c, 2, 0.05);
+  editor.move(mover.vertices, mover.positions);
+  for (const int level : {1, 2, 3}) {
+    const SurfaceMesh blocks = collect(*editor.blocks(level), {});
+    c.options.level = level;
+    const SurfaceMesh expected = c.surface_of(editor.mesh(), editor.fit());
+    EXPECT_LT(farthest(blocks.positions, expected.positions), 1e-13 * c.first.placement.diagonal)
+        << level;
+    EXPECT_EQ(blocks.face_vertices, expected.face_vertices) << level;
+  }
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ TEST(EditorSharp, IsAFitWithThoseTags) {
     const EditChange change = editor.set_sharp(ring_of(20, 4, kInfiniteSharpness), corner);
     EXPECT_TRUE(change.is_whole);
     EXPECT_EQ(change.row_count, std::ssize(editor.positions()));
+    EXPECT_EQ(change.control_points.size(), c.mesh.positions.size());
     EXPECT_GT(editor.positions().size(), smooth_rows);  // the ring's rows stand twice
     expect_fit_of(editor, c, method == InterpolationMethod::Fair ? 1e-7 : 2 * kTolerance);
     const double off = editor.queries().closest(editor.points()[80]).distance;
