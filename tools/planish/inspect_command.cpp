@@ -31,7 +31,7 @@ ExitCode inspect_all(const InspectFlags& flags) {
   for (const std::string& path : flags.files) {
     faults.note([&] {
       require_input(path, format);
-      const Inspection inspection = inspect(path, format);
+      const Inspection inspection = inspect(load_input(path, format));
       if (is_refused(inspection)) exit_code = ExitCode::UnusableMesh;
       if (flags.json) {
         all.push_back(inspection_json(inspection));

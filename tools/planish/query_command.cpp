@@ -1,8 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <memory>
 
 #include "commands.h"
@@ -10,15 +7,14 @@
 #include "job/input_path.h"
 #include "job/job_fit.h"
 #include "job/job_input.h"
+#include "job/questions.h"
 #include "options/input_list.h"
 #include "options/option_flags.h"
 #include "output/answers.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
-#include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/output_file.h"
-#include "planish/core/parallel.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_points.h"
@@ -31,8 +27,6 @@
 
 namespace planish::command {
 namespace {
-
-constexpr std::size_t kAnswerGrain = 16;
 
 struct QueryFlags {
   std::string input, points, direction, output = "-";
@@ -53,49 +47,8 @@ Settings settings_of_query(const QueryFlags& flags) {
   return settings;
 }
 
-glm::dvec3 parse_direction(const std::string& text) {
-  const auto fail = [&] {
-    refuse("--rays", "\"" + visible(text) + "\" is no direction such as 0,0,-1");
-  };
-  glm::dvec3 direction(0.0);
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (int d = 0; d < 3; ++d) {
-    const auto [next, error] = std::from_chars(at, end, direction[d]);
-    if (error != std::errc() || next == (d < 2 ? end : nullptr)) fail();
-    if (d < 2 ? *next != ',' : next != end) fail();
-    at = next + 1;
-  }
-  if (!(glm::length(direction) > 0) || !std::isfinite(glm::length(direction))) fail();
-  return direction;
-}
-
 bool wants_ply(const QueryFlags& flags) {
   return std::filesystem::path(flags.output).extension() == ".ply";
-}
-
-void closest_answers(const SurfaceQueries& queries, std::span<const glm::dvec3> points,
-                     std::span<QueryAnswer> answers, bool with_curvature) {
-  std::vector<ClosestPoint> closest(points.size());
-  queries.closest(points, closest);
-  parallel_for(points.size(), kAnswerGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ClosestPoint& found = closest[i];
-      answers[i] = {found.position, found.normal, found.distance, found.at, {}};
-      if (with_curvature) answers[i].curvature = queries.surface().evaluate(found.at).curvature();
-    }
-  });
-}
-
-void ray_answers(const SurfaceQueries& queries, const glm::dvec3& direction,
-                 std::span<const glm::dvec3> points, std::span<QueryAnswer> answers) {
-  parallel_for(points.size(), kAnswerGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      answers[i].position = points[i];
-      if (const auto hit = queries.first_hit({points[i], direction}))
-        answers[i] = {hit->position, hit->normal, hit->t, hit->at, {}};
-    }
-  });
 }
 
 nlohmann::ordered_json head_json(const QueryFlags& flags, const JobInput& made) {
@@ -116,9 +69,9 @@ void make_answers(const QueryFlags& flags, const JobInput& made, const SurfaceQu
   const auto answer = [&](std::span<const glm::dvec3> some, std::span<QueryAnswer> answers) {
     check_interrupt();
     if (are_rays)
-      ray_answers(queries, direction, some, answers);
+      answer_rays(queries, direction, some, answers);
     else
-      closest_answers(queries, some, answers, !is_ply);
+      answer_closest(queries, some, !is_ply, answers);
   };
   const char* const distance = are_rays ? "t" : "distance";
   if (is_ply)
@@ -144,15 +97,7 @@ void write_answers(const QueryFlags& flags, const std::function<void(const TakeB
 std::vector<glm::dvec3> read_questions(const std::string& path, Console& console) {
   PointCloud cloud = read_points(std::filesystem::path(path));
   for (const Warning& warning : cloud.warnings) console.warning(warning.message);
-  if (cloud.missing_count > 0) {
-    throw Error(
-        ErrorCode::UnreadableInput,
-        formatted(
-            "{}: {} of its points are not finite, and there is one answer a point; leave them out",
-            visible(path), cloud.missing_count));
-  }
-  for (glm::dvec3& point : cloud.points) point += cloud.origin;
-  return std::move(cloud.points);
+  return questions_of(std::move(cloud), path);
 }
 
 ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& arguments) {

@@ -305,8 +305,7 @@ void add_points(const Inspection& inspection, nlohmann::ordered_json& json) {
 
 }  // namespace
 
-Inspection inspect(const std::string& path, std::optional<FileFormat> requested) {
-  const InputFile file = load_input(path, requested);
+Inspection inspect(const InputFile& file) {
   Inspection inspection;
   inspection.format = file.format;
   if (holds_points_only(file.format)) {

@@ -40,8 +40,8 @@ struct Inspection {
   return !inspection.problems.empty() && !inspection.is_mended;
 }
 
-/// Reads a mesh or points. Throws what load_input() and the readers throw.
-[[nodiscard]] Inspection inspect(const std::string& path, std::optional<FileFormat> format);
+/// Reads a mesh or points. Throws what the readers throw.
+[[nodiscard]] Inspection inspect(const InputFile& file);
 
 /// Schema planish.inspect/1.
 [[nodiscard]] nlohmann::ordered_json inspection_json(const Inspection& inspection);
