@@ -76,6 +76,17 @@ TEST_F(QueryCommand, RaysHitOrMiss) {
   EXPECT_LT(hit["normal"][2].get<double>(), 0);
 }
 
+// Squares of these are 0 and infinite.
+TEST_F(QueryCommand, TakesDirectionsOfAnyLength) {
+  const std::string below = write("below.xyz", "1 0 -9\n");
+  const auto t = [&](const std::string& direction) {
+    return answers({"--points", below, "--rays", direction})["rays"][0]["t"].get<double>();
+  };
+  const double unit = t("0,0,1");
+  EXPECT_NEAR(1e-200 * t("0,0,1e-200"), unit, 1e-12);
+  EXPECT_NEAR(1e200 * t("0,0,1e200"), unit, 1e-12);
+}
+
 TEST_F(QueryCommand, WritesAFileAndKeepsToTheRulesOfOutputs) {
   EXPECT_EQ(run_planish({"query", torus_, "--points", probes_, "-o", path("a.json")}).exit_code, 0);
   EXPECT_EQ(read_json("a.json")["closest"].size(), 3u);

@@ -2,12 +2,12 @@
 
 #include <charconv>
 #include <cmath>
-#include <glm/geometric.hpp>
 
 #include "planish/core/error.h"
 #include "planish/core/formatted.h"
 #include "planish/core/parallel.h"
 #include "planish/core/refuse.h"
+#include "planish/core/safe_length.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {
@@ -30,7 +30,8 @@ glm::dvec3 parse_direction(const std::string& text) {
     if (d < 2 ? *next != ',' : next != end) fail();
     at = next + 1;
   }
-  if (!(glm::length(direction) > 0) || !std::isfinite(glm::length(direction))) fail();
+  const double length = safe_length(direction);
+  if (!(length > 0) || !std::isfinite(length)) fail();
   return direction;
 }
 
