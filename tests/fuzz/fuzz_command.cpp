@@ -1,7 +1,6 @@
 #include "fuzz/fuzz_command.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,10 +17,6 @@
 namespace planish::test {
 
 namespace {
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 // What a browser makes of it; references are of one decimal number.
 std::string without_references(std::string_view html) {

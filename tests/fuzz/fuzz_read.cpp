@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -12,7 +11,14 @@
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/obj/read_obj.h"
+#include "planish/files/off/read_off.h"
+#include "planish/files/pcd/read_pcd.h"
+#include "planish/files/ply/read_ply.h"
+#include "planish/files/ptx/read_ptx.h"
 #include "planish/files/read_points.h"
+#include "planish/files/stl/read_stl.h"
+#include "planish/files/xyz/read_xyz.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
 #include "support/byte_strings.h"
@@ -25,9 +31,7 @@ bool is_finite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-void require_visible(const std::string& message) {
-  if (visible_lines(message) != message) std::abort();
-}
+bool is_visible(const std::string& message) { return visible_lines(message) == message; }
 
 // FNV-1a of the bytes of arrays, and of how many they are.
 class Digest {
@@ -61,32 +65,15 @@ int count_at(std::span<const std::byte> bytes, std::size_t i) {
   return std::to_integer<int>(bytes[i]) + 256 * std::to_integer<int>(bytes[i + 1]);
 }
 
-}  // namespace
-
-void require_refusal(const Error& error, std::initializer_list<ErrorCode> codes) {
-  if (std::ranges::find(codes, error.code()) == codes.end()) std::abort();
-  require_visible(error.what());
-}
-
-std::string fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
-  MeshFile found;
-  try {
-    // Every second size as `--creases normals` reads it.
-    const FileBytes file{
-        .bytes = bytes, .name = "fuzz", .path = {}, .split_normals_crease = bytes.size() % 2 == 1};
-    found = read_mesh(file, format);
-    for (const Warning& warning : found.warnings) require_visible(warning.message);
-  } catch (const Error& error) {
-    require_refusal(error, {ErrorCode::UnreadableInput});
-    return error.what();
-  }
+// What was read, in words: of equal bits equal ones.
+std::string told(const MeshFile& found) {
+  require_visible(found.warnings);
   const PolygonMesh& mesh = found.mesh;
-  for (const glm::dvec3& p : mesh.positions)
-    if (!is_finite(p)) std::abort();
+  for (const glm::dvec3& p : mesh.positions) require(is_finite(p));
   const std::vector<MeshProblem> problems = check(mesh);
   for (const MeshProblem& problem : problems)
-    if (problem.kind == MeshProblemKind::IndexOutOfRange) std::abort();
-  if (problems.empty() && statistics(mesh).genus < 0) std::abort();
+    require(problem.kind != MeshProblemKind::IndexOutOfRange);
+  require(!problems.empty() || statistics(mesh).genus >= 0);
   Digest digest;
   digest.add(mesh.positions, mesh.face_offsets, mesh.face_vertices, mesh.creases, mesh.corners,
              mesh.uvs, mesh.face_uvs, mesh.colors, mesh.face_groups, mesh.hole_faces,
@@ -95,6 +82,91 @@ std::string fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) 
   for (const FaceGroup& group : mesh.groups) digest.add(group.name, group.material);
   return std::to_string(mesh.vertex_count()) + " vertices, " + std::to_string(mesh.face_count()) +
          " faces, " + digest.text() + messages_of(found.warnings);
+}
+
+std::string told(const PointCloud& cloud) {
+  require_visible(cloud.warnings);
+  require(is_finite(cloud.origin) && cloud.missing_count >= 0);
+  for (const glm::dvec3& p : cloud.points) require(is_finite(p) && is_finite(p + cloud.origin));
+  Digest digest;
+  digest.add(cloud.points, cloud.normals, cloud.colors, std::array{cloud.origin});
+  digest.add_attributes(cloud.attributes);
+  return std::to_string(cloud.points.size()) + " points, " + std::to_string(cloud.missing_count) +
+         " missing, " + digest.text() + messages_of(cloud.warnings);
+}
+
+// The same, or the message of an error.
+template <class Read>
+std::string told_of(const Read& read) {
+  try {
+    return told(read());
+  } catch (const Error& error) {
+    require_refusal(error, {ErrorCode::UnreadableInput});
+    return error.what();
+  }
+}
+
+// Text is read in parts of about so many bytes, on which nothing depends.
+template <class Found>
+using ReadInParts = Found (*)(const FileBytes&, std::size_t part_bytes);
+
+ReadInParts<MeshFile> mesh_in_parts(FileFormat format) {
+  switch (format) {
+    case FileFormat::Obj:
+      return read_obj;
+    case FileFormat::Ply:
+      return read_ply;
+    case FileFormat::Off:
+      return read_off;
+    case FileFormat::Stl:
+      return read_stl;
+    default:
+      return nullptr;
+  }
+}
+
+ReadInParts<PointCloud> points_in_parts(FileFormat format) {
+  switch (format) {
+    case FileFormat::Xyz:
+      return read_xyz;
+    case FileFormat::Pts:
+      return read_pts;
+    case FileFormat::Pcd:
+      return read_pcd;
+    case FileFormat::Ptx:
+      return read_ptx;
+    default:
+      return nullptr;
+  }
+}
+
+template <class Found>
+void require_the_same_in_parts(ReadInParts<Found> read, const FileBytes& file) {
+  if (read == nullptr) return;
+  const std::size_t size = file.bytes.size();
+  const auto in_parts = [&](std::size_t bytes) {
+    return told_of([&] { return read(file, bytes); });
+  };
+  require(in_parts(size + 1) == in_parts(1 + size % 61));
+}
+
+}  // namespace
+
+void require_refusal(const Error& error, std::initializer_list<ErrorCode> codes) {
+  require(std::ranges::find(codes, error.code()) != codes.end());
+  require(is_visible(error.what()));
+}
+
+void require_visible(const std::vector<Warning>& warnings) {
+  for (const Warning& warning : warnings) require(is_visible(warning.message));
+}
+
+std::string fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
+  // Every second size as `--creases normals` reads it.
+  const FileBytes file{
+      .bytes = bytes, .name = "fuzz", .path = {}, .split_normals_crease = bytes.size() % 2 == 1};
+  require_the_same_in_parts(mesh_in_parts(format), file);
+  return told_of([&] { return read_mesh(file, format); });
 }
 
 std::string fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format) {
@@ -151,22 +223,9 @@ std::string fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat forma
 }
 
 std::string fuzz_read_points(std::span<const std::byte> bytes, FileFormat format) {
-  PointCloud cloud;
-  try {
-    cloud = read_points(bytes, "fuzz", format);
-    for (const Warning& warning : cloud.warnings) require_visible(warning.message);
-  } catch (const Error& error) {
-    require_refusal(error, {ErrorCode::UnreadableInput});
-    return error.what();
-  }
-  if (!is_finite(cloud.origin) || cloud.missing_count < 0) std::abort();
-  for (const glm::dvec3& p : cloud.points)
-    if (!is_finite(p) || !is_finite(p + cloud.origin)) std::abort();
-  Digest digest;
-  digest.add(cloud.points, cloud.normals, cloud.colors, std::array{cloud.origin});
-  digest.add_attributes(cloud.attributes);
-  return std::to_string(cloud.points.size()) + " points, " + std::to_string(cloud.missing_count) +
-         " missing, " + digest.text() + messages_of(cloud.warnings);
+  const FileBytes file{.bytes = bytes, .name = "fuzz", .path = {}};
+  require_the_same_in_parts(points_in_parts(format), file);
+  return told_of([&] { return read_points(file, format); });
 }
 
 std::string fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format) {

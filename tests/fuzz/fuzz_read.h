@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
 #include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/files/formats.h"
 
@@ -31,9 +34,22 @@ std::string fuzz_read_points(std::span<const std::byte> bytes, FileFormat format
 /// The same of an LZF stream, with two bytes for its points in front, as a PCD has it.
 std::string fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format);
 
+/// A glTF that stays an asset: each of its meshes, its materials and what is told of it.
+void fuzz_read_asset(std::span<const std::byte> bytes, FileFormat format);
+
+/// The library of an OBJ's materials, and what glTF and USD make of it.
+void fuzz_read_mtl(std::span<const std::byte> bytes, FileFormat format);
+
 [[nodiscard]] inline std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
+
+inline void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+/// Aborts where a message has a character that nobody sees.
+void require_visible(const std::vector<Warning>& warnings);
 
 /// Aborts unless the error is one of `codes` with a message in which everything can be seen.
 void require_refusal(const Error& error, std::initializer_list<ErrorCode> codes);

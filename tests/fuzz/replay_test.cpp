@@ -51,6 +51,25 @@ TEST(FuzzCorpus, EveryTextStaysInItsPlace) {
   replay("text", FileFormat::Obj, test::fuzz_write_text);
 }
 
+TEST(FuzzCorpus, EveryAssetIsReadOrRefused) {
+  replay("glb", FileFormat::Glb, test::fuzz_read_asset);
+  replay("gltf", FileFormat::Gltf, test::fuzz_read_asset);
+}
+
+TEST(FuzzCorpus, EveryMaterialIsRead) { replay("mtl", FileFormat::Obj, test::fuzz_read_mtl); }
+
+TEST(FuzzCorpus, EveryQuestionIsAnsweredOrRefused) {
+  replay("query", FileFormat::Xyz, test::fuzz_query);
+}
+
+TEST(FuzzCorpus, EveryFileIsInspectedOrRefused) {
+  for (const FormatInfo& info : formats()) {
+    const std::string name(info.name);
+    if (info.read_mesh) replay(name, info.format, test::fuzz_inspect);
+    if (info.read_points) replay("points_" + name, info.format, test::fuzz_inspect);
+  }
+}
+
 TEST(FuzzCorpus, EveryCloudIsReadOrRefused) {
   for (const FormatInfo& info : formats())
     if (info.read_points)

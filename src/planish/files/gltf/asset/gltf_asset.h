@@ -32,8 +32,8 @@ class GltfAsset {
 
   /// The numbers of the meshes that have triangles, in order.
   [[nodiscard]] const std::vector<std::int64_t>& surfaces() const { return surfaces_; }
-  /// How many corners the triangles of such a mesh have by what the file says, before it is read.
-  /// Throws Error{UnreadableInput}.
+  /// How many corners such a mesh names by what the file says, before it is read: those that the
+  /// triangles of a strip or fan share count once. Throws Error{UnreadableInput}.
   [[nodiscard]] std::int64_t corner_count(std::int64_t number) const;
   /// What of the file is held until all is written: itself, buffers and images beside it, what it
   /// has packed. An upper estimate. Throws Error{UnreadableInput}.
