@@ -71,6 +71,15 @@ TEST(VulkanDevicesMissing, GiveAnEmptyListWithAReason) {
   }
 }
 
+// Some drivers cannot be loaded again and again: a service that fits files one after another opens
+// them hundreds of times.
+TEST_F(VulkanDevices, CanBeListedAndOpenedAnyNumberOfTimes) {
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_GE(list_vulkan_devices().best, 0) << i;
+    if (i % 4 == 0) ASSERT_NE(make_backend(), nullptr);
+  }
+}
+
 /// Records two commands that need a barrier between them, with or without it.
 void overwrite_twice(vulkan::Context& context, vulkan::Submitter& submitter, bool with_barrier) {
   const vulkan::Buffer buffer(context, 1024, vulkan::MemoryUse::Device);

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <atomic>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -35,6 +36,13 @@ bool has_layer(PFN_vkGetInstanceProcAddr get, const char* name) {
   for (const VkLayerProperties& layer : layers)
     if (std::strcmp(layer.layerName, name) == 0) return true;
   return false;
+}
+
+// Drivers are loaded with a process' first instance and unloaded with its last one, and NVIDIA's
+// 580 is not loaded after thirty times. So the first instance that would go stays.
+bool stays_to_the_end() {
+  static std::atomic_flag taken;
+  return !taken.test_and_set();
 }
 
 }  // namespace
@@ -135,7 +143,12 @@ void Instance::destroy() noexcept {
         get_proc_(instance_, "vkDestroyDebugUtilsMessengerEXT"));
     destroy(instance_, messenger_, nullptr);
   }
-  if (functions_.vkDestroyInstance) functions_.vkDestroyInstance(instance_, nullptr);
+  if (!functions_.vkDestroyInstance) return;
+  if (library_ && !messenger_ && stays_to_the_end()) {
+    static_cast<void>(library_.release());
+    return;
+  }
+  functions_.vkDestroyInstance(instance_, nullptr);
 }
 
 }  // namespace planish::vulkan
