@@ -44,9 +44,10 @@ float balance(uint count, out vec2 y) {
     xx = ring_sum(xx);
     xy = ring_sum(xy);
     yy = ring_sum(yy);
-    float determinant = xx * yy - xy * xy;
+    precise float determinant = xx * yy - xy * xy;
     if (!(determinant > 0.0)) return 0.0;
-    vec2 move = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;
+    precise vec2 move =
+        vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;
     float size = sqrt(dot(move, move) / unit);
     if (size > kLongestStep) move *= kLongestStep / size;
     y += move;

@@ -3,23 +3,26 @@
 // makes a unit vector.
 
 // What of a triangle is nearest to the origin; corners may be the same. Ericson, "Real-Time Collision
-// Detection", 5.1.5.
+// Detection", 5.1.5. Differences of equal products are zero only where they are not fused with one of
+// them: else a doubled corner is taken for a triangle.
 vec3 nearest_in_triangle(vec3 a, vec3 b, vec3 c) {
   vec3 ab = b - a, ac = c - a;
   float ab_a = -dot(ab, a), ac_a = -dot(ac, a);
   if (ab_a <= 0.0 && ac_a <= 0.0) return a;
   float ab_b = -dot(ab, b), ac_b = -dot(ac, b);
   if (ab_b >= 0.0 && ac_b <= ab_b) return b;
-  float w_ab = ab_a * ac_b - ab_b * ac_a;
+  precise float w_ab = ab_a * ac_b - ab_b * ac_a;
   if (w_ab <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0) return a + ab_a / (ab_a - ab_b) * ab;
   float ab_c = -dot(ab, c), ac_c = -dot(ac, c);
   if (ac_c >= 0.0 && ab_c <= ac_c) return c;
-  float w_ac = ab_c * ac_a - ab_a * ac_c;
+  precise float w_ac = ab_c * ac_a - ab_a * ac_c;
   if (w_ac <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0) return a + ac_a / (ac_a - ac_c) * ac;
-  float w_bc = ab_b * ac_c - ab_c * ac_b, to_c = ac_b - ab_b, to_b = ab_c - ac_c;
+  precise float w_bc = ab_b * ac_c - ab_c * ac_b;
+  float to_c = ac_b - ab_b, to_b = ab_c - ac_c;
   if (w_bc <= 0.0 && to_c >= 0.0 && to_b >= 0.0) return b + to_c / (to_c + to_b) * (c - b);
   // Of the plane; weights would lose digits where corners are close together.
-  vec3 normal = cross(ab, ac);
+  precise vec3 normal = vec3(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z,
+                             ab.x * ac.y - ab.y * ac.x);
   float square = dot(normal, normal);
   return square > 0.0 ? dot(normal, a) / square * normal : a;
 }

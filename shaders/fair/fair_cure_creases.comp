@@ -78,7 +78,8 @@ float highest_across() {
   right = ring_least(vec4(right, 0.0, right.x < 0.0 ? INFINITE : -right.y)).xy;
   left = ring_least(vec4(left, 0.0, left.x >= 0.0 ? INFINITE : -left.y)).xy;
   if (right.x < 0.0 || left.x >= 0.0) return 0.0;
-  return max((right.x * left.y - left.x * right.y) / (right.x - left.x), 0.0);
+  precise float slope = (right.x * left.y - left.x * right.y) / (right.x - left.x);
+  return max(slope, 0.0);
 }
 
 // The normal of the sector's plane: its faces', about the curve by the angle that is to be chosen where

@@ -29,7 +29,10 @@ vec2 balance_point(uint i) {
 #include "fair_balance.glsl"
 #include "fair_chain.glsl"
 
-vec2 rotated(vec2 p, vec2 by) { return vec2(p.x * by.x - p.y * by.y, p.x * by.y + p.y * by.x); }
+vec2 rotated(vec2 p, vec2 by) {
+  precise vec2 result = vec2(p.x * by.x - p.y * by.y, p.x * by.y + p.y * by.x);
+  return result;
+}
 
 // From one point of the chain to the next.
 vec2 side(uint i, vec2 y) {

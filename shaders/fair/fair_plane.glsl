@@ -21,7 +21,12 @@ struct Wedge {
 };
 const float kSliverSine = 1e-3;
 
-float turn(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
+// Zero of equal vectors on every device, as all differences of products here: one that is fused with a
+// product leaves the other's rounding.
+float turn(vec2 a, vec2 b) {
+  precise float product = a.x * b.y - a.y * b.x;
+  return product;
+}
 
 // How far a wedge is to be trusted: 0 where it is not valid, 1 from twice the sliver's angle on.
 float wedge_share(vec2 next, vec2 previous) {

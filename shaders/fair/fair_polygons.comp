@@ -147,8 +147,8 @@ void add_twist(Ring ring) {
   xy = ring_sum(xy);
   yy = ring_sum(yy);
   moment = ring_sum(moment);
-  float determinant = xx * yy - xy * xy;
-  vec2 slope = vec2(0.0);
+  precise float determinant = xx * yy - xy * xy;
+  precise vec2 slope = vec2(0.0);
   // Below this the control points lie on a line up to rounding.
   if (determinant > 1e-6 * (xx + yy) * (xx + yy))
     slope = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;

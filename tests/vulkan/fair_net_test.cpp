@@ -90,6 +90,21 @@ TEST_F(FairNetOnDevice, InterpolatesAndEqualsTheCpusSurface) {
   EXPECT_LT(sum / count, 0.02);
 }
 
+// Work groups run in any order, on hardware at once.
+TEST_F(FairNetOnDevice, IsTheSameEveryTime) {
+  for (const VulkanReads reads : {VulkanReads::StorageBuffers, VulkanReads::TexelBuffers}) {
+    VulkanBackendOptions options;
+    options.reads = reads;
+    const auto backend = make_backend(options);
+    for (const test::NamedMesh& mesh : device_meshes()) {
+      const test::FairCase c(mesh.mesh);
+      const FairNet first = build(*backend, c);
+      for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(distance_of_nets(build(*backend, c), first), 0) << mesh.name;
+    }
+  }
+}
+
 TEST_F(FairNetOnDevice, IsTheSameFromEitherKindOfReads) {
   const test::FairCase c(test::with_random_creases(test::random_open_mesh(5), 0.15, 6));
   VulkanBackendOptions storage, texel;

@@ -31,11 +31,13 @@ enum Op : std::uint32_t {
   OpTypeFloat = 22,
   OpTypeImage = 25,
   OpDecorate = 71,
+  OpFSub = 131,
+  OpFMul = 133,
 };
-constexpr std::uint32_t kShader = 1, kSampledBuffer = 46;  // capabilities
-constexpr std::uint32_t kCompute = 5;                      // execution model
-constexpr std::uint32_t kLocalSize = 17;                   // execution mode
-constexpr std::uint32_t kBuiltIn = 11, kBinding = 33;      // decorations
+constexpr std::uint32_t kShader = 1, kSampledBuffer = 46;                   // capabilities
+constexpr std::uint32_t kCompute = 5;                                       // execution model
+constexpr std::uint32_t kLocalSize = 17;                                    // execution mode
+constexpr std::uint32_t kBuiltIn = 11, kBinding = 33, kNoContraction = 42;  // decorations
 // Built-ins that do not depend on the size of subgroups.
 const std::set<std::uint32_t> kPlainBuiltIns = {24, 25, 26, 27, 28, 29};
 constexpr std::uint32_t kSmallestGroupLimit = 128;  // maxComputeWorkGroupInvocations of any device
@@ -130,6 +132,26 @@ TEST(Spirv, KernelsKeepToTheSmallestLimits) {
     EXPECT_LE(lanes, kSmallestGroupLimit);
     EXPECT_LE(bindings.size(), vulkan::kMaxBindings);
   }
+}
+
+// A determinant that a device fuses with one of its products is not zero where the products are
+// equal, but the rounding of the other: the fair kernels compare them with zero.
+TEST(Spirv, FairKernelsNeverFuseDifferencesOfProducts) {
+  int differences = 0;
+  for (const auto& [name, module] : modules()) {
+    if (!name.starts_with("fair_")) continue;
+    std::set<std::uint32_t> exact, products;
+    for (const Instruction& instruction : module.instructions) {
+      const std::vector<std::uint32_t>& operands = instruction.operands;
+      if (instruction.op == OpDecorate && operands[1] == kNoContraction) exact.insert(operands[0]);
+      if (instruction.op == OpFMul) products.insert(operands[1]);
+      if (instruction.op != OpFSub) continue;
+      if (!products.count(operands[2]) || !products.count(operands[3])) continue;
+      EXPECT_TRUE(exact.count(operands[1])) << name;
+      ++differences;
+    }
+  }
+  EXPECT_GT(differences, 20);
 }
 
 // Of VK_KHR_portability_subset all features are of images, samplers, events, vertex input and
