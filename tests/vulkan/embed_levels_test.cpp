@@ -213,7 +213,7 @@ TEST_F(EmbedLevels, WhatIsOffScreenIsNeitherDispatchedNorDrawn) {
   glm::mat4 away = perspective(0.1f, 5000);
   away[3] += 1e6f * away[2];  // a thousand miles ahead
   const Dispatched none = dispatched(host, view_of(away));
-  EXPECT_GT(none.count, 8u);
+  EXPECT_GT(none.count, kLevels.size());  // of each level, and more where ways are not joined
   EXPECT_EQ(none.groups, 0u);
   EXPECT_THAT(host.draw(view_of(away)), Each(kNotSeen));
   for (const VkDrawIndexedIndirectCommand& draw : host.draws())

@@ -9,6 +9,7 @@
 #include "planish/vulkan/device/result.h"
 #include "support/meshes.h"
 #include "vulkan/embedding_fixture.h"
+#include "vulkan/pretended_memory.h"
 
 namespace planish::testing {
 namespace {
@@ -21,8 +22,9 @@ using enum MemoryUse;
 /// A host's allocator, which counts.
 class HostBlocks {
  public:
-  explicit HostBlocks(const HostDevice& host)
+  HostBlocks(const HostDevice& host, const VkPhysicalDeviceMemoryProperties& memory)
       : device_(host.device),
+        memory_(memory),
         vk_(DeviceFunctions::load(
             InstanceFunctions::load(host.get_instance_proc, host.instance).vkGetDeviceProcAddr,
             host.device)) {}
@@ -37,6 +39,7 @@ class HostBlocks {
   MemoryBlock allocate(const MemoryRequest& request) {
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = request.requirements.size;
+    info.memoryTypeIndex = mapped_type(memory_, request.requirements.memoryTypeBits);
     MemoryBlock block;
     check(vk_.vkAllocateMemory(device_, &info, nullptr, &block.memory), "vkAllocateMemory");
     check(vk_.vkMapMemory(device_, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped),
@@ -46,6 +49,7 @@ class HostBlocks {
   }
 
   VkDevice device_;
+  VkPhysicalDeviceMemoryProperties memory_;
   DeviceFunctions vk_;
 };
 
@@ -63,7 +67,7 @@ class EmbedMemory : public Embedding {
 };
 
 TEST_F(EmbedMemory, IsABlockForEachUseAndAPoolForAnObject) {
-  HostBlocks blocks(own_->host_device());
+  HostBlocks blocks(own_->host_device(), own_->capabilities().memory);
   HostDevice host = own_->host_device();
   host.memory = blocks.hooks();
   Context context(host);

@@ -14,6 +14,7 @@
 #include "support/expect_error.h"
 #include "vulkan/fixture.h"
 #include "vulkan/pretended_driver.h"
+#include "vulkan/pretended_memory.h"
 #include "vulkan/tables.h"
 
 namespace planish::testing {
@@ -63,20 +64,20 @@ TEST_F(HostDevices, FlushWholeAtomsOfAHostsBlocks) {
   const DeviceFunctions vk = DeviceFunctions::load(
       InstanceFunctions::load(host_.get_instance_proc, host_.instance).vkGetDeviceProcAddr,
       host_.device);
-  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  info.allocationSize = 8192;
-  info.memoryTypeIndex = 1;
   MemoryBlock block;
-  check(vk.vkAllocateMemory(host_.device, &info, nullptr, &block.memory), "vkAllocateMemory");
-  void* mapped = nullptr;
-  check(vk.vkMapMemory(host_.device, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
-  block.offset = 2048;
-  block.mapped = static_cast<std::byte*>(mapped) + block.offset;
-  block.coherent = false;
   host_.memory.allocate = [&](const MemoryRequest&) { return block; };
   host_.memory.free = [](const MemoryBlock&) {};
   {
-    Context context(host_);
+    Context context(host_);  // asks what memory there is before any is taken
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = 8192;
+    info.memoryTypeIndex = 1;
+    check(vk.vkAllocateMemory(host_.device, &info, nullptr, &block.memory), "vkAllocateMemory");
+    void* mapped = nullptr;
+    check(vk.vkMapMemory(host_.device, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
+    block.offset = 2048;
+    block.mapped = static_cast<std::byte*>(mapped) + block.offset;
+    block.coherent = false;
     for (const std::uint64_t bytes : {1u, 256u, 1000u}) {
       Buffer buffer(context, bytes, MemoryUse::Upload);
       buffer.flush();
@@ -135,6 +136,8 @@ TEST_F(HostDevices, HostsServeEveryAllocation) {
   host_.memory.allocate = [&](const MemoryRequest& request) {
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = request.requirements.size;
+    info.memoryTypeIndex =
+        mapped_type(own_->capabilities().memory, request.requirements.memoryTypeBits);
     MemoryBlock block;
     check(vk.vkAllocateMemory(host_.device, &info, nullptr, &block.memory), "vkAllocateMemory");
     check(vk.vkMapMemory(host_.device, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped),

@@ -36,7 +36,7 @@ class VulkanPatches : public VulkanTest {};
 
 /// Largest differences, positions in parts of the diagonal, normals in radians.
 struct Off {
-  double position = 0, normal = 0;
+  double position = 0, normal = 0, rms_normal = 0;
 };
 
 Off off_by(const SurfaceMesh& a, const SurfaceMesh& b, double diagonal) {
@@ -86,19 +86,27 @@ TEST_F(VulkanPatches, SurfacesAreTheCpus) {
 }
 
 TEST_F(VulkanPatches, SlicesChangeNothing) {
-  VulkanBackendOptions by_range, by_groups;
-  by_range.max_storage_bytes = 1 << 16;
-  by_groups.max_work_groups = 4;
-  for (const test::NamedMesh& mesh : meshes_of_all_kinds())
-    for (const int level : {0, 2, 3}) {
-      const EvaluateOptions options{.level = level};
-      const SurfaceMesh expected = evaluate(mesh.mesh, *make_backend(), options);
-      for (const VulkanBackendOptions& low : {by_range, by_groups}) {
-        const SurfaceMesh sliced = evaluate(mesh.mesh, *make_backend(low), options);
-        EXPECT_EQ(sliced.positions, expected.positions) << mesh.name << " " << level;
-        EXPECT_EQ(sliced.normals, expected.normals) << mesh.name << " " << level;
+  // Kernels of software take 16 chunks a work group, those of hardware one.
+  for (const auto& [reads, groups] :
+       {std::pair{VulkanReads::TexelBuffers, 4u}, std::pair{VulkanReads::StorageBuffers, 16u}}) {
+    VulkanBackendOptions options;
+    options.reads = reads;
+    const auto whole = make_backend(options);
+    options.max_work_groups = groups;
+    const auto by_groups = make_backend(options);
+    options.max_work_groups = 0;
+    options.max_storage_bytes = 1 << 16;
+    const auto by_range = make_backend(options);
+    for (const test::NamedMesh& mesh : meshes_of_all_kinds())
+      for (const int level : {0, 2, 3}) {
+        const SurfaceMesh expected = evaluate(mesh.mesh, *whole, {.level = level});
+        for (Backend* low : {by_range.get(), by_groups.get()}) {
+          const SurfaceMesh sliced = evaluate(mesh.mesh, *low, {.level = level});
+          EXPECT_EQ(sliced.positions, expected.positions) << mesh.name << " " << level;
+          EXPECT_EQ(sliced.normals, expected.normals) << mesh.name << " " << level;
+        }
       }
-    }
+  }
 }
 
 TEST_F(VulkanPatches, BothSidesOfACutLieAtOnePlace) {
@@ -133,9 +141,11 @@ class EmbedPatches : public Embedding {
       result.position =
           std::max<double>(result.position, glm::distance(found[i].position, expected[i].position));
       if (found[i].normal == glm::vec3(0.0f)) continue;  // the CPU has a facet's
-      result.normal =
-          std::max<double>(result.normal, glm::distance(found[i].normal, expected[i].normal));
+      const double off = glm::distance(found[i].normal, expected[i].normal);
+      result.normal = std::max(result.normal, off);
+      result.rms_normal += off * off / double(found.size());
     }
+    result.rms_normal = std::sqrt(result.rms_normal);
     return result;
   }
 };
@@ -149,7 +159,10 @@ TEST_F(EmbedPatches, AllLevelsAndWeights) {
       options.weights = weights;
       const Off found = frame_against_cpu(mesh, options);
       EXPECT_LT(found.position, 4e-6) << level;
-      EXPECT_LT(found.normal, 1e-4) << level;
+      // Where derivatives are nearly parallel their last bits, which are the device's, turn it
+      // more.
+      EXPECT_LT(found.normal, 2e-4) << level;
+      EXPECT_LT(found.rms_normal, 1e-6) << level;
     }
 }
 

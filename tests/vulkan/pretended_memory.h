@@ -9,6 +9,16 @@ namespace planish::testing {
 inline constexpr VkMemoryPropertyFlags kMappedMemory =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
+/// The first of some types of memory, a bit each, that the host sees; 32 where none is.
+[[nodiscard]] inline std::uint32_t mapped_type(const VkPhysicalDeviceMemoryProperties& memory,
+                                               std::uint32_t types) {
+  for (std::uint32_t type = 0; type < memory.memoryTypeCount; ++type)
+    if ((types >> type & 1u) != 0 &&
+        (memory.memoryTypes[type].propertyFlags & kMappedMemory) == kMappedMemory)
+      return type;
+  return 32;
+}
+
 /// Of a heap: memory that only the device sees, and two types that the host sees, neither coherent.
 inline void split_memory(std::uint32_t heap, VkPhysicalDeviceMemoryProperties& memory) {
   memory.memoryTypeCount = 3;
