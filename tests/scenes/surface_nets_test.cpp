@@ -28,6 +28,13 @@ TEST(SurfaceNets, PutEveryVertexOnTheSurface) {
   EXPECT_NEAR(volume_of(mesh), volume, 0.02 * volume);
 }
 
+// Newton's step where that is no longer than a step may be, else one as long as that.
+TEST(SurfaceNets, ProjectFromAfarByStepsOfTheLongestLength) {
+  const Field plane = [](const glm::dvec3& p) { return p.x; };
+  EXPECT_NEAR(projected(plane, {5.5, 2, 3}, 1).x, 0, 1e-9);
+  EXPECT_NEAR(projected(plane, {40, 2, 3}, 1).x, 28, 1e-9);  // after twelve of them
+}
+
 TEST(SurfaceNets, FollowTheWarp) {
   SurfaceNetsOptions options{
       .low = {-0.753, -0.757, -0.261}, .high = {0.75, 0.75, 0.25}, .cell = 0.04};
