@@ -13,9 +13,11 @@
 #include "files/file_of.h"
 #include "files/gltf/glb_bytes.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/stop.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/obj/read_obj.h"
+#include "planish/files/off/read_off.h"
 #include "planish/files/read_points.h"
 #include "planish/files/shared/read_progress.h"
 #include "support/byte_strings.h"
@@ -216,6 +218,20 @@ TEST(ReadProgress, TellsSharesBetweenAndStopsThere) {
   ASSERT_EQ(told.size(), 4);
   for (std::size_t i = 1; i < told.size(); ++i) EXPECT_GT(told[i], told[i - 1]);
   EXPECT_LT(told.back(), 0.5);
+}
+
+TEST(ReadProgress, StopsAmongLinesThatSayNothing) {
+  std::string text;
+  for (int line = 0; line < 5000; ++line) text += "# nothing\n";
+  Callbacks callbacks;
+  callbacks.cancelled = [] { return true; };
+  const HostScope host(callbacks);
+  try {
+    (void)read_off(test::file_of(text, "a.off"));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Cancelled) << error.what();
+  }
 }
 
 }  // namespace
