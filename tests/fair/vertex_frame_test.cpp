@@ -4,6 +4,7 @@
 
 #include <array>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "fair/fair_case.h"
 
@@ -44,6 +45,18 @@ TEST(VertexNormal, CountsInwardCornersByTheirWholeAngle) {
   EXPECT_LT(glm::distance(normal_at(c, 9), wanted), 1e-12);
   // An outward corner: 90 of each.
   EXPECT_LT(glm::distance(normal_at(c, 8), glm::normalize(dvec3(1, 1, 1))), 1e-12);
+}
+
+// A face above two that together have its angle: the sum by angles is what a tilt of 1e-7 leaves.
+TEST(VertexNormal, IsTheMeanOfItsFacesWhereAnglesCancel) {
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1e-7}};
+  for (const auto& face : {std::array{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}) mesh.add_face(face);
+  const FairCase c(mesh);
+  dvec3 sum(0.0);
+  for (const auto& [a, b] : {std::pair{1, 2}, {2, 3}, {3, 1}})
+    sum += glm::normalize(glm::cross(c.given[a] - c.given[0], c.given[b] - c.given[0]));
+  EXPECT_LT(glm::distance(normal_at(c, 0), glm::normalize(sum)), 1e-12);
 }
 
 TEST(VertexNormal, TakesNearlyStraightCornersByTheirFace) {
