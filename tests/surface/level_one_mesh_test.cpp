@@ -133,6 +133,13 @@ std::set<std::pair<std::int32_t, std::int32_t>> boundary_of(const PolygonMesh& m
   return edges;
 }
 
+double crease_length(const PolygonMesh& mesh) {
+  double length = 0;
+  for (const CreaseEdge& crease : mesh.creases)
+    length += glm::distance(mesh.positions[crease.v0], mesh.positions[crease.v1]);
+  return length;
+}
+
 TEST(LevelOneMesh, HolesCutPolygonsAndLeaveNoGap) {
   for (const auto& [name, whole] : test::net_meshes()) {
     for (std::uint32_t seed = 1; seed <= 3; ++seed) {
@@ -146,7 +153,9 @@ TEST(LevelOneMesh, HolesCutPolygonsAndLeaveNoGap) {
       EXPECT_EQ(std::accumulate(used.begin(), used.end(), 0u), net.positions.size()) << name;
       // The net's borders are those that it has without holes, whose segments a cut may halve:
       // none at all where the mesh is closed.
-      const auto plain = boundary_of(level_one_mesh(whole, level_one, {}));
+      const PolygonMesh without = level_one_mesh(whole, level_one, {});
+      EXPECT_NEAR(crease_length(net), crease_length(without), 1e-12) << name;
+      const auto plain = boundary_of(without);
       const auto cut = boundary_of(net);
       if (plain.empty()) {
         EXPECT_TRUE(cut.empty()) << name;
