@@ -110,12 +110,10 @@ struct Rows {
       : positions(static_cast<std::size_t>(count)), normals(positions.size()) {}
 
   void store() {
-    parallel_for(positions.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto value = static_cast<double>(i & 7);
-        positions[i] = {value, value + 1, value + 2};
-        normals[i] = {1.0f, static_cast<float>(value), 0.0f};
-      }
+    parallel_each(positions.size(), 1 << 14, [&](std::size_t i) {
+      const auto value = static_cast<double>(i & 7);
+      positions[i] = {value, value + 1, value + 2};
+      normals[i] = {1.0f, static_cast<float>(value), 0.0f};
     });
   }
   void evaluate(const SurfaceBlocks& blocks) {

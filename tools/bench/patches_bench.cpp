@@ -35,12 +35,10 @@ void set_bytes(Output& output, int value) {
 }
 
 void store(Output& output) {
-  parallel_for(output.positions.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto value = static_cast<double>(i & 7);
-      output.positions[i] = {value, value + 1, value + 2};
-      output.normals[i] = {1.0f, static_cast<float>(value), 0.0f};
-    }
+  parallel_each(output.positions.size(), 1 << 14, [&](std::size_t i) {
+    const auto value = static_cast<double>(i & 7);
+    output.positions[i] = {value, value + 1, value + 2};
+    output.normals[i] = {1.0f, static_cast<float>(value), 0.0f};
   });
 }
 

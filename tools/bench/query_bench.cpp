@@ -156,11 +156,9 @@ void bench_mesh(const PolygonMesh& mesh, const std::string& name, const Options&
   const std::vector<glm::dvec3> near = beside(1e-4), far = beside(1e-2);
   std::vector<ClosestPoint> answers(kQuestions);
   const auto first_hits = [&](const std::vector<glm::dvec3>& from) {
-    parallel_for(from.size(), 16, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto hit = queries.first_hit({from[i], base->placement().centre - from[i]});
-        answers[i].distance = hit ? hit->t : -1;
-      }
+    parallel_each(from.size(), 16, [&](std::size_t i) {
+      const auto hit = queries.first_hit({from[i], base->placement().centre - from[i]});
+      answers[i].distance = hit ? hit->t : -1;
     });
   };
   add_rows(rows,

@@ -93,12 +93,10 @@ struct CsrStream {
     const std::span<const float> weights = table->GetWeights();
     const std::span<const int> indices = table->GetControlIndices(), offsets = table->GetOffsets();
     std::vector<Sums> pieces((weights.size() + kEntries - 1) / kEntries);
-    parallel_for(pieces.size(), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) {
-        const std::size_t first = p * kEntries;
-        const std::size_t count = std::min(kEntries, weights.size() - first);
-        pieces[p] = sums_of(weights.subspan(first, count), indices.subspan(first, count));
-      }
+    parallel_each(pieces.size(), 4, [&](std::size_t p) {
+      const std::size_t first = p * kEntries;
+      const std::size_t count = std::min(kEntries, weights.size() - first);
+      pieces[p] = sums_of(weights.subspan(first, count), indices.subspan(first, count));
     });
     parallel_for(offsets.size(), kEntries, [&](std::size_t begin, std::size_t end) {
       benchmark::DoNotOptimize(sums_of({}, offsets.subspan(begin, end - begin)));

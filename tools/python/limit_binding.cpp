@@ -159,12 +159,10 @@ py::dict first_hits(const PythonLimit& limit, const py::object& origins,
   std::vector<SurfaceHit> hits(from.size());
   limit.ask([&] {
     constexpr std::size_t kGrain = 64;
-    parallel_for(hits.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const glm::dvec3 none(kNone);
-        hits[i] = limit.queries->first_hit({from[i], along[i]})
-                      .value_or(SurfaceHit{{-1, kNone, kNone}, none, none, kNone, false});
-      }
+    parallel_each(hits.size(), kGrain, [&](std::size_t i) {
+      const glm::dvec3 none(kNone);
+      hits[i] = limit.queries->first_hit({from[i], along[i]})
+                    .value_or(SurfaceHit{{-1, kNone, kNone}, none, none, kNone, false});
     });
   });
   py::dict result;

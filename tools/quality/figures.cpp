@@ -58,9 +58,7 @@ SurfaceQuality own_quality(const SurfaceMesh& surface, const ConvexMesh& fitted,
 // Feet of all vertices.
 std::vector<Foot> feet_of(const SurfaceMesh& surface, const Truth& truth) {
   std::vector<Foot> feet(surface.positions.size());
-  parallel_for(feet.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) feet[v] = truth(surface.positions[v]);
-  });
+  parallel_each(feet.size(), 1024, [&](std::size_t v) { feet[v] = truth(surface.positions[v]); });
   return feet;
 }
 

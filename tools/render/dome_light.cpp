@@ -91,34 +91,30 @@ std::vector<float> DomeLight::irradiance(const std::vector<LitPoint>& points) co
                        glm::dot(d, frame.v) / texel + kMapSize / 2.0f, glm::dot(d, frame.w));
     };
     std::vector<glm::vec3> projected(mesh_.positions.size());
-    parallel_for(projected.size(), 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) projected[i] = to_map(mesh_.positions[i]);
-    });
+    parallel_each(projected.size(), 4096,
+                  [&](std::size_t i) { projected[i] = to_map(mesh_.positions[i]); });
     VisibilityBuffer map(kMapSize, kMapSize);
     constexpr int kBandRows = kMapSize / 4;
     parallel_for(kMapSize / kBandRows, 1, [&](std::size_t begin, std::size_t end) {
       rasterise(projected, mesh_.indices, static_cast<int>(begin) * kBandRows,
                 static_cast<int>(end) * kBandRows, map);
     });
-    parallel_for(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const float cosine = glm::dot(points[i].normal, lamp.direction);
-        if (cosine <= 0) continue;
-        const glm::vec3 at = to_map(points[i].position + kBias * texel * points[i].normal);
-        const int x = static_cast<int>(std::floor(at.x - 0.5f));
-        const int y = static_cast<int>(std::floor(at.y - 0.5f));
-        float seen = 1;
-        if (x >= 0 && y >= 0 && x + 1 < kMapSize && y + 1 < kMapSize) {
-          const float fx = at.x - 0.5f - static_cast<float>(x);
-          const float fy = at.y - 0.5f - static_cast<float>(y);
-          const auto lit = [&](int dx, int dy) {
-            return map.nearness[map.at(x + dx, y + dy)] <= at.z + kBias * texel ? 1.0f : 0.0f;
-          };
-          seen =
-              glm::mix(glm::mix(lit(0, 0), lit(1, 0), fx), glm::mix(lit(0, 1), lit(1, 1), fx), fy);
-        }
-        sum[i] += lamp.power * cosine * seen * unit_;
+    parallel_each(points.size(), 4096, [&](std::size_t i) {
+      const float cosine = glm::dot(points[i].normal, lamp.direction);
+      if (cosine <= 0) return;
+      const glm::vec3 at = to_map(points[i].position + kBias * texel * points[i].normal);
+      const int x = static_cast<int>(std::floor(at.x - 0.5f));
+      const int y = static_cast<int>(std::floor(at.y - 0.5f));
+      float seen = 1;
+      if (x >= 0 && y >= 0 && x + 1 < kMapSize && y + 1 < kMapSize) {
+        const float fx = at.x - 0.5f - static_cast<float>(x);
+        const float fy = at.y - 0.5f - static_cast<float>(y);
+        const auto lit = [&](int dx, int dy) {
+          return map.nearness[map.at(x + dx, y + dy)] <= at.z + kBias * texel ? 1.0f : 0.0f;
+        };
+        seen = glm::mix(glm::mix(lit(0, 0), lit(1, 0), fx), glm::mix(lit(0, 1), lit(1, 1), fx), fy);
       }
+      sum[i] += lamp.power * cosine * seen * unit_;
     });
   }
   return sum;

@@ -261,18 +261,15 @@ std::vector<std::uint8_t> draw_picture(const RenderMesh& mesh, const PictureOpti
       frame(framed, options.width * kScale, options.height * kScale, options.view);
   const Painter painter(mesh, options, camera);
   std::vector<std::uint8_t> pixels(std::size_t{3} * options.width * options.height);
-  parallel_for(static_cast<std::size_t>(options.height), 4,
-               [&](std::size_t begin, std::size_t end) {
-                 for (std::size_t y = begin; y < end; ++y) {
-                   for (int x = 0; x < options.width; ++x) {
-                     const glm::vec3 colour = displayed(painter.pixel(x, static_cast<int>(y)));
-                     for (int k = 0; k < 3; ++k) {
-                       pixels[3 * (y * options.width + x) + k] =
-                           static_cast<std::uint8_t>(std::lround(255 * colour[k]));
-                     }
-                   }
-                 }
-               });
+  parallel_each(static_cast<std::size_t>(options.height), 4, [&](std::size_t y) {
+    for (int x = 0; x < options.width; ++x) {
+      const glm::vec3 colour = displayed(painter.pixel(x, static_cast<int>(y)));
+      for (int k = 0; k < 3; ++k) {
+        pixels[3 * (y * options.width + x) + k] =
+            static_cast<std::uint8_t>(std::lround(255 * colour[k]));
+      }
+    }
+  });
   return pixels;
 }
 

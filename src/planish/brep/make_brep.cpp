@@ -164,8 +164,8 @@ Brep make_brep(const SplineSurface& surface, const BrepOptions& options, const C
   for (std::size_t f = 0; f < brep.faces.size(); ++f)
     place_vertices(layout, static_cast<std::int32_t>(f), brep);
   LoopProgress progress(callbacks, "faces", kDepthsShare, 1, std::ssize(brep.faces));
-  parallel_each(brep.faces.size(), 1, [&](std::size_t f) {
-    const SplineFace spline(surface, layout, depths, static_cast<std::int32_t>(f));
+  parallel_each(brep.faces.size(), 1, [&](std::int32_t f) {
+    const SplineFace spline(surface, layout, depths, f);
     Brep::Face& face = brep.faces[f];
     spline.fill(face);
     face.is_flat = is_flat(face.points, surface.placement().diagonal);

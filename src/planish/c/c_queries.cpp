@@ -126,9 +126,7 @@ planish_status planish_queries_evaluate(const planish_queries* queries, const pl
     std::vector<planish::SurfacePoint> points(count);
     run_on(queries->thread_count, [&] {
       queries->queries->surface().evaluate(at, points);
-      planish::parallel_for(count, kQueryGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) answer(to, i, points[i]);
-      });
+      planish::parallel_each(count, kQueryGrain, [&](std::size_t i) { answer(to, i, points[i]); });
     });
     return PLANISH_OK;
   });
@@ -165,10 +163,9 @@ planish_status planish_queries_first_hit(const planish_queries* queries, const d
     const planish_ray_answers to = taken(answers, planish_ray_answers_init, "answers");
     std::vector<std::optional<planish::SurfaceHit>> hits(count);
     run_on(queries->thread_count, [&] {
-      planish::parallel_for(count, kQueryGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          hits[i] = queries->queries->first_hit(
-              {vector_at(origins, i), vector_at(directions, i), t_min, t_max});
+      planish::parallel_each(count, kQueryGrain, [&](std::size_t i) {
+        hits[i] = queries->queries->first_hit(
+            {vector_at(origins, i), vector_at(directions, i), t_min, t_max});
       });
     });
     for (std::size_t i = 0; i < count; ++i) answer(to, i, hits[i]);

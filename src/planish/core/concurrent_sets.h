@@ -16,9 +16,7 @@ namespace planish {
 class ConcurrentSets {
  public:
   explicit ConcurrentSets(std::size_t count) : parents_(count) {
-    parallel_for(count, 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) parents_[i] = static_cast<std::int32_t>(i);
-    });
+    parallel_each(count, 4096, [&](std::int32_t i) { parents_[i] = i; });
   }
 
   /// False when both were in one set already: true is answered as often as sets vanish.

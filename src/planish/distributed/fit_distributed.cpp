@@ -69,9 +69,8 @@ Placement placement_over(const Ranks& ranks, const MeshPart& part,
 std::vector<glm::dvec3> unit_points(const Placement& placement,
                                     std::span<const glm::dvec3> positions) {
   std::vector<glm::dvec3> points(positions.size());
-  parallel_for(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) points[v] = placement.to_unit(positions[v]);
-  });
+  parallel_each(points.size(), 4096,
+                [&](std::size_t v) { points[v] = placement.to_unit(positions[v]); });
   return points;
 }
 

@@ -205,12 +205,10 @@ class PartTilesWriter {
           meshes[i] = maker_.make(block.begin, block.end, Rings::Whole);
         }
       }
-      parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-          if (meshes[i] && !write_block(first + i, *meshes[i], grid)) fits = false;
-          meshes[i].reset();
-          if (options_.after_block) options_.after_block();
-        }
+      parallel_each(count, 1, [&](std::size_t i) {
+        if (meshes[i] && !write_block(first + i, *meshes[i], grid)) fits = false;
+        meshes[i].reset();
+        if (options_.after_block) options_.after_block();
       });
       for (std::size_t i = first; i < first + count && fits; ++i)
         write_record(record_of(blocks_[i]), key, written_[i]);
@@ -263,15 +261,13 @@ class PartTilesWriter {
       }
       const TileSource source{blocks, surface.topology(), plan, grid};
       std::atomic<bool> fits = true;
-      parallel_for(plan.tiles.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) {
-          if (plan.tiles[t].level != level) continue;
-          const auto made = write_tile(
-              source, plan.tiles[t],
-              {path_of(block, t), origin_of(block, grid), written.tiles[t].record.error}, tiles);
-          if (made) written.tiles[t] = *made;
-          if (!made) fits = false;
-        }
+      parallel_each(plan.tiles.size(), 1, [&](std::size_t t) {
+        if (plan.tiles[t].level != level) return;
+        const auto made = write_tile(
+            source, plan.tiles[t],
+            {path_of(block, t), origin_of(block, grid), written.tiles[t].record.error}, tiles);
+        if (made) written.tiles[t] = *made;
+        if (!made) fits = false;
       });
       if (!fits) return false;
       pass_errors_up(plan.tiles, level, written.tiles);

@@ -111,22 +111,20 @@ class Kernel {
   template <Sources kSources>
   void multiply(const RowEntries& rows, const std::vector<std::int32_t>& list, const double* x,
                 double* y) const {
-    parallel_for(list.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::int32_t row = list[i];
-        double sum0 = 0, sum1 = 0, sum2 = 0;
-        for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k) {
-          const double weight = rows.weights[k];
-          const double* point = source<kSources>(rows.columns[k], x);
-          sum0 += weight * point[0];
-          sum1 += weight * point[1];
-          sum2 += weight * point[2];
-        }
-        double* out = y + 3 * static_cast<std::size_t>(row);
-        out[0] = sum0;
-        out[1] = sum1;
-        out[2] = sum2;
+    parallel_each(list.size(), kGrain, [&](std::size_t i) {
+      const std::int32_t row = list[i];
+      double sum0 = 0, sum1 = 0, sum2 = 0;
+      for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k) {
+        const double weight = rows.weights[k];
+        const double* point = source<kSources>(rows.columns[k], x);
+        sum0 += weight * point[0];
+        sum1 += weight * point[1];
+        sum2 += weight * point[2];
       }
+      double* out = y + 3 * static_cast<std::size_t>(row);
+      out[0] = sum0;
+      out[1] = sum1;
+      out[2] = sum2;
     });
   }
 
@@ -178,13 +176,11 @@ void set_right_hand_side(Vec b, const PartRows& rows, std::span<const glm::dvec3
     const Sum& sum = sums[column - first_sum];
     return sum.weight * (given[row] - sum.origin) - sum.sum;
   };
-  parallel_for(given.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      glm::dvec3 sum(0.0);
-      for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k)
-        sum += rows.weights[k] * way_from(row, rows.columns[k]);
-      for (int c = 0; c < 3; ++c) out[3 * row + c] = sum[c];
-    }
+  parallel_each(given.size(), kGrain, [&](std::size_t row) {
+    glm::dvec3 sum(0.0);
+    for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k)
+      sum += rows.weights[k] * way_from(row, rows.columns[k]);
+    for (int c = 0; c < 3; ++c) out[3 * row + c] = sum[c];
   });
   require(VecRestoreArrayWrite(b, &out));
 }
@@ -263,16 +259,14 @@ class RankSystem final : public StepSolve {
     const std::int64_t block = options_.block_vertices;
     block_sums_.assign(static_cast<std::size_t>((rows + block - 1) / block), 0.0);
     std::vector<double> largest(block_sums_.size(), 0.0);
-    parallel_for(block_sums_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) {
-        const std::int64_t first = static_cast<std::int64_t>(p) * block;
-        for (std::int64_t row = first; row < std::min(first + block, rows); ++row) {
-          const double* v = values + 3 * row;
-          double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-          if (!std::isfinite(square)) square = std::numeric_limits<double>::infinity();
-          block_sums_[p] += square;
-          largest[p] = std::max(largest[p], square);
-        }
+    parallel_each(block_sums_.size(), 1, [&](std::size_t p) {
+      const std::int64_t first = static_cast<std::int64_t>(p) * block;
+      for (std::int64_t row = first; row < std::min(first + block, rows); ++row) {
+        const double* v = values + 3 * row;
+        double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if (!std::isfinite(square)) square = std::numeric_limits<double>::infinity();
+        block_sums_[p] += square;
+        largest[p] = std::max(largest[p], square);
       }
     });
     require(VecRestoreArrayRead(residual, &values));

@@ -38,10 +38,9 @@ CurveVertices with_keys(const Ranks& ranks, const MeshSlice& slice) {
   const glm::dvec3 extent = high - low;
   const CurveBox box{low, std::max({extent.x, extent.y, extent.z})};
   CurveVertices result(slice.positions.size());
-  parallel_for(result.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      result[i] = {hilbert_key(slice.positions[i], box),
-                   slice.vertices[ranks.rank] + static_cast<std::int64_t>(i), slice.positions[i]};
+  parallel_each(result.size(), 4096, [&](std::size_t i) {
+    result[i] = {hilbert_key(slice.positions[i], box),
+                 slice.vertices[ranks.rank] + static_cast<std::int64_t>(i), slice.positions[i]};
   });
   return result;
 }

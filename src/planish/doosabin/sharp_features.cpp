@@ -77,9 +77,7 @@ void number_sharp_edges(const PolygonMesh& mesh, const MeshTopology& topology, b
   const std::vector<std::uint8_t> tagged =
       use_tags ? tagged_edges(mesh, topology) : std::vector<std::uint8_t>();
   const auto count = static_cast<std::size_t>(topology.edge_count());
-  const auto is_boundary = [&](std::size_t e) {
-    return topology.is_boundary_edge(static_cast<std::int32_t>(e));
-  };
+  const auto is_boundary = [&](std::int32_t e) { return topology.is_boundary_edge(e); };
   const auto is_sharp = [&](std::size_t e) {
     return (!tagged.empty() && tagged[e] != 0) || is_boundary(e);
   };
@@ -106,12 +104,11 @@ void classify_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
                        const SharpFeatureOptions& options, SharpFeatures& features) {
   features.vertex_kinds.assign(static_cast<std::size_t>(mesh.vertex_count()), VertexKind::Smooth);
   if (features.sharp_edge_count > 0) {
-    parallel_each(features.vertex_kinds.size(), [&](std::size_t v) {
-      const auto vertex = static_cast<std::int32_t>(v);
-      features.vertex_kinds[v] = kind_by_edges(topology, features, vertex);
+    parallel_each(features.vertex_kinds.size(), [&](std::int32_t vertex) {
+      features.vertex_kinds[vertex] = kind_by_edges(topology, features, vertex);
       if (options.boundary == BoundaryRule::EdgeAndCorner && topology.is_boundary_vertex(vertex) &&
           topology.corners_at(vertex).size() == 1) {
-        features.vertex_kinds[v] = VertexKind::Corner;
+        features.vertex_kinds[vertex] = VertexKind::Corner;
       }
     });
   }

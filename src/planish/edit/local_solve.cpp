@@ -263,8 +263,7 @@ void LocalSolve::settle(const Callbacks& callbacks) {
     const SummedView masks = system_.masks.view();
     sums_ = sums_of(masks, control_);
     std::vector<glm::dvec3> left(control_.size());
-    parallel_each(left.size(), kSolveGrain,
-                  [&](std::size_t v) { left[v] = residual(static_cast<std::int32_t>(v)); });
+    parallel_each(left.size(), kSolveGrain, [&](std::int32_t v) { left[v] = residual(v); });
     double longest = 0;
     for (const glm::dvec3& r : left) longest = std::max(longest, glm::length(r));
     InterpolationOptions options;
@@ -299,8 +298,7 @@ void LocalSolve::settle(const Callbacks& callbacks) {
 }
 
 MeasuredError LocalSolve::measured() const {
-  return measure_error(control_.size(),
-                       [&](std::size_t v) { return residual(static_cast<std::int32_t>(v)); });
+  return measure_error(control_.size(), [&](std::int32_t v) { return residual(v); });
 }
 
 }  // namespace planish

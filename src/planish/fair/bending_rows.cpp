@@ -256,8 +256,8 @@ float largest_of(std::span<const float> diagonals, FairHalo* halo) {
 RawVector<float> make_preconditioner(const FairTopology& topology, std::span<const float> diagonals,
                                      FairHalo* halo) {
   RawVector<float> result(static_cast<std::size_t>(topology.vertex_count));
-  parallel_each(result.size(), kRowGrain, [&](std::size_t v) {
-    const auto corners = topology.ring(static_cast<std::int32_t>(v)).corners;
+  parallel_each(result.size(), kRowGrain, [&](std::int32_t v) {
+    const auto corners = topology.ring(v).corners;
     float sum = 0;
     for (const std::int32_t corner : corners) sum += diagonals[corner];
     result[v] = sum / static_cast<float>(corners.size());

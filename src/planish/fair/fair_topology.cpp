@@ -137,9 +137,7 @@ void mark_near_curves(FairTopology& topology, FairHalo* halo) {
 void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
   const MeshTopology& base = subdivision.topology();
   const auto count = static_cast<std::size_t>(base.edge_count());
-  const auto is_smooth = [&](std::size_t e) {
-    return subdivision.sharp_of_edge(static_cast<std::int32_t>(e)) < 0;
-  };
+  const auto is_smooth = [&](std::int32_t e) { return subdivision.sharp_of_edge(e) < 0; };
   const SelectedBlocks blocks = count_selected(count, is_smooth);
   topology.edge_corners.resize(static_cast<std::size_t>(blocks.total));
   for_selected(count, blocks, is_smooth, [&](std::size_t e, std::int32_t number) {

@@ -173,16 +173,15 @@ void Cure::test_sharp_edges() {
 
 void Cure::test_vertices(std::span<const std::uint8_t> cures) {
   samples.sum_large_faces();
-  parallel_each(bad.size(), kCureGrain, [&](std::size_t v) {
-    const auto vertex = static_cast<std::int32_t>(v);
-    if (!touched[v] || bad[v]) return;
+  parallel_each(bad.size(), kCureGrain, [&](std::int32_t vertex) {
+    if (!touched[vertex] || bad[vertex]) return;
     if (topology.has_polygon(vertex)) {
-      bad[v] = vertex_is_bad(vertex);
-    } else if (topology.kind(vertex) == VertexKind::Crease && cures[v] == 0) {
-      bad[v] = least_sector_cosine(topology, input.face_normals, input.offsets, vertex) <
-               kLeastSectorCosine;
-    } else if (topology.kind(vertex) == VertexKind::Corner && cures[v] == 0) {
-      bad[v] = farthest_fan_point(topology, input.given, input.offsets, vertex) > kFarthestFan;
+      bad[vertex] = vertex_is_bad(vertex);
+    } else if (topology.kind(vertex) == VertexKind::Crease && cures[vertex] == 0) {
+      bad[vertex] = least_sector_cosine(topology, input.face_normals, input.offsets, vertex) <
+                    kLeastSectorCosine;
+    } else if (topology.kind(vertex) == VertexKind::Corner && cures[vertex] == 0) {
+      bad[vertex] = farthest_fan_point(topology, input.given, input.offsets, vertex) > kFarthestFan;
     }
   });
 }

@@ -55,12 +55,12 @@ FoldCount find_folds(const FoldTest& test, std::span<std::uint8_t> flags) {
     flag(flags, topology.corner_vertices[edge.corners[0]]);
     flag(flags, topology.corner_vertices[edge.corners[1]]);
   });
-  parallel_each(static_cast<std::size_t>(topology.face_count), kRepairGrain, [&](std::size_t f) {
-    const auto face = static_cast<std::int32_t>(f);
-    if (!test.face_is_folded(face)) return;
-    if (owns_face(test.halo, face)) ++faces;
-    for (const std::int32_t v : topology.face(face)) flag(flags, v);
-  });
+  parallel_each(static_cast<std::size_t>(topology.face_count), kRepairGrain,
+                [&](std::int32_t face) {
+                  if (!test.face_is_folded(face)) return;
+                  if (owns_face(test.halo, face)) ++faces;
+                  for (const std::int32_t v : topology.face(face)) flag(flags, v);
+                });
   return sum_of_parts(test.halo, {edges, faces});
 }
 
@@ -68,11 +68,10 @@ FoldCount find_folds(const FoldTest& test, std::span<std::uint8_t> flags) {
 
 void halve_polygons(const FairTopology& topology, std::span<const std::uint8_t> halvings,
                     std::span<dvec3> offsets) {
-  parallel_each(halvings.size(), kRepairGrain, [&](std::size_t v) {
+  parallel_each(halvings.size(), kRepairGrain, [&](std::int32_t v) {
     if (halvings[v] == 0) return;
     const double factor = std::ldexp(1.0, -halvings[v]);
-    for (const std::int32_t corner : topology.ring(static_cast<std::int32_t>(v)).corners)
-      offsets[corner] *= factor;
+    for (const std::int32_t corner : topology.ring(v).corners) offsets[corner] *= factor;
   });
   for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
     const std::int32_t vertex = topology.curve_points[s].vertex;

@@ -36,15 +36,15 @@ VertexKind kind_of(const BendingTable& table, std::int32_t vertex) {
 // Per edge.
 RawVector<float> edge_weights(const MeshTopology& topology, std::span<const dvec3> given) {
   RawVector<dvec3> centroids(static_cast<std::size_t>(topology.face_count()));
-  parallel_each(centroids.size(), [&](std::size_t f) {
+  parallel_each(centroids.size(), [&](std::int32_t f) {
     dvec3 sum(0.0);
-    for (const std::int32_t v : topology.face(static_cast<std::int32_t>(f))) sum += given[v];
-    centroids[f] = sum / static_cast<double>(topology.face_size(static_cast<std::int32_t>(f)));
+    for (const std::int32_t v : topology.face(f)) sum += given[v];
+    centroids[f] = sum / static_cast<double>(topology.face_size(f));
   });
   RawVector<float> weights(static_cast<std::size_t>(topology.edge_count()));
-  parallel_each(weights.size(), [&](std::size_t e) {
-    const auto [v0, v1] = topology.edge_vertices(static_cast<std::int32_t>(e));
-    const std::int32_t corner = topology.corner_of(static_cast<std::int32_t>(e));
+  parallel_each(weights.size(), [&](std::int32_t e) {
+    const auto [v0, v1] = topology.edge_vertices(e);
+    const std::int32_t corner = topology.corner_of(e);
     const std::int32_t twin = topology.twin(corner);
     const dvec3 middle = (given[v0] + given[v1]) / 2.0;
     double dual = glm::distance(centroids[topology.face_of(corner)], middle);
@@ -69,16 +69,15 @@ float weight_in_row(VertexKind kind, bool sharp, float weight) {
 void set_steps(BendingTable& table) {
   const auto count = static_cast<std::size_t>(table.vertex_count());
   RawVector<double> shares(count);  // of a row's sum, by area: what each of its heights takes
-  parallel_each(count, [&](std::size_t v) {
+  parallel_each(count, [&](std::int32_t v) {
     double sum = 0;
-    for (const BendingTable::Entry& entry : table.row(static_cast<std::int32_t>(v)))
-      sum += entry.own;
+    for (const BendingTable::Entry& entry : table.row(v)) sum += entry.own;
     shares[v] = 2 * sum * table.inverse_areas[v];
   });
   table.steps.resize(count);
-  parallel_each(count, [&](std::size_t v) {
+  parallel_each(count, [&](std::int32_t v) {
     double own = 0, sum = 0;
-    for (const BendingTable::Entry& entry : table.row(static_cast<std::int32_t>(v))) {
+    for (const BendingTable::Entry& entry : table.row(v)) {
       own += entry.own;
       sum += entry.theirs * shares[entry.vertex];
     }
@@ -120,9 +119,8 @@ dvec3 direction_of(const BendingTable& table, std::span<const dvec3> given, std:
 
 RawVector<dvec3> directions_of(const BendingTable& table, std::span<const dvec3> given) {
   RawVector<dvec3> directions(given.size());
-  parallel_each(given.size(), [&](std::size_t v) {
-    directions[v] = direction_of(table, given, static_cast<std::int32_t>(v));
-  });
+  parallel_each(given.size(),
+                [&](std::int32_t v) { directions[v] = direction_of(table, given, v); });
   return directions;
 }
 
@@ -141,10 +139,9 @@ struct Descent {
 
   // rows = base and what moves do to it, by area.
   void set_rows(std::span<const dvec3> moved) {
-    parallel_each(rows.size(), [&](std::size_t i) {
-      const auto v = static_cast<std::int32_t>(i);
-      rows[i] = static_cast<double>(table.inverse_areas[i]) *
-                allowed(kind_of(table, v), directions[i], base[i] + difference(table, moved, v));
+    parallel_each(rows.size(), [&](std::int32_t v) {
+      rows[v] = static_cast<double>(table.inverse_areas[v]) *
+                allowed(kind_of(table, v), directions[v], base[v] + difference(table, moved, v));
     });
   }
 
@@ -204,8 +201,8 @@ std::vector<double> fourth_differences(const BendingTable& table, RawVector<doub
     return sum;
   };
   RawVector<double> once(curvatures.size());
-  parallel_each(once.size(), [&](std::size_t v) {
-    once[v] = table.inverse_areas[v] * laplacian(curvatures, static_cast<std::int32_t>(v));
+  parallel_each(once.size(), [&](std::int32_t v) {
+    once[v] = table.inverse_areas[v] * laplacian(curvatures, v);
   });
   std::vector<double> result;
   for (std::int32_t v = 0; v < table.vertex_count(); ++v) {
@@ -225,11 +222,10 @@ BendingTable make_bending_table(const MeshTopology& topology, const SharpFeature
   table.kinds.resize(count);
   table.is_closed.resize(count);
   table.offsets.resize(count + 1);
-  parallel_each(count, [&](std::size_t i) {
-    const auto v = static_cast<std::int32_t>(i);
-    table.kinds[i] = static_cast<std::uint8_t>(features.vertex_kinds[i]);
-    table.is_closed[i] = topology.is_boundary_vertex(v) ? 0 : 1;
-    table.offsets[i] = topology.valence(v);
+  parallel_each(count, [&](std::int32_t v) {
+    table.kinds[v] = static_cast<std::uint8_t>(features.vertex_kinds[v]);
+    table.is_closed[v] = topology.is_boundary_vertex(v) ? 0 : 1;
+    table.offsets[v] = topology.valence(v);
   });
   table.offsets[count] = 0;
   std::exclusive_scan(table.offsets.begin(), table.offsets.end(), table.offsets.begin(), 0);
@@ -237,9 +233,8 @@ BendingTable make_bending_table(const MeshTopology& topology, const SharpFeature
   table.inverse_areas.resize(count);
 
   const RawVector<float> weights = edge_weights(topology, given);
-  parallel_each(count, [&](std::size_t i) {
-    const auto v = static_cast<std::int32_t>(i);
-    BendingTable::Entry* entry = table.entries.data() + table.offsets[i];
+  parallel_each(count, [&](std::int32_t v) {
+    BendingTable::Entry* entry = table.entries.data() + table.offsets[v];
     double area = 0;
     const auto add = [&](std::int32_t other, std::int32_t edge) {
       const bool sharp = is_sharp(features, edge);
@@ -251,11 +246,11 @@ BendingTable make_bending_table(const MeshTopology& topology, const SharpFeature
     const auto corners = topology.corners_at(v);
     for (const std::int32_t corner : corners)
       add(topology.vertex_of(topology.next(corner)), topology.edge_of(corner));
-    if (!corners.empty() && table.is_closed[i] == 0) {
+    if (!corners.empty() && table.is_closed[v] == 0) {
       const std::int32_t last = topology.prev(corners.back());
       add(topology.vertex_of(last), topology.edge_of(last));
     }
-    table.inverse_areas[i] = static_cast<float>(area > kLeastArea ? 1 / area : 0.0);
+    table.inverse_areas[v] = static_cast<float>(area > kLeastArea ? 1 / area : 0.0);
   });
   set_steps(table);
   return table;
@@ -278,16 +273,13 @@ LeastBending least_bending_moves(const BendingTable& table, std::span<const dvec
   descent.base.resize(given.size());
   descent.rows.resize(given.size());
   for (auto* moves : {&descent.moves, &descent.ahead}) moves->assign(given.size(), dvec3(0.0));
-  parallel_each(given.size(), [&](std::size_t v) {
-    descent.base[v] = difference(table, given, static_cast<std::int32_t>(v));
-  });
+  parallel_each(given.size(),
+                [&](std::int32_t v) { descent.base[v] = difference(table, given, v); });
   LeastBending result;
   descent.set_rows(std::span<const dvec3>(descent.ahead));
   result.bending_before = descent.bending(halo);
   for (const double momentum : nesterov_momenta()) {
-    parallel_each(given.size(), [&](std::size_t v) {
-      descent.step(static_cast<std::int32_t>(v), bound, momentum);
-    });
+    parallel_each(given.size(), [&](std::int32_t v) { descent.step(v, bound, momentum); });
     // With two rings of faces around its own vertices, a part's rows are right around them.
     if (halo != nullptr) halo->exchange_vertices(std::span(descent.ahead));
     descent.set_rows(std::span<const dvec3>(descent.ahead));
@@ -316,20 +308,19 @@ double measured_noise(const BendingTable& table, std::span<const dvec3> given) {
   const RawVector<dvec3> normals = directions_of(table, given);
   std::vector<std::uint8_t> counts(given.size());
   RawVector<double> curvatures(given.size()), of_unit(given.size());
-  parallel_each(given.size(), [&](std::size_t i) {
-    const auto v = static_cast<std::int32_t>(i);
-    curvatures[i] = of_unit[i] = 0;
-    if (!is_smooth(kind_of(table, v)) || !(table.inverse_areas[i] > 0)) return;
-    counts[i] = 1;
+  parallel_each(given.size(), [&](std::int32_t v) {
+    curvatures[v] = of_unit[v] = 0;
+    if (!is_smooth(kind_of(table, v)) || !(table.inverse_areas[v] > 0)) return;
+    counts[v] = 1;
     double sum = 0;
     for (const BendingTable::Entry& entry : table.row(v)) {
-      if (!is_smooth(kind_of(table, entry.vertex))) counts[i] = 0;
-      sum += entry.own * (glm::dot(normals[i], normals[entry.vertex]) *
+      if (!is_smooth(kind_of(table, entry.vertex))) counts[v] = 0;
+      sum += entry.own * (glm::dot(normals[v], normals[entry.vertex]) *
                               normal_number(static_cast<std::uint64_t>(entry.vertex)) -
-                          normal_number(i));
+                          normal_number(v));
     }
-    of_unit[i] = table.inverse_areas[i] * sum;
-    curvatures[i] = table.inverse_areas[i] * glm::dot(normals[i], difference(table, given, v));
+    of_unit[v] = table.inverse_areas[v] * sum;
+    curvatures[v] = table.inverse_areas[v] * glm::dot(normals[v], difference(table, given, v));
   });
   std::vector<double> found = fourth_differences(table, std::move(curvatures), counts);
   if (std::ssize(found) < kFewest) return 0;

@@ -36,10 +36,9 @@ std::vector<dvec3> masked_iteration(const FairTopology& topology, std::span<cons
   std::vector<dvec3> points(given.begin(), given.end());
   std::vector<dvec3> next = points;
   for (int step = 0; step < kSteps; ++step) {
-    parallel_each(points.size(), kStepGrain, [&](std::size_t v) {
+    parallel_each(points.size(), kStepGrain, [&](std::int32_t v) {
       if (shares[v] <= 0) return;
-      next[v] = points[v] - shares[v] * limit_error(topology, given, points, offsets,
-                                                    static_cast<std::int32_t>(v));
+      next[v] = points[v] - shares[v] * limit_error(topology, given, points, offsets, v);
     });
     std::swap(points, next);
     if (halo) halo->exchange_vertices(points);

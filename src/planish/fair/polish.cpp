@@ -153,8 +153,8 @@ double Polisher::descend_all(double step) {
 }
 
 void Polisher::turn_all(double step, double momentum) {
-  parallel_each(bending.preconditioner.size(), kPolishGrain, [&](std::size_t v) {
-    turn(static_cast<std::int32_t>(v), static_cast<float>(step), static_cast<float>(momentum));
+  parallel_each(bending.preconditioner.size(), kPolishGrain, [&](std::int32_t v) {
+    turn(v, static_cast<float>(step), static_cast<float>(momentum));
   });
   if (halo) {
     halo->exchange_corners(
@@ -183,8 +183,8 @@ void Polisher::run(std::int32_t steps) {
 std::vector<dvec3> polish_directions(const FairTopology& topology, std::span<const dvec3> normals,
                                      std::span<const double> shares) {
   std::vector<dvec3> directions(normals.size(), dvec3(0.0));
-  parallel_each(normals.size(), kPolishGrain, [&](std::size_t v) {
-    if (!topology.has_polygon(static_cast<std::int32_t>(v))) return;
+  parallel_each(normals.size(), kPolishGrain, [&](std::int32_t v) {
+    if (!topology.has_polygon(v)) return;
     directions[v] = (topology.is_near_curve[v] ? 1 - shares[v] : 1.0) * normals[v];
   });
   return directions;

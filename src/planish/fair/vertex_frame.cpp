@@ -53,9 +53,8 @@ double angle_about(const dvec3& a, const dvec3& b, const dvec3& turn, const dvec
 
 std::vector<dvec3> unit_face_normals(const FairTopology& topology, std::span<const dvec3> given) {
   std::vector<dvec3> normals(static_cast<std::size_t>(topology.face_count));
-  parallel_each(normals.size(), kFrameGrain, [&](std::size_t f) {
-    const auto face = static_cast<std::int32_t>(f);
-    normals[f] = normalised(area_vector(given, topology.face(face)));
+  parallel_each(normals.size(), kFrameGrain, [&](std::int32_t face) {
+    normals[face] = normalised(area_vector(given, topology.face(face)));
   });
   return normals;
 }
@@ -95,8 +94,7 @@ dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3>
 std::vector<dvec3> vertex_normals(const FairTopology& topology, std::span<const dvec3> given,
                                   std::span<const dvec3> face_normals) {
   std::vector<dvec3> normals(given.size());
-  parallel_each(normals.size(), kVertexGrain, [&](std::size_t index) {
-    const auto v = static_cast<std::int32_t>(index);
+  parallel_each(normals.size(), kVertexGrain, [&](std::int32_t v) {
     normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring(v));
   });
   return normals;

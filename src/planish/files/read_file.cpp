@@ -48,17 +48,15 @@ ssize_t read_at(int file, std::span<std::byte> bytes, std::size_t place, bool ha
 std::size_t read_pieces(int file, std::span<std::byte> bytes, ReadProgress& progress) {
   constexpr std::size_t kPiece = std::size_t{4} << 20;
   std::vector<std::size_t> filled((bytes.size() + kPiece - 1) / kPiece, 0);
-  parallel_for(filled.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      const auto piece = bytes.subspan(p * kPiece, std::min(kPiece, bytes.size() - p * kPiece));
-      while (filled[p] < piece.size()) {
-        const ssize_t got =
-            read_at(file, piece.subspan(filled[p]), p * kPiece + filled[p], /*has_places=*/true);
-        if (got <= 0) break;
-        filled[p] += static_cast<std::size_t>(got);
-      }
-      progress.add(filled[p]);
+  parallel_each(filled.size(), 1, [&](std::size_t p) {
+    const auto piece = bytes.subspan(p * kPiece, std::min(kPiece, bytes.size() - p * kPiece));
+    while (filled[p] < piece.size()) {
+      const ssize_t got =
+          read_at(file, piece.subspan(filled[p]), p * kPiece + filled[p], /*has_places=*/true);
+      if (got <= 0) break;
+      filled[p] += static_cast<std::size_t>(got);
     }
+    progress.add(filled[p]);
   });
   std::size_t used = 0;
   for (const std::size_t count : filled) {

@@ -204,14 +204,12 @@ void BlockSource::prepare(PolygonPart part) const {
   if (part != PolygonPart::Triangles || !stored_.empty()) return;
   stored_.resize(static_cast<std::size_t>(info_.row_count));
   const std::vector<RowRange> pieces = surface_.row_blocks(kTextRows);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      RowTarget target;
-      target.stored = std::span(stored_).subspan(static_cast<std::size_t>(pieces[i].first),
-                                                 static_cast<std::size_t>(pieces[i].count));
-      (void)surface_.rows(pieces[i], target);
-      progress_.add();
-    }
+  parallel_each(pieces.size(), 1, [&](std::size_t i) {
+    RowTarget target;
+    target.stored = std::span(stored_).subspan(static_cast<std::size_t>(pieces[i].first),
+                                               static_cast<std::size_t>(pieces[i].count));
+    (void)surface_.rows(pieces[i], target);
+    progress_.add();
   });
 }
 

@@ -84,13 +84,11 @@ double sheet_gap(const LimitSurface& surface, std::span<const std::int32_t> sour
   for (std::size_t i = 0; i < sides.size(); ++i)
     if (i == 0 || sides[i].edge != sides[i - 1].edge) starts.push_back(i);
   std::vector<double> gaps(starts.size(), 0);
-  parallel_for(starts.size(), kGapGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) {
-      const std::size_t last = e + 1 < starts.size() ? starts[e + 1] : sides.size();
-      const Curve first = curve_over(surface, sides[starts[e]].corner);
-      for (std::size_t i = starts[e] + 1; i < last; ++i)
-        gaps[e] = std::max(gaps[e], gap_between(first, curve_over(surface, sides[i].corner)));
-    }
+  parallel_each(starts.size(), kGapGrain, [&](std::size_t e) {
+    const std::size_t last = e + 1 < starts.size() ? starts[e + 1] : sides.size();
+    const Curve first = curve_over(surface, sides[starts[e]].corner);
+    for (std::size_t i = starts[e] + 1; i < last; ++i)
+      gaps[e] = std::max(gaps[e], gap_between(first, curve_over(surface, sides[i].corner)));
   });
   return gaps.empty() ? 0 : *std::ranges::max_element(gaps);
 }

@@ -81,10 +81,8 @@ std::set<VertexPair> tagged_edges(const PolygonMesh& mesh) {
 
 std::vector<glm::dvec3> face_normals(const PolygonMesh& mesh) {
   std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
-  parallel_for(normals.size(), kDetectGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      normals[f] = area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f)));
-  });
+  parallel_each(normals.size(), kDetectGrain,
+                [&](std::int32_t f) { normals[f] = area_vector(mesh.positions, mesh.face(f)); });
   return normals;
 }
 
@@ -106,20 +104,17 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
     return angle_between(normals[topology.face_of(corner)],
                          normals[topology.face_of(topology.twin(corner))]);
   };
-  parallel_for(kinds.size(), kDetectGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) {
-      const auto edge = static_cast<std::int32_t>(e);
-      if (topology.is_boundary_edge(edge) || (!tagged.empty() && tagged.contains(ends_of(edge)))) {
-        kinds[e] = Given;
-        continue;
-      }
-      kinds[e] = Smooth;
-      if (dihedral >= std::numbers::pi) continue;
-      const std::int32_t corner = topology.corner_of(edge);
-      const glm::dvec3& a = normals[topology.face_of(corner)];
-      const glm::dvec3& b = normals[topology.face_of(topology.twin(corner))];
-      if (!is_flatter(a, b, slope) && angle_between(a, b) > dihedral) kinds[e] = Found;
+  parallel_each(kinds.size(), kDetectGrain, [&](std::int32_t edge) {
+    if (topology.is_boundary_edge(edge) || (!tagged.empty() && tagged.contains(ends_of(edge)))) {
+      kinds[edge] = Given;
+      return;
     }
+    kinds[edge] = Smooth;
+    if (dihedral >= std::numbers::pi) return;
+    const std::int32_t corner = topology.corner_of(edge);
+    const glm::dvec3& a = normals[topology.face_of(corner)];
+    const glm::dvec3& b = normals[topology.face_of(topology.twin(corner))];
+    if (!is_flatter(a, b, slope) && angle_between(a, b) > dihedral) kinds[edge] = Found;
   });
   const EdgeTurns turns(mesh, topology, normals);
   const auto is_sharp = [&](std::size_t e) { return kinds[e] != Smooth; };

@@ -21,11 +21,8 @@ class FaceAreas {
  public:
   explicit FaceAreas(const PolygonMesh& mesh)
       : areas_(static_cast<std::size_t>(mesh.face_count())) {
-    parallel_for(areas_.size(), kFoldGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) {
-        areas_[f] = area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f)));
-      }
-    });
+    parallel_each(areas_.size(), kFoldGrain,
+                  [&](std::int32_t f) { areas_[f] = area_vector(mesh.positions, mesh.face(f)); });
   }
   [[nodiscard]] std::size_t count() const { return areas_.size(); }
 

@@ -43,16 +43,12 @@ struct ClosedPart {
 std::vector<std::int32_t> first_vertices(const MeshTopology& topology) {
   const auto count = static_cast<std::size_t>(topology.vertex_count());
   ConcurrentSets sets(count);
-  parallel_for(topology.edge_count(), kInsideOutGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) {
-      const auto [v, w] = topology.edge_vertices(static_cast<std::int32_t>(e));
-      sets.unite(v, w);
-    }
+  parallel_each(topology.edge_count(), kInsideOutGrain, [&](std::int32_t e) {
+    const auto [v, w] = topology.edge_vertices(e);
+    sets.unite(v, w);
   });
   std::vector<std::int32_t> first(count);
-  parallel_for(count, kInsideOutGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) first[v] = sets.find(static_cast<std::int32_t>(v));
-  });
+  parallel_each(count, kInsideOutGrain, [&](std::int32_t v) { first[v] = sets.find(v); });
   return first;
 }
 

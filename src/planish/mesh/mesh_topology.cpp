@@ -127,17 +127,14 @@ void MeshTopology::take_faces(const PolygonMesh& mesh) {
   corner_vertex_.resize(mesh.face_vertices.size());
   corner_face_.resize(mesh.face_vertices.size());
   face_offsets_[0] = 0;
-  parallel_for(static_cast<std::size_t>(mesh.face_count()), kLinkGrain,
-               [&](std::size_t begin, std::size_t end) {
-                 for (std::size_t f = begin; f < end; ++f) {
-                   const std::int32_t first = mesh.face_offsets[f], last = mesh.face_offsets[f + 1];
-                   face_offsets_[f + 1] = last;
-                   for (std::int32_t c = first; c < last; ++c) {
-                     corner_vertex_[c] = mesh.face_vertices[c];
-                     corner_face_[c] = static_cast<std::int32_t>(f);
-                   }
-                 }
-               });
+  parallel_each(static_cast<std::size_t>(mesh.face_count()), kLinkGrain, [&](std::int32_t f) {
+    const std::int32_t first = mesh.face_offsets[f], last = mesh.face_offsets[f + 1];
+    face_offsets_[f + 1] = last;
+    for (std::int32_t c = first; c < last; ++c) {
+      corner_vertex_[c] = mesh.face_vertices[c];
+      corner_face_[c] = f;
+    }
+  });
 }
 
 // A counting sort of corners by vertex. Threads draw places in any order; join_corners() sorts
@@ -149,17 +146,14 @@ void MeshTopology::gather_corners() {
               vertex_first_.begin() + static_cast<std::ptrdiff_t>(end), 0);
   });
   twin_.resize(count);  // until they are known: a corner's place among those of its vertex
-  parallel_for(count, kLinkGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      const std::atomic_ref counter(vertex_first_[corner_vertex_[c]]);
-      twin_[c] = counter.fetch_add(1, std::memory_order_relaxed);
-    }
+  parallel_each(count, kLinkGrain, [&](std::size_t c) {
+    const std::atomic_ref counter(vertex_first_[corner_vertex_[c]]);
+    twin_[c] = counter.fetch_add(1, std::memory_order_relaxed);
   });
   exclusive_sum(vertex_first_);
   vertex_corners_.resize(count);
-  parallel_for(count, kLinkGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      vertex_corners_[vertex_first_[corner_vertex_[c]] + twin_[c]] = static_cast<std::int32_t>(c);
+  parallel_each(count, kLinkGrain, [&](std::int32_t c) {
+    vertex_corners_[vertex_first_[corner_vertex_[c]] + twin_[c]] = c;
   });
 }
 
@@ -189,9 +183,7 @@ bool MeshTopology::join_corners() {
 
 void MeshTopology::number_edges() {
   const std::size_t count = twin_.size();
-  const auto leads = [&](std::size_t c) {
-    return twin_[c] < 0 || static_cast<std::int32_t>(c) < twin_[c];
-  };
+  const auto leads = [&](std::int32_t c) { return twin_[c] < 0 || c < twin_[c]; };
   const SelectedBlocks blocks = count_selected(count, leads);
   edge_corner_.resize(blocks.total);
   corner_edge_.resize(count);

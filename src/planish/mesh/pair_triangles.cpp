@@ -55,9 +55,7 @@ class Pairing {
   [[nodiscard]] std::span<const std::int32_t> chosen() const { return chosen_; }
 
   void pair_greedily() {
-    const auto leads = [&](std::size_t h) {
-      return badness_[h] != kNoPair && static_cast<std::int32_t>(h) < twins_[h];
-    };
+    const auto leads = [&](std::int32_t h) { return badness_[h] != kNoPair && h < twins_[h]; };
     const SelectedBlocks blocks = count_selected(twins_.size(), leads);
     std::vector<std::pair<double, std::int32_t>> order(static_cast<std::size_t>(blocks.total));
     for_selected(twins_.size(), blocks, leads, [&](std::size_t h, std::int32_t number) {
@@ -129,8 +127,7 @@ std::vector<std::int32_t> lost_half_edges(std::span<const glm::dvec3> positions,
                                           const PairOptions& options) {
   const QuadRule rule(options);
   std::vector<double> badness(twins.size(), kNoPair);
-  parallel_each(twins.size(), [&](std::size_t i) {
-    const auto h = static_cast<std::int32_t>(i);
+  parallel_each(twins.size(), [&](std::int32_t h) {
     if (twins[h] < h) return;
     const auto found = rule.badness_of(positions, quad_of(triangles, h, twins[h]));
     if (found) badness[h] = badness[twins[h]] = *found;
@@ -191,9 +188,7 @@ TrianglesOf triangles_of(const PolygonMesh& mesh, const PreparedMesh& prepared) 
   const Borders borders(mesh, prepared);
   TrianglesOf own;
   const auto face_count = static_cast<std::size_t>(mesh.face_count());
-  const auto is_triangle = [&](std::size_t f) {
-    return mesh.face_size(static_cast<std::int32_t>(f)) == 3;
-  };
+  const auto is_triangle = [&](std::int32_t f) { return mesh.face_size(f) == 3; };
   const SelectedBlocks blocks = count_selected(face_count, is_triangle);
   own.of_face.assign(face_count, -1);
   own.triangles.resize(static_cast<std::size_t>(blocks.total));

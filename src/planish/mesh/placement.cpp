@@ -27,15 +27,13 @@ template <class PositionOf>
 Box box_of(std::size_t count, const PositionOf& position_of) {
   constexpr std::size_t kPiece = 1 << 14;
   std::vector<Box> pieces((count + kPiece - 1) / kPiece);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      Box box;
-      for (std::size_t i = p * kPiece; i < std::min(count, (p + 1) * kPiece); ++i) {
-        const glm::dvec3& position = position_of(i);
-        box.add({position, position});
-      }
-      pieces[p] = box;
+  parallel_each(pieces.size(), 1, [&](std::size_t p) {
+    Box box;
+    for (std::size_t i = p * kPiece; i < std::min(count, (p + 1) * kPiece); ++i) {
+      const glm::dvec3& position = position_of(i);
+      box.add({position, position});
     }
+    pieces[p] = box;
   });
   Box whole;
   for (const Box& box : pieces) whole.add(box);

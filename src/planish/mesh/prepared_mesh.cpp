@@ -18,9 +18,7 @@ std::shared_ptr<const PreparedMesh> prepared_of(const PolygonMesh& mesh,
                                                 std::optional<MeshTopology> topology) {
   auto prepared = std::make_shared<PreparedMesh>();
   prepared->given_vertex_count = mesh.vertex_count();
-  const auto is_used = [&](std::size_t v) {
-    return !topology->corners_at(static_cast<std::int32_t>(v)).empty();
-  };
+  const auto is_used = [&](std::int32_t v) { return !topology->corners_at(v).empty(); };
   const auto count = static_cast<std::size_t>(mesh.vertex_count());
   const SelectedBlocks blocks = count_selected(count, is_used);
   prepared->vertices.resize(blocks.total);

@@ -1,70 +1,57 @@
 #include "planish/mesh/statistics.h"
 
-#include <algorithm>
-#include <atomic>
-
 #include "planish/core/concurrent_sets.h"
 #include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
 
 namespace planish {
 namespace {
 
-constexpr std::size_t kStatisticsGrain = 4096;
 constexpr std::size_t kPiece = 1 << 16;  // elements that are counted together
 
 // How often each value of value_of(0 .. count - 1) arises, pieces on all threads.
 template <class ValueOf>
-std::vector<std::int64_t> histogram(std::size_t count, const ValueOf& value_of) {
-  std::vector<std::vector<std::int64_t>> pieces((count + kPiece - 1) / kPiece);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      std::vector<std::int64_t>& counts = pieces[p];
-      for (std::size_t i = p * kPiece; i < std::min(count, (p + 1) * kPiece); ++i) {
-        const auto value = static_cast<std::size_t>(value_of(static_cast<std::int32_t>(i)));
-        if (counts.size() <= value) counts.resize(value + 1, 0);
-        ++counts[value];
-      }
-    }
-  });
-  std::vector<std::int64_t> total;
-  for (const std::vector<std::int64_t>& counts : pieces) {
-    if (total.size() < counts.size()) total.resize(counts.size(), 0);
-    for (std::size_t i = 0; i < counts.size(); ++i) total[i] += counts[i];
-  }
-  return total;
+std::vector<std::int64_t> histogram(std::int32_t count, const ValueOf& value_of) {
+  using Counts = std::vector<std::int64_t>;
+  return ordered_reduce(
+      static_cast<std::size_t>(count), kPiece, Counts(),
+      [&](std::size_t begin, std::size_t end) {
+        Counts counts;
+        for (std::size_t i = begin; i < end; ++i) {
+          const auto value = static_cast<std::size_t>(value_of(static_cast<std::int32_t>(i)));
+          if (counts.size() <= value) counts.resize(value + 1, 0);
+          ++counts[value];
+        }
+        return counts;
+      },
+      [](Counts& total, const Counts& counts) {
+        if (total.size() < counts.size()) total.resize(counts.size(), 0);
+        for (std::size_t i = 0; i < counts.size(); ++i) total[i] += counts[i];
+      });
 }
 
 // How many sets fewer the vertices are in once the ends of edges with use_edge are united.
 template <class UseEdge>
 std::int64_t joins(const MeshTopology& topology, const UseEdge& use_edge) {
   ConcurrentSets sets(static_cast<std::size_t>(topology.vertex_count()));
-  std::atomic<std::int64_t> total{0};
-  parallel_for(topology.edge_count(), kStatisticsGrain, [&](std::size_t begin, std::size_t end) {
-    std::int64_t joined = 0;
-    for (std::size_t e = begin; e < end; ++e) {
-      const auto edge = static_cast<std::int32_t>(e);
-      if (!use_edge(edge)) continue;
-      const auto [v0, v1] = topology.edge_vertices(edge);
-      joined += sets.unite(v0, v1) ? 1 : 0;
-    }
-    total.fetch_add(joined, std::memory_order_relaxed);
-  });
-  return total.load();
+  return count_selected(static_cast<std::size_t>(topology.edge_count()),
+                        [&](std::int32_t edge) {
+                          if (!use_edge(edge)) return false;
+                          const auto [v0, v1] = topology.edge_vertices(edge);
+                          return sets.unite(v0, v1);
+                        })
+      .total;
 }
 
 // Each boundary vertex of a checked mesh has two boundary edges, so that loops and connected sets
 // of boundary vertices are the same.
 std::int64_t count_boundary_loops(const MeshTopology& topology) {
-  std::atomic<std::int64_t> vertices{0};
-  parallel_for(topology.vertex_count(), kStatisticsGrain, [&](std::size_t begin, std::size_t end) {
-    std::int64_t count = 0;
-    for (std::size_t v = begin; v < end; ++v)
-      count += topology.is_boundary_vertex(static_cast<std::int32_t>(v)) ? 1 : 0;
-    vertices.fetch_add(count, std::memory_order_relaxed);
-  });
-  if (vertices.load() == 0) return 0;
-  return vertices.load() -
-         joins(topology, [&](std::int32_t e) { return topology.is_boundary_edge(e); });
+  const std::int64_t vertices =
+      count_selected(static_cast<std::size_t>(topology.vertex_count()), [&](std::int32_t v) {
+        return topology.is_boundary_vertex(v);
+      }).total;
+  if (vertices == 0) return 0;
+  return vertices - joins(topology, [&](std::int32_t e) { return topology.is_boundary_edge(e); });
 }
 
 MeshStatistics statistics_of(const MeshTopology& topology, std::int64_t vertex_count) {

@@ -14,9 +14,7 @@ constexpr std::size_t kGrain = 4096;
 
 template <class Body>
 void for_each(std::size_t count, const Body& body) {
-  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) body(i);
-  });
+  parallel_each(count, kGrain, [&](std::size_t i) { body(i); });
 }
 
 }  // namespace

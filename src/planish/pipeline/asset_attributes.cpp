@@ -24,9 +24,7 @@ constexpr int kJointsOfSet = 4;
 template <class Of>
 void for_rows(const SurfaceBlocks& surface, const Of& of) {
   const std::vector<RowRange> ranges = surface.row_blocks(kAttributeRows);
-  parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) of(ranges[i]);
-  });
+  parallel_each(ranges.size(), 1, [&](std::size_t i) { of(ranges[i]); });
 }
 
 }  // namespace

@@ -33,8 +33,8 @@ constexpr double kEvenCosine = 0.9;
 
 std::vector<glm::dvec3> unit_normals(const PolygonMesh& mesh) {
   std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
-  parallel_each(normals.size(), kDeepGrain, [&](std::size_t f) {
-    normals[f] = unit_or_zero(area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f))));
+  parallel_each(normals.size(), kDeepGrain, [&](std::int32_t f) {
+    normals[f] = unit_or_zero(area_vector(mesh.positions, mesh.face(f)));
   });
   return normals;
 }
@@ -58,17 +58,16 @@ std::vector<std::uint8_t> uneven_vertices(const MeshTopology& topology,
     return features.vertex_kinds[v] != VertexKind::Smooth;
   };
   std::vector<std::uint8_t> is_at_curve(normals.size());  // by face
-  parallel_each(is_at_curve.size(), kDeepGrain, [&](std::size_t f) {
-    is_at_curve[f] = std::ranges::any_of(topology.face(static_cast<std::int32_t>(f)), is_on_curve);
+  parallel_each(is_at_curve.size(), kDeepGrain, [&](std::int32_t f) {
+    is_at_curve[f] = std::ranges::any_of(topology.face(f), is_on_curve);
   });
   std::vector<std::uint8_t> uneven(features.vertex_kinds.size(), 0);
-  parallel_each(uneven.size(), kDeepGrain, [&](std::size_t v) {
-    const auto vertex = static_cast<std::int32_t>(v);
-    uneven[v] = is_on_curve(vertex) ||
-                std::ranges::any_of(
-                    topology.corners_at(vertex),
-                    [&](std::int32_t c) { return is_at_curve[topology.face_of(c)] != 0; }) ||
-                !is_even(topology, normals, vertex);
+  parallel_each(uneven.size(), kDeepGrain, [&](std::int32_t vertex) {
+    uneven[vertex] = is_on_curve(vertex) ||
+                     std::ranges::any_of(
+                         topology.corners_at(vertex),
+                         [&](std::int32_t c) { return is_at_curve[topology.face_of(c)] != 0; }) ||
+                     !is_even(topology, normals, vertex);
   });
   return uneven;
 }

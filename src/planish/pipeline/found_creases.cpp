@@ -124,8 +124,8 @@ bool are_creases_clear(const PolygonMesh& mesh,
     if (edge >= 0) is_crease[edge] = 1;
   }
   std::vector<glm::dvec3> areas(static_cast<std::size_t>(topology.face_count()));
-  parallel_each(areas.size(), [&](std::size_t f) {
-    areas[f] = area_vector(used.mesh.positions, used.mesh.face(static_cast<std::int32_t>(f)));
+  parallel_each(areas.size(), [&](std::int32_t f) {
+    areas[f] = area_vector(used.mesh.positions, used.mesh.face(f));
   });
   double all = 0, of_creases = 0;
   bool is_any_smooth = false;

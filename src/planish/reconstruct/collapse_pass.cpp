@@ -48,13 +48,11 @@ void CollapsePass::fill_queue() {
   std::vector<Entry> entries;
   for (std::int32_t v = 0; v < static_cast<std::int32_t>(waiting_.size()); ++v)
     if (state_.take(v, Pass::Collapse)) entries.push_back({0, v, 0});
-  parallel_for(entries.size(), kCollapseGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Entry& entry = entries[i];
-      Waiting& waiting = waiting_[entry.vertex];
-      waiting.cost = entry.cost = least_cost(entry.vertex);
-      entry.version = ++waiting.version;
-    }
+  parallel_each(entries.size(), kCollapseGrain, [&](std::size_t i) {
+    Entry& entry = entries[i];
+    Waiting& waiting = waiting_[entry.vertex];
+    waiting.cost = entry.cost = least_cost(entry.vertex);
+    entry.version = ++waiting.version;
   });
   std::erase_if(entries, [](const Entry& entry) { return entry.cost == kNever; });
   queue_ = std::priority_queue<Entry>({}, std::move(entries));

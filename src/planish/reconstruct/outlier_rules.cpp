@@ -27,11 +27,11 @@ struct Verdict {
 std::vector<Verdict> verdicts_on(std::span<const glm::dvec3> far) {
   const PointTree tree(far);
   std::vector<Verdict> verdicts(far.size());
-  parallel_each(far.size(), kSparseGrain, [&](std::size_t i) {
+  parallel_each(far.size(), kSparseGrain, [&](std::int32_t i) {
     std::array<Neighbour, kNeighbours + 1> nearest;
     const std::size_t found = tree.find_nearest(far[i], nearest);
     const double distance = mean_distance(std::span(nearest).subspan(1, found - 1), kNeighbours);
-    const LocalFit fit = fit_at(static_cast<std::int32_t>(i), far, tree);
+    const LocalFit fit = fit_at(i, far, tree);
     const bool judged = fit.others_deviation > 0;
     verdicts[i].hides = !judged || fit.distance > kHidingOff * distance;
     verdicts[i].is_sample = judged && fit.spread > kLeastSpread &&

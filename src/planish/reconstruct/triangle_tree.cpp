@@ -126,9 +126,8 @@ PointDistances measure_distances(std::span<const glm::dvec3> points,
   PLANISH_ASSERT(!triangles.empty());
   const TriangleTree tree(positions, triangles);
   std::vector<double> squared(points.size());
-  parallel_for(points.size(), kTreeGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) squared[i] = tree.nearest(points[i]).squared_distance;
-  });
+  parallel_each(points.size(), kTreeGrain,
+                [&](std::size_t i) { squared[i] = tree.nearest(points[i]).squared_distance; });
   const auto farthest = std::ranges::max_element(squared);
   const double sum = std::accumulate(squared.begin(), squared.end(), 0.0);
   return {.max = std::sqrt(*farthest),

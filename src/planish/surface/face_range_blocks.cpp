@@ -45,10 +45,10 @@ void SubsetNumbers::finish() {
   parallel_each(marks_.size(), kWords,
                 [&](std::size_t w) { before_[w] = std::popcount(marks_[w]); });
   numbers_.resize(static_cast<std::size_t>(exclusive_sum(before_)));
-  parallel_each(marks_.size(), kWords, [&](std::size_t w) {
+  parallel_each(marks_.size(), kWords, [&](std::int32_t w) {
     std::int32_t* to = numbers_.data() + before_[w];
     for (std::uint64_t left = marks_[w]; left != 0; left &= left - 1)
-      *to++ = static_cast<std::int32_t>(w) * kWordBits + std::countr_zero(left);
+      *to++ = w * kWordBits + std::countr_zero(left);
   });
 }
 

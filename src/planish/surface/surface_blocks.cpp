@@ -123,12 +123,11 @@ VertexAttribute all_rows(const SurfaceBlocks& blocks, std::size_t attribute) {
   VertexAttribute made =
       attribute_of_size(info.name, width, static_cast<std::size_t>(blocks.info().row_count));
   const std::vector<RowRange> ranges = ranges_of(blocks.info().row_count, kPieceRows);
-  parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      blocks.attribute(attribute, ranges[i],
-                       std::span(made.values)
-                           .subspan(static_cast<std::size_t>(width * ranges[i].first),
-                                    static_cast<std::size_t>(width * ranges[i].count)));
+  parallel_each(ranges.size(), 1, [&](std::size_t i) {
+    blocks.attribute(attribute, ranges[i],
+                     std::span(made.values)
+                         .subspan(static_cast<std::size_t>(width * ranges[i].first),
+                                  static_cast<std::size_t>(width * ranges[i].count)));
   });
   return made;
 }

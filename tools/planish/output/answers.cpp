@@ -70,12 +70,10 @@ void for_answers(std::span<const glm::dvec3> points, const Answer& answer, const
     answers.assign(some.size(), {});
     answer(some, answers);
     texts.resize((some.size() + kTextGrain - 1) / kTextGrain);
-    parallel_for(texts.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t t = begin; t < end; ++t) {
-        texts[t].clear();
-        const std::size_t last = std::min(some.size(), (t + 1) * kTextGrain);
-        for (std::size_t i = t * kTextGrain; i < last; ++i) write(texts[t], answers[i], first + i);
-      }
+    parallel_each(texts.size(), 1, [&](std::size_t t) {
+      texts[t].clear();
+      const std::size_t last = std::min(some.size(), (t + 1) * kTextGrain);
+      for (std::size_t i = t * kTextGrain; i < last; ++i) write(texts[t], answers[i], first + i);
     });
     for (const std::string& text : texts) take(text);
   }

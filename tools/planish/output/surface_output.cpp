@@ -47,9 +47,7 @@ double largest_of_pieces(std::int64_t count, const OfPiece& of_piece) {
   constexpr std::int64_t kPiece = 1 << 14;
   const std::vector<RowRange> pieces = ranges_of(count, kPiece);
   std::vector<double> largest(pieces.size(), 0);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) largest[i] = of_piece(pieces[i]);
-  });
+  parallel_each(pieces.size(), 1, [&](std::size_t i) { largest[i] = of_piece(pieces[i]); });
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
 }
 

@@ -113,12 +113,10 @@ std::string PageCoder::base64() const {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   const std::size_t count = std::max<std::size_t>((bytes_.size() + kPiece - 1) / kPiece, 1);
   std::vector<std::vector<std::uint8_t>> pieces(count);
-  parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t first = i * kPiece, length = std::min(kPiece, bytes_.size() - first);
-      pieces[i] =
-          deflated(std::span(bytes_).first(first), {bytes_.data() + first, length}, i + 1 == count);
-    }
+  parallel_each(count, 1, [&](std::size_t i) {
+    const std::size_t first = i * kPiece, length = std::min(kPiece, bytes_.size() - first);
+    pieces[i] =
+        deflated(std::span(bytes_).first(first), {bytes_.data() + first, length}, i + 1 == count);
   });
   std::vector<std::uint8_t> packed;
   for (const auto& piece : pieces) packed.insert(packed.end(), piece.begin(), piece.end());

@@ -125,13 +125,11 @@ PackedGltf pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& optio
       static_cast<std::size_t>(std::min(surface.info().row_count, options.decoded_rows)));
   for (std::size_t first = 0; first < ranges.size(); first += kBlocksAtOnce) {
     std::vector<PackedBlock> blocks(std::min(kBlocksAtOnce, ranges.size() - first));
-    parallel_for(blocks.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        // A thread that waits here must not begin another block.
-        oneapi::tbb::this_task_arena::isolate(
-            [&] { blocks[i] = pack_block(surface, ranges[first + i], options, bounds); });
-        progress.add();
-      }
+    parallel_each(blocks.size(), 1, [&](std::size_t i) {
+      // A thread that waits here must not begin another block.
+      oneapi::tbb::this_task_arena::isolate(
+          [&] { blocks[i] = pack_block(surface, ranges[first + i], options, bounds); });
+      progress.add();
     });
     for (PackedBlock& block : blocks) {
       for (std::size_t i = 0; i < block.decoded.size(); ++i)

@@ -120,9 +120,8 @@ RawVector<std::byte> reordered(std::span<const std::byte> bytes, std::size_t siz
                                std::span<const std::uint32_t> order) {
   RawVector<std::byte> moved(bytes.size());
   constexpr std::size_t kGrain = std::size_t{1} << 14;
-  parallel_for(order.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      std::memcpy(moved.data() + size * order[i], bytes.data() + size * i, size);
+  parallel_each(order.size(), kGrain, [&](std::size_t i) {
+    std::memcpy(moved.data() + size * order[i], bytes.data() + size * i, size);
   });
   return moved;
 }
@@ -249,11 +248,9 @@ void Packer::compress(const std::string& name, std::span<const std::byte> bytes,
 RawVector<float> Packer::placed(std::span<const glm::vec3> positions) const {
   RawVector<float> places(3 * positions.size());
   constexpr std::size_t kPlaceGrain = std::size_t{1} << 14;
-  parallel_for(positions.size(), kPlaceGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const glm::vec3 place = grid_.place(positions[i]);
-      for (int axis = 0; axis < 3; ++axis) places[3 * i + axis] = place[axis];
-    }
+  parallel_each(positions.size(), kPlaceGrain, [&](std::size_t i) {
+    const glm::vec3 place = grid_.place(positions[i]);
+    for (int axis = 0; axis < 3; ++axis) places[3 * i + axis] = place[axis];
   });
   return places;
 }

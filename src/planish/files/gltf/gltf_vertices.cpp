@@ -17,13 +17,11 @@ template <class Write>
 RawVector<std::int32_t> of_all_corners(const SurfaceInfo& info, const Write& write) {
   RawVector<std::int32_t> values(static_cast<std::size_t>(info.corner_count));
   const std::vector<RowRange> pieces = ranges_of(info.face_count, kSeamFaces);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::int64_t first = info.first_corner(pieces[i].first);
-      const std::int64_t last = info.first_corner(pieces[i].first + pieces[i].count);
-      write(pieces[i], std::span(values).subspan(static_cast<std::size_t>(first),
-                                                 static_cast<std::size_t>(last - first)));
-    }
+  parallel_each(pieces.size(), 1, [&](std::size_t i) {
+    const std::int64_t first = info.first_corner(pieces[i].first);
+    const std::int64_t last = info.first_corner(pieces[i].first + pieces[i].count);
+    write(pieces[i], std::span(values).subspan(static_cast<std::size_t>(first),
+                                               static_cast<std::size_t>(last - first)));
   });
   return values;
 }

@@ -37,11 +37,9 @@ RawVector<std::uint32_t> on_grid(std::span<const float> numbers, int exponent) {
   RawVector<std::uint32_t> words(numbers.size());
   const double scale = std::ldexp(1.0, -exponent);
   const std::uint32_t high = static_cast<std::uint32_t>(static_cast<std::uint8_t>(exponent)) << 24;
-  parallel_for(numbers.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto mantissa = static_cast<std::int32_t>(std::lround(numbers[i] * scale));
-      words[i] = high | (static_cast<std::uint32_t>(mantissa) & 0xffffffu);
-    }
+  parallel_each(numbers.size(), kNumberGrain, [&](std::size_t i) {
+    const auto mantissa = static_cast<std::int32_t>(std::lround(numbers[i] * scale));
+    words[i] = high | (static_cast<std::uint32_t>(mantissa) & 0xffffffu);
   });
   return words;
 }
@@ -63,13 +61,11 @@ RawVector<std::int16_t> octahedral(std::span<const float> vectors, std::size_t w
 RawVector<std::int16_t> short_vectors(std::span<const float> vectors, std::size_t width) {
   const std::size_t count = vectors.size() / width;
   RawVector<std::int16_t> packed(4 * count);
-  parallel_for(count, kNumberGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        const float value = k < width ? vectors[width * i + k] : 0;
-        packed[4 * i + k] =
-            static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767));
-      }
+  parallel_each(count, kNumberGrain, [&](std::size_t i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float value = k < width ? vectors[width * i + k] : 0;
+      packed[4 * i + k] =
+          static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767));
     }
   });
   return packed;
@@ -77,10 +73,8 @@ RawVector<std::int16_t> short_vectors(std::span<const float> vectors, std::size_
 
 RawVector<std::uint16_t> unit_shorts(std::span<const float> numbers) {
   RawVector<std::uint16_t> packed(numbers.size());
-  parallel_for(numbers.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      packed[i] =
-          static_cast<std::uint16_t>(std::lround(std::clamp(numbers[i], 0.0f, 1.0f) * 65535));
+  parallel_each(numbers.size(), kNumberGrain, [&](std::size_t i) {
+    packed[i] = static_cast<std::uint16_t>(std::lround(std::clamp(numbers[i], 0.0f, 1.0f) * 65535));
   });
   return packed;
 }

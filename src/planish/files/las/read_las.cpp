@@ -102,12 +102,10 @@ class LasReader {
 
   template <class Body>
   void for_pieces(const Body& body) const {
-    parallel_for(pieces_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) {
-        const std::size_t last = std::min(count(), (p + 1) * kPiecePoints);
-        body(p, p * kPiecePoints, last);
-        count_read(file_.progress, (last - p * kPiecePoints) * header_.record_bytes);
-      }
+    parallel_each(pieces_.size(), 1, [&](std::size_t p) {
+      const std::size_t last = std::min(count(), (p + 1) * kPiecePoints);
+      body(p, p * kPiecePoints, last);
+      count_read(file_.progress, (last - p * kPiecePoints) * header_.record_bytes);
     });
   }
 

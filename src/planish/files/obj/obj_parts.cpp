@@ -39,16 +39,14 @@ void require(const LargestIndex& largest, int base, const char* what, std::int64
 ObjParts::ObjParts(std::size_t count, LinesOf lines_of, bool is_start)
     : lines_of_(std::move(lines_of)), parts_(count) {
   const ObjCounts none;
-  parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      const ObjCounts* before = p == 0 && is_start ? &none : nullptr;
-      failure_.watch(p, [&] {
-        lines_of_(p, [&](const TextLines& lines) {
-          parts_[p] = read_obj_part(lines, before);
-          lines.count();
-        });
+  parallel_each(count, 1, [&](std::size_t p) {
+    const ObjCounts* before = p == 0 && is_start ? &none : nullptr;
+    failure_.watch(p, [&] {
+      lines_of_(p, [&](const TextLines& lines) {
+        parts_[p] = read_obj_part(lines, before);
+        lines.count();
       });
-    }
+    });
   });
 }
 
@@ -80,18 +78,16 @@ ObjPart ObjParts::join(const ObjCounts& before) {
 }
 
 void ObjParts::settle(const std::vector<ObjCounts>& before) {
-  parallel_for(parts_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      PolygonMesh& mesh = parts_[p].mesh;
-      for (const std::size_t corner : parts_[p].backward_vertices.corners)
-        mesh.face_vertices[corner] += static_cast<std::int32_t>(before[p].vertex);
-      for (const std::size_t corner : parts_[p].backward_uvs.corners)
-        mesh.face_uvs[corner] += static_cast<std::int32_t>(before[p].uv);
-      for (std::int32_t& offset : mesh.face_offsets)
-        offset += static_cast<std::int32_t>(before[p].corner - before[0].corner);
-      for (ObjPart::Naming& naming : parts_[p].namings)
-        naming.faces_before += before[p].face - before[0].face;
-    }
+  parallel_each(parts_.size(), 1, [&](std::size_t p) {
+    PolygonMesh& mesh = parts_[p].mesh;
+    for (const std::size_t corner : parts_[p].backward_vertices.corners)
+      mesh.face_vertices[corner] += static_cast<std::int32_t>(before[p].vertex);
+    for (const std::size_t corner : parts_[p].backward_uvs.corners)
+      mesh.face_uvs[corner] += static_cast<std::int32_t>(before[p].uv);
+    for (std::int32_t& offset : mesh.face_offsets)
+      offset += static_cast<std::int32_t>(before[p].corner - before[0].corner);
+    for (ObjPart::Naming& naming : parts_[p].namings)
+      naming.faces_before += before[p].face - before[0].face;
   });
 }
 
@@ -177,9 +173,7 @@ void ObjParts::gather(const std::vector<ObjCounts>& before, ObjPart& all) {
         join_all(
             all.uvs, [](ObjPart & p) -> auto& { return p.uvs; }, &ObjCounts::uv);
       }};
-  parallel_for(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) tasks[i]();
-  });
+  parallel_each(tasks.size(), 1, [&](std::size_t i) { tasks[i](); });
 }
 
 void require_obj(ObjPart& part, const ObjCounts& all, const TextLines& lines) {

@@ -246,16 +246,14 @@ class PlyBinaryBody {
   template <class Read>
   void for_pieces(const PlyElement& element, const Read& read) {
     FirstFailure failure;
-    parallel_for(places_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t piece = begin; piece < end; ++piece) {
-        failure.watch(piece, [&] {
-          PlyBinaryCursor cursor = cursor_.behind(places_[piece]);
-          const auto first = static_cast<std::int64_t>(piece) * kPieceEntries;
-          const bool is_last = piece + 1 == places_.size();
-          read(piece, cursor, first, is_last ? element.count : first + kPieceEntries);
-          count_read(progress_, cursor_.bytes_left() - places_[piece] - cursor.bytes_left());
-        });
-      }
+    parallel_each(places_.size(), 1, [&](std::size_t piece) {
+      failure.watch(piece, [&] {
+        PlyBinaryCursor cursor = cursor_.behind(places_[piece]);
+        const auto first = static_cast<std::int64_t>(piece) * kPieceEntries;
+        const bool is_last = piece + 1 == places_.size();
+        read(piece, cursor, first, is_last ? element.count : first + kPieceEntries);
+        count_read(progress_, cursor_.bytes_left() - places_[piece] - cursor.bytes_left());
+      });
     });
     failure.rethrow();
     cursor_ = cursor_.behind(bytes_);

@@ -12,13 +12,11 @@ LineRecords::LineRecords(const FileBytes& file, const TextLines& lines, std::siz
   expect_passes(file, 2);
   first_.resize(parts_.size() + 1, 0);
   std::vector<std::int64_t> line_counts(parts_.size());
-  parallel_for(parts_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      TextLines part = parts_[p];
-      while (part.next_with_words()) ++first_[p + 1];
-      line_counts[p] = part.lines_passed();
-      part.count();
-    }
+  parallel_each(parts_.size(), 1, [&](std::size_t p) {
+    TextLines part = parts_[p];
+    while (part.next_with_words()) ++first_[p + 1];
+    line_counts[p] = part.lines_passed();
+    part.count();
   });
   last_line_ = lines.lines_passed();
   for (std::size_t p = 0; p < parts_.size(); ++p) {

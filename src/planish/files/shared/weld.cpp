@@ -93,10 +93,9 @@ Groups group(std::span<const glm::dvec3> positions) {
   const std::size_t block_count = (positions.size() + kBlock - 1) / kBlock;
   std::vector<std::int32_t> places(kGroups * block_count + 1, 0);  // by group, then block
   const auto for_each = [&](const auto& visit) {
-    parallel_for(block_count, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t b = begin; b < end; ++b)
-        for (std::size_t i = b * kBlock; i < std::min(positions.size(), (b + 1) * kBlock); ++i)
-          visit(i, places[group_of(positions[i]) * block_count + b]);
+    parallel_each(block_count, 1, [&](std::size_t b) {
+      for (std::size_t i = b * kBlock; i < std::min(positions.size(), (b + 1) * kBlock); ++i)
+        visit(i, places[group_of(positions[i]) * block_count + b]);
     });
   };
   for_each([](std::size_t, std::int32_t& place) { ++place; });
@@ -132,15 +131,13 @@ WeldedPositions weld(std::span<const glm::dvec3> positions, const FileBytes& fil
   if (count == 0) return {};
   const Groups groups = group(positions);
   RawVector<std::int32_t> firsts(count), numbers(count);
-  parallel_for(kGroups, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; ++g) {
-      find_firsts(std::span(groups.members)
-                      .subspan(groups.starts[g], groups.starts[g + 1] - groups.starts[g]),
-                  positions, firsts);
-      count_read(file.progress, file.bytes.size() / kGroups);
-    }
+  parallel_each(kGroups, 1, [&](std::size_t g) {
+    find_firsts(std::span(groups.members)
+                    .subspan(groups.starts[g], groups.starts[g + 1] - groups.starts[g]),
+                positions, firsts);
+    count_read(file.progress, file.bytes.size() / kGroups);
   });
-  const auto is_first = [&](std::size_t i) { return firsts[i] == static_cast<std::int32_t>(i); };
+  const auto is_first = [&](std::int32_t i) { return firsts[i] == i; };
   const SelectedBlocks blocks = count_selected(count, is_first);
   WeldedPositions welded;
   welded.positions.resize(blocks.total);
@@ -149,9 +146,7 @@ WeldedPositions weld(std::span<const glm::dvec3> positions, const FileBytes& fil
     numbers[i] = number;
   });
   welded.indices.resize(count);
-  parallel_for(count, kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) welded.indices[i] = numbers[firsts[i]];
-  });
+  parallel_each(count, kBlock, [&](std::size_t i) { welded.indices[i] = numbers[firsts[i]]; });
   return welded;
 }
 

@@ -198,11 +198,9 @@ MeshFile read_text(const FileBytes& file, std::size_t part_bytes) {
     parts.emplace_back(whole, p == 0, p + 1 < lines.size() ? &lines[p + 1] : nullptr);
   }
   FirstFailure failure;
-  parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      failure.watch(p, [&] { parts[p].read(); });
-      lines[p].count();
-    }
+  parallel_each(parts.size(), 1, [&](std::size_t p) {
+    failure.watch(p, [&] { parts[p].read(); });
+    lines[p].count();
   });
   failure.rethrow();
   std::vector<glm::dvec3> corners = std::move(parts.front().corners);

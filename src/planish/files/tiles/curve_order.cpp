@@ -79,15 +79,12 @@ std::uint64_t hilbert_key(const glm::dvec3& point, const CurveBox& box) {
 RawVector<std::int32_t> curve_order(std::span<const glm::dvec3> points) {
   const CurveBox box = curve_box(points);
   RawVector<Place> places(points.size());
-  parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      places[i] = {hilbert_key(points[i], box), static_cast<std::int32_t>(i)};
+  parallel_each(points.size(), kGrain, [&](std::int32_t i) {
+    places[i] = {hilbert_key(points[i], box), i};
   });
   oneapi::tbb::parallel_sort(places.begin(), places.end());
   RawVector<std::int32_t> order(points.size());
-  parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) order[i] = places[i].point;
-  });
+  parallel_each(points.size(), kGrain, [&](std::size_t i) { order[i] = places[i].point; });
   return order;
 }
 

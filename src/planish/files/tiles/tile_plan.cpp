@@ -15,13 +15,10 @@ RawVector<std::int32_t> places_of_faces(const MeshTopology& topology,
                                         std::span<const std::uint8_t> hidden,
                                         std::span<const std::int32_t> places) {
   RawVector<std::int32_t> face_places(static_cast<std::size_t>(topology.face_count()));
-  parallel_for(face_places.size(), kPlanGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      std::int32_t first = std::numeric_limits<std::int32_t>::max();
-      for (const std::int32_t vertex : topology.face(static_cast<std::int32_t>(f)))
-        first = std::min(first, places[vertex]);
-      face_places[f] = !hidden.empty() && hidden[f] != 0 ? -1 : first;
-    }
+  parallel_each(face_places.size(), kPlanGrain, [&](std::int32_t f) {
+    std::int32_t first = std::numeric_limits<std::int32_t>::max();
+    for (const std::int32_t vertex : topology.face(f)) first = std::min(first, places[vertex]);
+    face_places[f] = !hidden.empty() && hidden[f] != 0 ? -1 : first;
   });
   return face_places;
 }

@@ -98,14 +98,12 @@ class TilesWriter {
       : surface_(surface), options_(options), folder_(folder), plan_(plan_of(surface, options)) {
     boxes_.resize(static_cast<std::size_t>(plan_.block_count));
     const auto used = surface.used().vertices;
-    parallel_for(plan_.tiles.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t t = begin; t < end; ++t) {
-        const PlannedTile& tile = plan_.tiles[t];
-        if (tile.level > 1) continue;
-        boxes_[tile.block] = box_of_faces(
-            surface.topology(), plan_.faces_of(tile),
-            [&](std::int32_t vertex) -> const glm::dvec3& { return options.given[used[vertex]]; });
-      }
+    parallel_each(plan_.tiles.size(), 1, [&](std::size_t t) {
+      const PlannedTile& tile = plan_.tiles[t];
+      if (tile.level > 1) return;
+      boxes_[tile.block] = box_of_faces(
+          surface.topology(), plan_.faces_of(tile),
+          [&](std::int32_t vertex) -> const glm::dvec3& { return options.given[used[vertex]]; });
     });
     for (std::size_t i = 0; i < plan_.tiles.size(); i += kTilesInFolder)
       folder.make(std::to_string(i / kTilesInFolder));

@@ -11,8 +11,8 @@ BendingRecords bending_records(const BendingTable& table, double unit, double bo
   records.unit = unit;
   records.bound = bound;
   records.vertices.resize(static_cast<std::size_t>(table.vertex_count()));
-  parallel_each(records.vertices.size(), [&](std::size_t v) {
-    const auto count = static_cast<std::uint32_t>(table.row(static_cast<std::int32_t>(v)).size());
+  parallel_each(records.vertices.size(), [&](std::int32_t v) {
+    const auto count = static_cast<std::uint32_t>(table.row(v).size());
     records.vertices[v] = {static_cast<std::uint32_t>(table.offsets[v]),
                            table.kinds[v] | (table.is_closed[v] != 0 ? shared::kBendingClosed : 0) |
                                count << shared::kBendingCountShift,

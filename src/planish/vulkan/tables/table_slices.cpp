@@ -109,9 +109,9 @@ TablePlan plan_with_windows(const StencilView<Real>& table, const SliceLimits& l
   plan.row_of_slot.assign(chunk_count * kChunkLanes, -1);
   plan.chunk_widths.assign(chunk_count, 0);
   std::vector<WindowNeeds> needs(window_count);
-  parallel_each(needs.size(), 16, [&](std::size_t window) {
-    needs[window] = sort_window(table, static_cast<std::int32_t>(window) * window_rows, window_rows,
-                                limits.includes_own_rows, plan);
+  parallel_each(needs.size(), 16, [&](std::int32_t window) {
+    needs[window] =
+        sort_window(table, window * window_rows, window_rows, limits.includes_own_rows, plan);
   });
 
   TableSlice slice;
