@@ -1,7 +1,6 @@
 #include "devices.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "planish/core/error.h"
 #include "planish/core/lower_case.h"
@@ -85,47 +84,8 @@ std::size_t find_named(const std::vector<ListedDevice>& devices, const std::stri
                                        selectors(devices));
 }
 
-// The first usable one, hardware before software; the end of the list where there is none.
-std::size_t best_vulkan(const std::vector<ListedDevice>& devices) {
-  std::size_t best = devices.size();
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    if (!is_vulkan(devices[i]) || !is_usable(devices[i])) continue;
-    const bool better =
-        best == devices.size() || (is_hardware(devices[i]) && !is_hardware(devices[best]));
-    if (better) best = i;
-  }
-  return best;
-}
-
-// What only the CPU can do.
-bool needs_cpu(const Settings& settings) {
-  return settings.precision != PrecisionChoice::Auto ||
-         solve_precision(settings) == Precision::Double;
-}
-
-// Whether the kernel shows a device that a hardware driver of Vulkan could be for: a render node
-// (Mesa and most others), or the nodes of NVIDIA's, WSL's, ARM's and Qualcomm's own drivers.
-bool may_have_a_gpu() {
-#ifdef __linux__
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
-    const std::string name = entry.path().filename().string();
-    for (const char* prefix : {"nvidia", "dxg", "mali", "kgsl", "pvr"})
-      if (name.starts_with(prefix)) return true;
-  }
-  for (const auto& entry : std::filesystem::directory_iterator("/dev/dri", error))
-    if (entry.path().filename().string().starts_with("renderD")) return true;
-  return false;
-#else
-  return true;
-#endif
-}
-
-std::size_t automatic_choice(const std::vector<ListedDevice>& devices, const Settings& settings) {
-  const std::size_t cpu = devices.size() - 1;
-  // A Vulkan device that is the CPU itself is no gain.
-  const std::size_t best = best_vulkan(devices);
-  return needs_cpu(settings) || best == devices.size() || !is_hardware(devices[best]) ? cpu : best;
+bool is_cpu(const Settings& settings) {
+  return settings.device == "auto" || settings.device == "cpu";
 }
 
 }  // namespace
@@ -138,17 +98,27 @@ DeviceList list_devices(DeviceScope scope) {
 }
 
 DeviceScope scope_of(const Settings& settings) {
-  if (settings.device == "cpu") return DeviceScope::CpuOnly;
-  if (settings.device != "auto") return DeviceScope::All;
-  return needs_cpu(settings) || !may_have_a_gpu() ? DeviceScope::CpuOnly : DeviceScope::All;
+  return is_cpu(settings) ? DeviceScope::CpuOnly : DeviceScope::All;
+}
+
+std::size_t best_vulkan(const DeviceList& list) {
+  const std::vector<ListedDevice>& devices = list.devices;
+  std::size_t best = devices.size();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (!is_vulkan(devices[i]) || !is_usable(devices[i])) continue;
+    const bool better =
+        best == devices.size() || (is_hardware(devices[i]) && !is_hardware(devices[best]));
+    if (better) best = i;
+  }
+  return best;
 }
 
 std::size_t choose_device(const DeviceList& list, const Settings& settings) {
   const std::vector<ListedDevice>& devices = list.devices;
-  if (settings.device == "auto") return automatic_choice(devices, settings);
+  if (is_cpu(settings)) return devices.size() - 1;
   std::size_t chosen = 0;
   if (settings.device == "vulkan") {
-    chosen = best_vulkan(devices);
+    chosen = best_vulkan(list);
     if (chosen == devices.size()) {
       throw Error(ErrorCode::NoDevice, "--device vulkan: " + list.no_vulkan_because);
     }

@@ -30,13 +30,15 @@ struct DeviceList {
 enum class DeviceScope { CpuOnly, All };
 [[nodiscard]] DeviceList list_devices(DeviceScope scope);
 
-/// CpuOnly where the settings name the CPU, or leave the choice and nothing but the CPU can come
-/// of it: no driver of hardware works without a device node of its kernel's, and a software
-/// driver is not taken unasked.
+/// CpuOnly where the settings name the CPU or leave the choice.
 [[nodiscard]] DeviceScope scope_of(const Settings& settings);
 
-/// Position in `list.devices` of the one that `settings.device` names. "auto": hardware Vulkan
-/// before the CPU, unless a precision or tolerance is wanted that only the CPU has. Throws
+/// Position in `list.devices` of the one that "vulkan" names: the first usable Vulkan device,
+/// hardware before software; the end of the list where there is none.
+[[nodiscard]] std::size_t best_vulkan(const DeviceList& list);
+
+/// Position in `list.devices` of the one that `settings.device` names. "auto" is the CPU: for files
+/// it is faster than a GPU, whose tables the host has to make (tools/bench/README.md). Throws
 /// Error{NoDevice} naming what there is; Error{InvalidArgument} for a precision that the device
 /// does not have.
 [[nodiscard]] std::size_t choose_device(const DeviceList& list, const Settings& settings);

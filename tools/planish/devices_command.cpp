@@ -9,8 +9,8 @@
 namespace planish::command {
 
 void add_devices_command(CLI::App& app, Invocation& invocation) {
-  CLI::App* command =
-      app.add_subcommand("devices", "compute devices, their limits, and which one auto takes");
+  CLI::App* command = app.add_subcommand(
+      "devices", "compute devices, their limits, and which ones auto and vulkan take");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "as JSON, with all limits to the byte")->group("Flags");
   invocation.texts["devices"] = {
@@ -18,11 +18,10 @@ void add_devices_command(CLI::App& app, Invocation& invocation) {
   command->callback([json, &invocation] {
     invocation.action = [json] {
       const DeviceList list = list_devices(DeviceScope::All);
-      const std::size_t automatic = choose_device(list, Settings{});
       if (*json) {
-        write_stdout(devices_json(list, automatic));
+        write_stdout(devices_json(list));
       } else {
-        write_text(devices_table(list, automatic));
+        write_text(devices_table(list));
       }
       return ExitCode::Done;
     };

@@ -120,9 +120,7 @@ FitPlan plan_fit(const FitFlags& flags) {
     });
   }
   faults.note([&] { plan.page = page_options(flags.page_limit, flags.page_no_times); });
-  // Asking drivers for devices takes longer than all the rest.
-  if (!faults.any() || settings.device != "auto")
-    faults.note([&] { plan.devices = settle_devices(plan.jobs); });
+  faults.note([&] { plan.devices = settle_devices(plan.jobs); });
   faults.throw_if_any();
   return plan;
 }

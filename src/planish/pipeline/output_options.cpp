@@ -60,7 +60,7 @@ FitOption device_option() {
            .kind = Kind::Text,
            .choices = "auto|cpu|vulkan|INDEX|NAME|UUID",
            .initial = "auto",
-           .help = "auto: a hardware Vulkan device, else the CPU; see planish devices",
+           .help = "auto: the CPU; vulkan: the best Vulkan device; see planish devices",
            .ranks = {"auto|cpu", "ranks work on the CPU; take cpu"}},
           [](FitSettings& settings, const OptionValue& value, Where where) {
             if (value.text.empty()) refuse(where, "is empty; planish devices lists what there is");

@@ -153,8 +153,8 @@ class PlanishSettings(bpy.types.PropertyGroup):
                ("off", "Off", "Leaves triangles as they are")])
     device: bpy.props.EnumProperty(
         name="Device", default="auto",
-        items=[("auto", "Auto", "A hardware Vulkan device where there is one, else the CPU"),
-               ("cpu", "CPU", "All cores"), ("vulkan", "Vulkan", "Any Vulkan device")])
+        items=[("auto", "Auto", "What is fastest for most meshes: the CPU"),
+               ("cpu", "CPU", "All cores"), ("vulkan", "Vulkan", "The best Vulkan device")])
     program: bpy.props.StringProperty(
         name="Command", subtype="FILE_PATH", description="Where planish is; empty: on PATH")
 

@@ -29,10 +29,12 @@ std::string limits_line(const ListedDevice& device) {
 
 }  // namespace
 
-std::string devices_json(const DeviceList& list, std::size_t automatic) {
+std::string devices_json(const DeviceList& list) {
   nlohmann::ordered_json json;
   json["schema"] = "planish.devices/1";
-  json["auto"] = list.devices[automatic].selector;
+  json["auto"] = list.devices.back().selector;
+  const std::size_t best = best_vulkan(list);
+  if (best < list.devices.size()) json["vulkan"] = list.devices[best].selector;
   json["no_vulkan_because"] = list.no_vulkan_because;
   json["devices"] = nlohmann::ordered_json::array();
   for (const ListedDevice& device : list.devices) {
@@ -54,13 +56,15 @@ std::string devices_json(const DeviceList& list, std::size_t automatic) {
   return json_text(json);
 }
 
-std::string devices_table(const DeviceList& list, std::size_t automatic) {
+std::string devices_table(const DeviceList& list) {
   const std::vector<ListedDevice>& devices = list.devices;
+  const std::size_t best = best_vulkan(list);
   Table table({{"--device"}, {"kind"}, {"name"}, {"driver"}, {"api"}, {"uuid"}, {""}});
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const ListedDevice& device = devices[i];
     const DeviceDescription& description = device.description;
-    std::string remark = i == automatic ? "taken by auto" : "";
+    std::string remark = i == best ? "taken by vulkan" : "";
+    if (i + 1 == devices.size()) remark = "taken by auto";
     if (!device.unusable_because.empty()) remark = "unusable: " + device.unusable_because;
     table.add_row({device.selector, description.kind, description.name, description.driver,
                    description.api, description.uuid, remark});
