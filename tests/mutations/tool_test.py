@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools" / "mutation"))
 
 from drawing import all_changes, draw  # noqa: E402
-from listing import Module, Mutation, read_lists, read_module  # noqa: E402
+from listing import Module, Mutation, quick_first, read_lists, read_module  # noqa: E402
 from operators import candidates  # noqa: E402
 
 LISTS = ROOT / "tests" / "mutations"
@@ -72,6 +72,14 @@ class Lists(unittest.TestCase):
         for test in ("vulkan_test Embed*", "ctest ^c$"):
             self.assertEqual(asked(test), [])
         self.assertEqual(asked(), [])
+
+    def test_ask_what_is_quick_before_what_is_not(self):
+        seconds = {"cli.Fair.A": 9, "cli.Needs.B": 3, "cli.Help.C": 0.1, "mesh.Check.D": 0.1}
+        self.assertEqual(quick_first("cli_test", seconds), ["cli_test -Fair.A:Needs.B", "cli_test Fair.A:Needs.B"])
+        self.assertEqual(quick_first("cli_test -Fair*", seconds),
+                         ["cli_test -Fair.A:Needs.B:Fair*", "cli_test Fair.A:Needs.B-Fair*"])
+        for test in ("mesh_test", "cli_test Needs*", "ctest ^cli$"):
+            self.assertEqual(quick_first(test, seconds), [test])
 
     def test_equal_lines_are_told_apart(self):
         text = "a;\n  b;\n  b;\n"

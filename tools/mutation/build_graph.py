@@ -79,6 +79,12 @@ class BuildGraph:
         return [output for output, entry in self.commands.items() if output.endswith(".a")
                 and f" {object_file} " in entry["command"] + " "]
 
+    def seconds(self):
+        """{test: how long it took}, as ctest noted: `NAME RUNS SECONDS` a line."""
+        notes = self.build / "Testing" / "Temporary" / "CTestCostData.txt"
+        lines = [line.split() for line in notes.read_text().split("\n")] if notes.exists() else []
+        return {words[0]: float(words[2]) for words in lines if len(words) == 3}
+
     def link_command(self, program):
         """Its link alone, without what follows it (discovery of tests)."""
         command = self.commands[program]["command"]

@@ -35,6 +35,18 @@ class Mutation:
         return "\n".join(lines)
 
 
+def quick_first(test, seconds, most=2.0):
+    """The test of a whole program as two: what is quick, then what takes longer by ctest's notes of its runs."""
+    program, _, chosen = test.partition(" ")
+    kept, _, out = chosen.partition("-")
+    prefix = program.removesuffix("_test") + "."
+    slow = [name.removeprefix(prefix) for name, cost in seconds.items() if name.startswith(prefix) and cost > most]
+    if program == "ctest" or kept or not slow:
+        return [test]
+    rest = f"-{out}" if out else ""
+    return [f"{program} -{':'.join(slow + ([out] if out else []))}", f"{program} {':'.join(slow)}{rest}"]
+
+
 @dataclasses.dataclass
 class Module:
     name: str
