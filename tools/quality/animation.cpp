@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <glm/geometric.hpp>
 #include <numbers>
 #include <vector>
 
 #include "make_scenes/rocker_arm.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 #include "quality/figures.h"
 
@@ -18,10 +18,6 @@ namespace planish::quality {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * kDegrees;
-}
 
 // Two periods of bending in the plane of the arm with one of twisting about its length.
 glm::dvec3 moved(const glm::dvec3& p, double time) {
@@ -59,7 +55,7 @@ struct Turns {
     std::vector<double> turns;
     if (!before.empty()) {
       for (std::size_t v = 0; v < normals.size(); ++v) {
-        turns.push_back(angle_between(before[v], normals[v]));
+        turns.push_back(angle_between(before[v], normals[v]) * kDegrees);
         largest = std::max(largest, turns.back());
         sum_of_squares += turns.back() * turns.back();
         ++count;

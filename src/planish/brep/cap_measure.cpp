@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "planish/mesh/angle_between.h"
+
 namespace planish {
 namespace {
 
@@ -21,12 +23,6 @@ struct Change {
   std::size_t unknown = 0;
   double by = 0;
 };
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  const double sine = glm::length(glm::cross(a, b)), cosine = glm::dot(a, b);
-  if (sine == 0 && cosine == 0) return 0;  // parallel tangents have no normal
-  return std::atan2(sine, cosine) * 180 / std::numbers::pi;
-}
 
 double off_surface(const glm::dvec3& apart, const glm::dvec3& normal) {
   return normal == glm::dvec3(0.0) ? glm::length(apart) : std::abs(glm::dot(apart, normal));
@@ -183,7 +179,7 @@ double CapMeasure::angle(double until, int places) const {
       largest = std::max(largest, angle_between(caps_[i].normal(true, t), other.normal(false, t)));
     }
   }
-  return largest;
+  return largest * 180 / std::numbers::pi;
 }
 
 bool CapMeasure::can_move() const {

@@ -7,6 +7,7 @@
 #include "planish/core/unit_vector.h"
 #include "planish/fair/perpendicular_curve.h"
 #include "planish/fair/vertex_frame.h"
+#include "planish/mesh/angle_between.h"
 
 namespace planish {
 
@@ -30,10 +31,6 @@ constexpr double kReflexAngle = 7 * std::numbers::pi / 6;
 // 1 + cosine of the angle at a corner below which its control point moves away no farther.
 constexpr double kWidestAngle = 0.2;
 
-double angle_of(const dvec3& a, const dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
-
 // How many faces of a reflex sector see its limit normal from behind.
 std::int32_t turned_faces(const CurveSite& site, const FairTopology::Sector& sector) {
   const dvec3 normal = glm::cross(site.offsets[sector.curve1], site.offsets[sector.curve0]);
@@ -54,7 +51,7 @@ bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   const FairTopology& topology = site.topology;
   const FairTopology::Ring ring = topology.ring(sector);
   const auto face_angle = [&](std::int32_t i) {
-    return angle_of(site.edge(ring.next[i]), site.edge(ring.previous[i]));
+    return angle_between(site.edge(ring.next[i]), site.edge(ring.previous[i]));
   };
   double sum = 0;
   for (std::int32_t i = 0; i < ring.size(); ++i) sum += face_angle(i);

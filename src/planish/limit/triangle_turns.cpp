@@ -1,12 +1,11 @@
 #include "planish/limit/triangle_turns.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <numbers>
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/mesh/angle_between.h"
 
 namespace planish {
 namespace {
@@ -21,8 +20,7 @@ double turn_within(const SurfaceMesh& surface, std::size_t triangle) {
   };
   double turn = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const glm::dvec3 a = normal(k), b = normal(k + 1);
-    turn = std::max(turn, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+    turn = std::max(turn, angle_between(normal(k), normal(k + 1)));
   }
   return turn * 180 / std::numbers::pi;
 }

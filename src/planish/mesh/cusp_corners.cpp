@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/edge_groups.h"
 
 namespace planish {
@@ -12,10 +13,6 @@ namespace planish {
 namespace {
 
 constexpr double kCuspReach = kCuspReachDegrees * std::numbers::pi / 180;
-
-double corner_angle(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
 
 }  // namespace
 
@@ -43,7 +40,7 @@ PolygonMesh with_cusp_corners(const PolygonMesh& mesh) {
     for (std::size_t k = 0; k < face.size(); ++k) {
       const std::int32_t v = face[k];
       if (next[v] >= 0)
-        reach[v] += corner_angle(
+        reach[v] += angle_between(
             mesh.positions[face[(k + 1) % face.size()]] - mesh.positions[v],
             mesh.positions[face[(k + face.size() - 1) % face.size()]] - mesh.positions[v]);
     }

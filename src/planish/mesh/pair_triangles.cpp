@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -16,6 +14,7 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/hole_flags.h"
 #include "planish/mesh/mesh_topology.h"
@@ -273,8 +272,7 @@ double turn_at(const PolygonMesh& mesh, const MeshTopology& topology,
   };
   double largest = 0;
   for (const std::int32_t corner : corners) {
-    const glm::dvec3 a = normal_of(corner), b = normal_of(topology.twin(corner));
-    largest = std::max(largest, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+    largest = std::max(largest, angle_between(normal_of(corner), normal_of(topology.twin(corner))));
   }
   return largest;
 }

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "planish/mesh/angle_between.h"
 #include "planish/surface/quad_figures.h"
 
 namespace planish {
@@ -68,12 +69,9 @@ void QualitySum::add(std::span<const glm::dvec3> positions, std::span<const glm:
   const double share = glm::length(area_of(positions)) / static_cast<double>(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const glm::dvec3 normal(normals[i]);
-    const double along = glm::dot(normal, wanted[i]);
-    // atan2 keeps its digits where the angle is small.
-    const double angle =
-        std::atan2(glm::length(glm::cross(normal, wanted[i])), along) * 180 / std::numbers::pi;
+    const double angle = angle_between(normal, wanted[i]) * 180 / std::numbers::pi;
     whole_ += share;
-    if (along < 0) {
+    if (glm::dot(normal, wanted[i]) < 0) {
       sums_.folded_area += share;
       if (is_elsewhere) sums_.folded_area_elsewhere += share;
     }

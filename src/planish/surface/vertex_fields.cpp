@@ -1,11 +1,11 @@
 #include "planish/surface/vertex_fields.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <tuple>
 
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/hole_flags.h"
 #include "planish/surface/derivative_curvatures.h"
@@ -46,12 +46,10 @@ void compare_normals(const SurfaceMesh& surface, const PolygonMesh& mesh, Vertex
   for_faces(surface, mesh, [&](const FacePair& pair) {
     for (const std::int32_t v : pair.vertices) {
       const glm::dvec3 normal(surface.normals[v]);
-      const double along = glm::dot(normal, pair.wanted);
-      const double across = glm::length(glm::cross(normal, pair.wanted));
-      const double angle = std::atan2(across, along) * 180 / std::numbers::pi;
+      const double angle = angle_between(normal, pair.wanted) * 180 / std::numbers::pi;
       fields.normal_deviation[v] = std::max(fields.normal_deviation[v], static_cast<float>(angle));
       whole[v] += pair.corner_area;
-      if (along < 0) folded[v] += pair.corner_area;
+      if (glm::dot(normal, pair.wanted) < 0) folded[v] += pair.corner_area;
     }
   });
   for (std::size_t v = 0; v < count; ++v) {
