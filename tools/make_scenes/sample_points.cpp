@@ -10,6 +10,8 @@
 
 #include "make_scenes/random_numbers.h"
 
+#include "planish/core/point_bounds.h"
+
 namespace planish::shapes {
 namespace {
 
@@ -133,11 +135,7 @@ void add_noise(std::span<glm::dvec3> points, double deviation, std::uint32_t see
 
 void add_outliers(std::vector<glm::dvec3>& points, std::int32_t count, std::uint32_t seed) {
   if (points.empty()) return;
-  glm::dvec3 low = points.front(), high = low;
-  for (const glm::dvec3& point : points) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
+  const auto [low, high] = point_bounds(points);
   RandomNumbers random(seed);
   for (std::int32_t i = 0; i < count; ++i) {
     const double x = random.unit(), y = random.unit(), z = random.unit();

@@ -7,9 +7,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
-#include <limits>
 
 #include "planish/core/parallel.h"
+#include "planish/core/point_bounds.h"
 #include "rasterise.h"
 
 namespace planish::render {
@@ -36,11 +36,7 @@ Frame frame_about(const glm::vec3& w) {
 }  // namespace
 
 DomeLight::DomeLight(const RenderMesh& mesh, const Camera& camera) : mesh_(mesh) {
-  glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
-  for (const glm::vec3& p : mesh.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  const auto [low, high] = point_bounds(mesh.positions);
   centre_ = 0.5f * (low + high);
   radius_ = 0.5f * glm::distance(low, high);
   const glm::vec3 back = -camera.forward;

@@ -7,11 +7,11 @@
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
-#include <limits>
 
 #include "colours.h"
 #include "dome_light.h"
 #include "planish/core/parallel.h"
+#include "planish/core/point_bounds.h"
 #include "rasterise.h"
 
 namespace planish::render {
@@ -52,11 +52,7 @@ struct Floor {
 };
 
 Floor floor_under(const RenderMesh& mesh) {
-  glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
-  for (const glm::vec3& p : mesh.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  const auto [low, high] = point_bounds(mesh.positions);
   Floor floor;
   floor.height = low.y;
   floor.reach = kFloorReach * 0.5f * glm::distance(low, high);

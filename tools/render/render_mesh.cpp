@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "planish/core/json.h"
+#include "planish/core/point_bounds.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/gltf/gltf_budget.h"
@@ -114,11 +113,7 @@ float usual_magnitude(const std::vector<float>& values) {
 }
 
 std::vector<float> curvature_of(const RenderMesh& mesh) {
-  glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
-  for (const glm::vec3& p : mesh.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  const auto [low, high] = point_bounds(mesh.positions);
   const float diagonal = glm::distance(low, high);
   std::vector<float> sum(mesh.positions.size()), count(mesh.positions.size());
   for (std::size_t i = 0; i < mesh.indices.size(); ++i) {

@@ -7,7 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <glm/vec4.hpp>
-#include <limits>
+
+#include "planish/core/point_bounds.h"
 
 namespace planish::viewer {
 namespace {
@@ -84,11 +85,7 @@ void OrbitCamera::zoom_by(float factor) {
 }
 
 OrbitCamera camera_around(std::span<const glm::dvec3> points) {
-  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
-  for (const glm::dvec3& p : points) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  const auto [low, high] = point_bounds(points);
   OrbitCamera camera;
   camera.centre = 0.5 * (low + high);
   camera.radius = static_cast<float>(0.5 * glm::distance(low, high));

@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "planish/core/point_bounds.h"
 #include "planish/limit/patch_box.h"
 
 namespace planish {
@@ -98,11 +99,7 @@ bool RaySearch::meets(const CornerBox& box) const {
 }
 
 bool RaySearch::can_meet(std::span<const glm::dvec3> points, double reach) const {
-  glm::dvec3 low = points.front(), high = low;
-  for (const glm::dvec3& p : points) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  auto [low, high] = point_bounds(points);
   const glm::dvec3 more = 0.5 * (reach - 1) * (high - low) + glm::dvec3(kRounding);
   low -= more;
   high += more;

@@ -1,47 +1,30 @@
 #include "planish/mesh/point_cloud.h"
 
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/point_bounds.h"
 #include "planish/mesh/check.h"
 
 namespace planish {
-namespace {
-
-struct Bounds {
-  glm::dvec3 low{0.0}, high{0.0};
-};
-
-Bounds bounds_of(std::span<const glm::dvec3> points) {
-  if (points.empty()) return {};
-  Bounds bounds{points.front(), points.front()};
-  for (const glm::dvec3& point : points) {
-    bounds.low = glm::min(bounds.low, point);
-    bounds.high = glm::max(bounds.high, point);
-  }
-  return bounds;
-}
-
-}  // namespace
 
 double diagonal_of(std::span<const glm::dvec3> points) {
-  const Bounds bounds = bounds_of(points);
-  return glm::length(bounds.high - bounds.low);
+  const auto [low, high] = point_bounds(points);
+  return glm::length(high - low);
 }
 
 void recentre(PointCloud& cloud) {
-  const Bounds bounds = bounds_of(cloud.points);
-  const double diagonal = glm::length(bounds.high - bounds.low);
+  const auto [low, high] = point_bounds(cloud.points);
+  const double diagonal = glm::length(high - low);
   if (!(diagonal > 0)) return;
   // A multiple of a power of two above the diagonal: then every difference has fewer bits than
   // the coordinate it came from and is exact.
   const double grain = std::ldexp(1.0, std::ilogb(diagonal) + 1);
   for (int axis = 0; axis < 3; ++axis) {
-    const double centre = 0.5 * bounds.low[axis] + 0.5 * bounds.high[axis];
+    const double centre = 0.5 * low[axis] + 0.5 * high[axis];
     if (std::abs(centre) > kFarDiagonals * diagonal)
       cloud.origin[axis] = std::round(centre / grain) * grain;
   }

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <algorithm>
-#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <span>
+
+#include "planish/core/point_bounds.h"
 
 namespace planish {
 
@@ -19,11 +20,7 @@ struct BoundingCube {
 
 /// Of at least one point.
 [[nodiscard]] inline BoundingCube bounding_cube(std::span<const glm::dvec3> points) {
-  glm::dvec3 low = points.front(), high = low;
-  for (const glm::dvec3& point : points) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
+  const auto [low, high] = point_bounds(points);
   return {low, largest_extent(low, high)};
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "page/page_coding.h"
+#include "planish/core/point_bounds.h"
 #include "planish/files/gltf/triangulate.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/surface/vertex_fields.h"
@@ -104,12 +105,7 @@ struct Box {
 };
 
 Box box_of(std::span<const glm::dvec3> points) {
-  glm::dvec3 low(0.0), high(0.0);
-  if (!points.empty()) low = high = points[0];
-  for (const glm::dvec3& point : points) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
+  const auto [low, high] = point_bounds(points);
   // A flat side needs a size to be divided by.
   constexpr double kFlat = 1e-30;
   return {low, glm::max(high - low, glm::dvec3(kFlat))};

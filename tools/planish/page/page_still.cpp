@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "planish/core/parallel.h"
+#include "planish/core/point_bounds.h"
 #include "render/camera.h"
 #include "render/colours.h"
 #include "render/png.h"
@@ -24,11 +23,7 @@ constexpr int kScale = 2;  // samples along each side of a pixel
 class Upright {
  public:
   Upright(const SurfaceMesh& surface, UpAxis up) : up_(up) {
-    glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
-    for (const glm::dvec3& p : surface.positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
+    const auto [low, high] = point_bounds(surface.positions);
     middle_ = 0.5 * low + 0.5 * high;
   }
   [[nodiscard]] vec3 place(const glm::dvec3& p) const { return turned(vec3(p - middle_)); }

@@ -1,12 +1,12 @@
 #include "report/inspection.h"
 
 #include <algorithm>
-#include <glm/common.hpp>
 #include <span>
 
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/number_text.h"
+#include "planish/core/point_bounds.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/write_polygons.h"
 #include "planish/mesh/placement.h"
@@ -36,12 +36,8 @@ bool can_be_mended(const PolygonMesh& mesh) {
 void note_box(Inspection& inspection, std::span<const glm::dvec3> points,
               const glm::dvec3& origin) {
   if (points.empty()) return;
-  glm::dvec3 lower = points.front(), upper = lower;
-  for (const glm::dvec3& point : points) {
-    lower = glm::min(lower, point);
-    upper = glm::max(upper, point);
-  }
-  inspection.box = {origin + lower, origin + upper};
+  const auto [low, high] = point_bounds(points);
+  inspection.box = {origin + low, origin + high};
 }
 
 void measure_points(Inspection& inspection) {

@@ -10,6 +10,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
+#include "planish/core/point_bounds.h"
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/packed_numbers.h"
 #include "planish/files/gltf/position_grid.h"
@@ -33,12 +34,8 @@ std::span<const Value> values_in(std::span<const std::byte> bytes) {
 }
 
 GltfBounds bounds_of(std::span<const glm::vec3> positions) {
-  GltfBounds bounds{positions[0], positions[0]};
-  for (const glm::vec3& position : positions) {
-    bounds.minimum = glm::min(bounds.minimum, position);
-    bounds.maximum = glm::max(bounds.maximum, position);
-  }
-  return bounds;
+  const auto [low, high] = point_bounds(positions);
+  return {low, high};
 }
 
 bool is_uv(std::string_view name) { return name.starts_with("TEXCOORD_"); }

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 
 #include "planish/core/parallel.h"
+#include "planish/core/point_bounds.h"
 
 namespace planish {
 namespace {
@@ -33,13 +33,9 @@ std::uint32_t cell_of(double offset, double side) {
 
 CurveBox curve_box(std::span<const glm::dvec3> points) {
   if (points.empty()) return {};
-  glm::dvec3 lower = points[0], upper = points[0];
-  for (const glm::dvec3& point : points) {
-    lower = glm::min(lower, point);
-    upper = glm::max(upper, point);
-  }
-  const glm::dvec3 size = upper - lower;
-  return {lower, std::max({size.x, size.y, size.z})};
+  const auto [low, high] = point_bounds(points);
+  const glm::dvec3 size = high - low;
+  return {low, std::max({size.x, size.y, size.z})};
 }
 
 std::uint64_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "planish/core/parallel.h"
+#include "planish/core/point_bounds.h"
 #include "planish/vulkan/host/kept_faces.h"
 #include "planish/vulkan/host/surface_records.h"
 
@@ -97,8 +98,7 @@ LevelRecords::LevelRecords(const SurfaceRecords& surface, int level)
 
 double sphere_radius(std::span<const glm::dvec3> points) {
   if (points.empty()) return 0;
-  glm::dvec3 low = points[0], high = points[0];
-  for (const glm::dvec3& p : points) low = glm::min(low, p), high = glm::max(high, p);
+  const auto [low, high] = point_bounds(points);
   double radius = 0;
   for (const glm::dvec3& p : points)
     radius = std::max(radius, glm::distance(p, 0.5 * (low + high)));
