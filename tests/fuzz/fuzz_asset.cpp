@@ -48,6 +48,7 @@ void fuzz_read_asset(std::span<const std::byte> bytes, FileFormat format) {
   // One that cannot be read does not keep others from it.
   for (const std::int64_t number : asset->surfaces()) {
     try {
+      (void)asset->may_be_scaled(number);
       require_usable(asset->read(number), asset->corner_count(number));
     } catch (const Error& error) {
       require_refusal(error, {ErrorCode::UnreadableInput});
