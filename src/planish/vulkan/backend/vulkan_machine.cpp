@@ -3,6 +3,8 @@
 #include <cstring>
 #include <glm/vec4.hpp>
 
+#include "planish/core/parallel.h"
+
 namespace planish::vulkan {
 
 namespace {
@@ -30,10 +32,10 @@ void VulkanMachine::upload_points(const Buffer& target, std::span<const glm::dve
   const BufferRange range{target.handle(), 0, points.size() * kPointBytes};
   submitter.upload(range, [&](std::uint64_t offset, std::span<std::byte> piece) {
     const std::size_t first = offset / kPointBytes;
-    for (std::size_t i = 0; i < piece.size() / kPointBytes; ++i) {
+    parallel_each(piece.size() / kPointBytes, [&](std::size_t i) {
       const glm::vec4 point(points[first + i], 0);
       std::memcpy(&piece[i * kPointBytes], &point, kPointBytes);
-    }
+    });
   });
 }
 
@@ -42,11 +44,11 @@ std::vector<glm::dvec3> VulkanMachine::download_points(const Buffer& source, std
   submitter.download({source.handle(), 0, count * kPointBytes},
                      [&](std::uint64_t offset, std::span<const std::byte> piece) {
                        const std::size_t first = offset / kPointBytes;
-                       for (std::size_t i = 0; i < piece.size() / kPointBytes; ++i) {
+                       parallel_each(piece.size() / kPointBytes, [&](std::size_t i) {
                          glm::vec3 point;
                          std::memcpy(&point, &piece[i * kPointBytes], sizeof point);
                          points[first + i] = glm::dvec3(point);
-                       }
+                       });
                      });
   return points;
 }

@@ -5,6 +5,7 @@
 #include <glm/vec4.hpp>
 
 #include "planish/core/assert.h"
+#include "planish/core/parallel.h"
 #include "planish/vulkan/evaluate/gpu_patches.h"
 #include "planish/vulkan/evaluate/state_owners.h"
 
@@ -23,12 +24,12 @@ struct SeenPoints {
     origins.resize(static_cast<std::size_t>(mesh.topology().vertex_count()));
     for (std::size_t i = state.size(); i-- > 0;)
       origins[owners[i]] = glm::vec4(glm::vec3(state[i]), 0);
-    offsets.reserve(state.size());
-    for (std::size_t i = 0; i < state.size(); ++i) {
+    offsets.resize(state.size());
+    parallel_each(state.size(), [&](std::size_t i) {
       const auto owner = static_cast<std::uint32_t>(owners[i]);
       const glm::vec3 offset(state[i] - glm::dvec3(glm::vec3(origins[owner])));
-      offsets.emplace_back(offset, std::bit_cast<float>(owner | shared::kVertexTag));
-    }
+      offsets[i] = glm::vec4(offset, std::bit_cast<float>(owner | shared::kVertexTag));
+    });
   }
   std::vector<glm::vec4> origins, offsets;
 };

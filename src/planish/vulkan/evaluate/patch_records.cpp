@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
 #include "planish/vulkan/evaluate/state_owners.h"
 
 namespace planish::vulkan {
@@ -142,9 +143,11 @@ class Packer {
 void Packer::add_links() {
   const MeshTopology& topology = mesh_.topology();
   records_.links.resize(static_cast<std::size_t>(topology.corner_count()));
-  for (std::int32_t c = 0; c < topology.corner_count(); ++c)
+  parallel_each(records_.links.size(), [&](std::size_t i) {
+    const auto c = static_cast<std::int32_t>(i);
     // -1 is kNone.
-    records_.links[c] = {as_word(topology.ccw(c)), as_word(topology.next(c))};
+    records_.links[i] = {as_word(topology.ccw(c)), as_word(topology.next(c))};
+  });
 }
 
 void Packer::add_bucket(const PatchTile& tile, const PatchBucket& bucket,

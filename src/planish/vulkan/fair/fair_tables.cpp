@@ -1,7 +1,9 @@
 #include "planish/vulkan/fair/fair_tables.h"
 
+#include <atomic>
 #include <bit>
 
+#include "planish/core/parallel.h"
 #include "planish/doosabin/face_rule.h"
 #include "planish/fair/plane_lean.h"
 
@@ -21,8 +23,10 @@ std::uint32_t word(std::int32_t index) { return static_cast<std::uint32_t>(index
 
 void add_vertices(const FairTopology& topology, FairRecords& records) {
   records.vertices.resize(static_cast<std::size_t>(topology.vertex_count));
-  for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
-    shared::FairVertex& vertex = records.vertices[v];
+  std::atomic<bool> has_regular_vertices = false;
+  parallel_each(records.vertices.size(), [&](std::size_t i) {
+    const auto v = static_cast<std::int32_t>(i);
+    shared::FairVertex& vertex = records.vertices[i];
     vertex = {word(topology.ring_offsets[v]),
               word(topology.valence(v)),
               topology.kinds[v],
@@ -36,8 +40,8 @@ void add_vertices(const FairTopology& topology, FairRecords& records) {
               0,
               0};  // listed when all are known
     const VertexKind kind = topology.kind(v);
-    if (topology.is_regular[v] && kind != VertexKind::Corner) records.has_regular_vertices = true;
-    if (kind != VertexKind::Crease) continue;
+    if (topology.is_regular[v] && kind != VertexKind::Corner) has_regular_vertices = true;
+    if (kind != VertexKind::Crease) return;
     const auto [before, after] = topology.crease_neighbours(v);
     const FairTopology::Sector& sector =
         topology.sectors[topology.sector_offsets[topology.crease_of_vertex[v]]];
@@ -45,20 +49,22 @@ void add_vertices(const FairTopology& topology, FairRecords& records) {
     vertex.after = word(after);
     vertex.curve0 = word(sector.curve0);
     vertex.curve1 = word(sector.curve1);
-  }
+  });
+  records.has_regular_vertices = has_regular_vertices;
 }
 
 void add_corners(const FairTopology& topology, FairRecords& records) {
   const auto count = static_cast<std::size_t>(topology.corner_count);
   records.places.resize(count);
   records.links.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  parallel_each(count, [&](std::size_t i) {
     const std::int32_t corner = topology.ring_corners[i];
     records.places[i] = {word(corner), word(topology.ring_next[i]), word(topology.ring_previous[i]),
                          word(topology.corner_faces[corner])};
-  }
+  });
   records.faces.resize(static_cast<std::size_t>(topology.face_count));
-  for (std::int32_t f = 0; f < topology.face_count; ++f) {
+  parallel_each(records.faces.size(), [&](std::size_t i) {
+    const auto f = static_cast<std::int32_t>(i);
     const std::int32_t first = topology.face_offsets[f], m = topology.face_size(f);
     records.faces[f] = {word(first), word(m), word(topology.unit_circle.offsets[m]), 0};
     for (std::int32_t c = first; c < first + m; ++c) {
@@ -66,17 +72,22 @@ void add_corners(const FairTopology& topology, FairRecords& records) {
                           word(c == first ? first + m - 1 : c - 1), word(topology.corner_ccw[c]),
                           word(topology.corner_cw[c])};
     }
-  }
+  });
 }
 
 void add_edges(const FairTopology& topology, FairRecords& records) {
-  records.edges.reserve(topology.edge_corners.size());
-  for (std::size_t e = 0; e < topology.edge_corners.size(); ++e) {
+  records.edges.resize(topology.edge_corners.size());
+  parallel_each(records.edges.size(), [&](std::size_t e) {
     const FairTopology::Edge edge = topology.edge(e);
-    records.edges.push_back({word(edge.corners[0]), word(edge.corners[1]), word(edge.corners[2]),
-                             word(edge.corners[3]), word(edge.faces[0]), word(edge.faces[1]), 0,
-                             0});
-  }
+    records.edges[e] = {word(edge.corners[0]),
+                        word(edge.corners[1]),
+                        word(edge.corners[2]),
+                        word(edge.corners[3]),
+                        word(edge.faces[0]),
+                        word(edge.faces[1]),
+                        0,
+                        0};
+  });
 }
 
 // Sectors at corner vertices are left out: their control points are those of one step.
@@ -112,7 +123,7 @@ void add_owners(const FairTopology& topology, FairRecords& records) {
 
 // Lists the large ones in the words of the first; returns how many there are.
 template <class Records>
-std::uint32_t list_large(std::vector<Records>& records) {
+std::uint32_t list_large(Records& records) {
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < records.size(); ++i)
     if (records[i].count >= shared::kLargeRing)

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/raw_vector.h"
 #include "planish/fair/fair_net.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/mesh/placement.h"
@@ -15,11 +16,11 @@ namespace planish::vulkan {
 
 /// A FairTopology in the records that the kernels read.
 struct FairRecords {
-  std::vector<shared::FairVertex> vertices;
-  std::vector<shared::FairPlace> places;
-  std::vector<shared::FairLinks> links;
-  std::vector<shared::FairFace> faces;
-  std::vector<shared::FairEdge> edges;
+  RawVector<shared::FairVertex> vertices;
+  RawVector<shared::FairPlace> places;
+  RawVector<shared::FairLinks> links;
+  RawVector<shared::FairFace> faces;
+  RawVector<shared::FairEdge> edges;
   std::vector<shared::FairCrease> creases;
   std::vector<shared::FairSector> sectors;
   std::vector<shared::FairCurvePoint> curve_points;
