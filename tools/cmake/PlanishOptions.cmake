@@ -7,6 +7,13 @@ if(PLANISH_SANITIZE)
                          -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
   # std::clamp() with its bounds turned round, an empty vector's front(), and the like.
   target_compile_definitions(planish_options INTERFACE _GLIBCXX_ASSERTIONS)
+  # GCC's macros, which Clang does not have: what a sanitizer takes is not what tests of memory measure.
+  foreach(sanitizer address thread)
+    if(CMAKE_CXX_COMPILER_ID MATCHES Clang AND PLANISH_SANITIZE MATCHES ${sanitizer})
+      string(TOUPPER __SANITIZE_${sanitizer}__ macro)
+      target_compile_definitions(planish_options INTERFACE ${macro})
+    endif()
+  endforeach()
   target_link_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE})
 endif()
 
