@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -13,6 +14,7 @@
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
+#include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "support/expect_error.h"
@@ -335,6 +337,25 @@ TEST(WriteSurface, FormatsOfFloatsRefuseWhatDoesNotFit) {
   EXPECT_THROW((void)written_surface(FileFormat::Stl, surface), Error);
   EXPECT_THROW((void)written_surface(FileFormat::Usda, surface), Error);
   EXPECT_NO_THROW((void)written_surface(FileFormat::Ply, surface));
+}
+
+// Their counts do not fit into the byte that PLY's faces mostly have.
+TEST(WriteSurface, LargePolygonsAreReadBack) {
+  PolygonMesh mesh;
+  std::vector<std::int32_t> large;
+  for (std::int32_t i = 0; i < 300; ++i) {
+    mesh.positions.emplace_back(std::cos(i * 0.02), std::sin(i * 0.02), 0);
+    large.push_back(i);
+  }
+  mesh.positions.emplace_back(2, -1, 0);
+  mesh.add_face(large);
+  mesh.add_face(std::array{0, 299, 300});
+  const DooSabinSurface surface(mesh, {});
+  const test::TemporaryFolder folder;
+  (void)write_surface(folder.path() / "a.ply", FileFormat::Ply, *surface.level(0), {});
+  const PolygonMesh read = read_mesh(folder.path() / "a.ply").mesh;
+  EXPECT_EQ(read.face_vertices, mesh.face_vertices);
+  EXPECT_EQ(read.face_offsets, mesh.face_offsets);
 }
 
 TEST(WriteSurface, LevelZeroKeepsPolygons) {

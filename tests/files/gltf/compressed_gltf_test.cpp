@@ -141,6 +141,24 @@ TEST(CompressedGltf, IsSmallerAndSaysWhatItIs) {
   EXPECT_EQ(kept["extensionsRequired"], nlohmann::json({"KHR_mesh_quantization"}));
 }
 
+// Those of the buffer, too, that streams stand for.
+TEST(CompressedGltf, ViewsLieWithinTheirBuffers) {
+  const nlohmann::json document =
+      document_of(encode_glb(test::wavy_grid(40, 30), with(GltfCompression::Meshopt, 1e-4)));
+  ASSERT_EQ(document["buffers"].size(), 2u);
+  const auto expect_within = [&](const nlohmann::json& place) {
+    const std::uint64_t first = place.value("byteOffset", std::uint64_t{0});
+    const std::uint64_t bytes = place["byteLength"];
+    const std::uint64_t all = document["buffers"][place["buffer"].get<int>()]["byteLength"];
+    EXPECT_LE(first, all) << place;
+    EXPECT_LE(bytes, all - first) << place;
+  };
+  for (const nlohmann::json& view : document["bufferViews"]) {
+    expect_within(view);
+    if (view.contains("extensions")) expect_within(view["extensions"]["EXT_meshopt_compression"]);
+  }
+}
+
 TEST(CompressedGltf, BytesDoNotDependOnThreads) {
   const SurfaceMesh surface = test::wavy_grid(300, 300);
   const GltfOptions options = with(GltfCompression::Meshopt, 1e-5);

@@ -5,9 +5,18 @@
 
 #include <cmath>
 #include <fstream>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+#include <string>
+#include <string_view>
 
 #include "files/gltf/read_square.h"
 #include "files/gltf/surfaces.h"
+#include "planish/files/gltf/gltf_nodes.h"
+#include "planish/files/gltf/gltf_primitive.h"
+#include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/mesh/check.h"
 #include "support/temporary_folder.h"
@@ -168,6 +177,37 @@ TEST(ReadGltf, ReadsDataUris) {
             "data URI");
   EXPECT_EQ(glb_error(replaced(json, base64, "AAAA")),
             "a.glb: buffers[0].byteLength: promises 60 bytes, but there are only 3");
+}
+
+// The test vectors of RFC 4648, section 10, and what has more or other digits than they may.
+TEST(Base64, IsThatOfItsRfc) {
+  const auto decoded = [](std::string_view text) {
+    const auto bytes = decode_base64(text);
+    return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size())
+                 : "none";
+  };
+  EXPECT_EQ(decoded(""), "");
+  EXPECT_EQ(decoded("Zg=="), "f");
+  EXPECT_EQ(decoded("Zm8="), "fo");
+  EXPECT_EQ(decoded("Zm9v"), "foo");
+  EXPECT_EQ(decoded("Zm9vYg=="), "foob");
+  EXPECT_EQ(decoded("Zm9vYmE="), "fooba");
+  EXPECT_EQ(decoded("Zm9vYmFy"), "foobar");
+  for (const char* text : {"Zg===", "Z", "Zm9v=Zg", "Zm9-"})
+    EXPECT_EQ(decoded(text), "none") << text;
+}
+
+// Normals are placed by the inverse transpose, which stays perpendicular to what is placed.
+TEST(PlacedNormal, IsThatOfTheInverseTranspose) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(1, -2, 0.5));
+  for (const double mirror : {1.0, -1.0}) {
+    const glm::dmat3 part({mirror * 2, 0.5, -1}, {0.25, 3, 1}, {-0.5, 1.5, 4});
+    GltfInstance instance{0, 0, glm::dmat4(part)};
+    instance.to_world[3] = {7, 8, 9, 1};
+    const glm::dvec3 expected = glm::normalize(glm::inverse(glm::transpose(part)) * normal);
+    const glm::dvec3 placed = glm::normalize(placed_normal(normal, instance));
+    EXPECT_LT(glm::distance(placed, expected), 1e-14) << mirror;
+  }
 }
 
 TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
