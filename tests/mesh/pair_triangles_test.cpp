@@ -60,6 +60,17 @@ TEST(PairTriangles, ExchangesAPairToJoinTwoMore) {
   EXPECT_THAT(mesh.face(1), testing::UnorderedElementsAre(2, 3, 4, 5));
 }
 
+// The first triangle has its partner across its first edge; the third has none to exchange for.
+TEST(PairTriangles, ExchangesNoPairThatGainsNone) {
+  const std::vector<glm::dvec3> positions = {
+      {0, 0, 0}, {1, 0, 0}, {0.5, 0.65, 0}, {0.5, -0.5, 0}, {1.4, 0.6, 0}};
+  const std::vector<Triangle> triangles = {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}};
+  const PolygonMesh mesh = pair_triangles(positions, triangles);
+  ASSERT_EQ(mesh.face_count(), 2);
+  EXPECT_THAT(mesh.face(0), testing::UnorderedElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(mesh.face(1), testing::UnorderedElementsAre(1, 2, 4));
+}
+
 TEST(PairTriangles, ExchangesNoGoodQuadForWideOnes) {
   const PolygonMesh mesh = paired_strip(-0.05);  // corners of 133 degrees
   ASSERT_EQ(mesh.face_count(), 3);

@@ -30,5 +30,12 @@ TEST(SoundTopology, NoFaceNamesAVertexTwiceWhereAllElseIsSound) {
   EXPECT_FALSE(sound_topology(mesh));
 }
 
+// Two faces of the same vertices with another between them around the lowest of these.
+TEST(SoundTopology, NoTwoFacesHaveTheSameVertices) {
+  const PolygonMesh mesh = mesh_of(6, {{4, 1, 2, 3, 0}, {4, 3, 2, 0, 1}, {4, 0, 2, 5}});
+  EXPECT_TRUE(MeshTopology::if_manifold(mesh));
+  EXPECT_FALSE(sound_topology(mesh));
+}
+
 }  // namespace
 }  // namespace planish::test
