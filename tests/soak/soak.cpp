@@ -34,8 +34,8 @@ std::uint64_t Growth::least(std::size_t quarter) const {
   return begin == end ? 0 : *std::min_element(bytes_.begin() + begin, bytes_.begin() + end);
 }
 
-std::uint64_t Growth::bytes() const {
-  const std::uint64_t before = least(1), after = least(3);
+std::uint64_t Growth::bytes(std::size_t since) const {
+  const std::uint64_t before = least(since), after = least(3);
   return after > before ? after - before : 0;
 }
 

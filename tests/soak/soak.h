@@ -11,8 +11,9 @@ namespace planish::test {
 class Growth {
  public:
   void note(std::uint64_t bytes) { bytes_.push_back(bytes); }
-  /// Bytes by which the last quarter's least exceeds the second's; 0 where it does not.
-  [[nodiscard]] std::uint64_t bytes() const;
+  /// Bytes by which the last quarter's least exceeds that of an earlier one, counted from 0; 0
+  /// where it does not.
+  [[nodiscard]] std::uint64_t bytes(std::size_t since = 1) const;
   /// "first .. last MiB" of the quarters, for people.
   [[nodiscard]] std::string text() const;
 
