@@ -138,6 +138,17 @@ TEST_F(AssetFaults, MorphTargets) {
          "animations[0].samplers[1].output: 3 values for 3 key frames of 3");
 }
 
+// Of nodes without a mesh, too: who reads the surface's file asks all of them.
+TEST_F(AssetFaults, Transforms) {
+  expect([](json& all) { all["nodes"][3]["matrix"] = std::vector<double>(15, 1.0); },
+         "nodes[3].matrix: has 15 numbers, 16 are needed");
+  expect(
+      [](json& all) {
+        all["nodes"][3]["rotation"] = {0, 0, 0, 0};
+      },
+      "nodes[3].rotation: is no rotation");
+}
+
 TEST_F(AssetFaults, Nodes) {
   EXPECT_THAT(refusal([](json& all) { all["nodes"][2]["children"] = {1}; }),
               HasSubstr("nodes must form trees; save it anew with"));

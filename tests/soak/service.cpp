@@ -96,7 +96,7 @@ class Service {
     if (const std::string name = output.extension().string(); name != ".usda" && name != ".step") {
       planish_mesh* mesh = nullptr;
       if (!check(planish_mesh_read(output.c_str(), &mesh), output))
-        complain("cannot read " + name + " back");
+        complain("cannot read " + name + " back: " + planish_last_error());
       planish_mesh_free(mesh);
     }
   }

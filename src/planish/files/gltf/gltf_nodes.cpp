@@ -30,6 +30,8 @@ glm::dmat4 rotation_of(const JsonPlace& place, const std::array<double, 4>& quat
           {0, 0, 0, 1}};
 }
 
+}  // namespace
+
 glm::dmat4 local_transform(const JsonPlace& node) {
   if (const auto matrix = node.find("matrix")) {
     const auto m = numbers_of<16>(*matrix);
@@ -53,6 +55,8 @@ glm::dmat4 local_transform(const JsonPlace& node) {
   }
   return transform;
 }
+
+namespace {
 
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 // A few bytes of accessors stand for any number of places.

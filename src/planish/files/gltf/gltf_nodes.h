@@ -9,6 +9,9 @@
 
 namespace planish {
 
+/// Where a node stands in its parent. Throws Error{UnreadableInput}.
+[[nodiscard]] glm::dmat4 local_transform(const JsonPlace& node);
+
 /// A mesh as a node places it.
 struct GltfInstance {
   std::int64_t mesh, node;

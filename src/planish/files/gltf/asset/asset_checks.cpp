@@ -13,6 +13,7 @@
 #include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/number_text.h"
+#include "planish/files/gltf/gltf_nodes.h"
 #include "planish/files/gltf/scene_reader.h"
 
 namespace planish {
@@ -166,6 +167,7 @@ void require_node(const JsonPlace& root, const JsonPlace& node) {
   require_number(root, node, "mesh", "meshes");
   require_number(root, node, "skin", "skins");
   require_number(root, node, "camera", "cameras");
+  (void)local_transform(node);
   if (const auto mesh = node.find("mesh"))
     require_weights(node, target_count(root["meshes"][mesh->integer()]));
   if (const auto lod = extension_of(node, "MSFT_lod")) require_numbers(root, *lod, "ids", "nodes");
