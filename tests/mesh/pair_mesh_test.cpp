@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <initializer_list>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
@@ -24,8 +26,8 @@ PairedMesh paired(const PolygonMesh& mesh, const PairOptions& options = {}) {
   return with_paired_triangles(mesh, *prepare_mesh(mesh, "mesh"), options);
 }
 
-HalvedVertices halved(const PolygonMesh& mesh) {
-  return halved_vertices(mesh, *prepare_mesh(mesh, "mesh"));
+HalvedVertices halved(const PolygonMesh& mesh, const PairOptions& options = {}) {
+  return halved_vertices(mesh, *prepare_mesh(mesh, "mesh"), options);
 }
 
 PolygonMesh mesh_with(std::vector<glm::dvec3> positions,
@@ -145,6 +147,27 @@ TEST(PairMesh, TellsHalvesOfQuadsFromOtherTriangles) {
   EXPECT_LT(ball.regular, 0.8 * 642);
   EXPECT_EQ(halved(cut_quads(shapes::open_grid(9, 9))).telling, 0) << "flat";
   EXPECT_EQ(halved(cut_quads(shapes::cube())).telling, 0) << "sharp";
+  // Caps of a tube are cut as they may be: their rims tell nothing, its sides all.
+  PolygonMesh tube;
+  constexpr std::int32_t kSides = 32, kRings = 5;
+  for (std::int32_t r = 0; r < kRings; ++r)
+    for (std::int32_t i = 0; i < kSides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kSides, radius = r % 4 == 0 ? 0.9 : 1;
+      tube.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.3 * r);
+    }
+  for (std::int32_t r = 0; r + 1 < kRings; ++r)
+    for (std::int32_t i = 0; i < kSides; ++i) {
+      const std::int32_t a = kSides * r + i, b = kSides * r + (i + 1) % kSides;
+      tube.add_face(std::vector{a, b, b + kSides});
+      tube.add_face(std::vector{a, b + kSides, a + kSides});
+    }
+  for (std::int32_t i = 1; i + 1 < kSides; ++i) {
+    tube.add_face(std::vector{0, i + 1, i});
+    tube.add_face(std::vector{4 * kSides, 4 * kSides + i, 4 * kSides + i + 1});
+  }
+  const HalvedVertices capped = halved(tube, {.largest_turn = 90});
+  EXPECT_EQ(capped.telling, 3 * kSides);
+  EXPECT_EQ(capped.regular, 3 * kSides);
   const HalvedVertices large = halved(cut_quads(ring(300, 200)));
   EXPECT_LT(large.looked_at, 2000);
   EXPECT_EQ(large.regular, large.telling);

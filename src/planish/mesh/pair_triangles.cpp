@@ -264,17 +264,12 @@ std::int32_t first_choice(const TrianglesOf& own, std::span<const glm::dvec3> po
   return best;
 }
 
-// The largest turn of the edges at a vertex inside the mesh, in radians.
-double turn_at(const PolygonMesh& mesh, const MeshTopology& topology,
-               std::span<const std::int32_t> corners) {
-  const auto normal_of = [&](std::int32_t corner) {
-    return area_vector(mesh.positions, mesh.face(topology.face_of(corner)));
+// By how much the faces turn at the leading edge of a corner inside the mesh, in radians.
+double turn_at(const PolygonMesh& mesh, const MeshTopology& topology, std::int32_t corner) {
+  const auto normal_of = [&](std::int32_t of) {
+    return area_vector(mesh.positions, mesh.face(topology.face_of(of)));
   };
-  double largest = 0;
-  for (const std::int32_t corner : corners) {
-    largest = std::max(largest, angle_between(normal_of(corner), normal_of(topology.twin(corner))));
-  }
-  return largest;
+  return angle_between(normal_of(corner), normal_of(topology.twin(corner)));
 }
 
 }  // namespace
@@ -285,26 +280,36 @@ HalvedVertices halved_vertices(const PolygonMesh& mesh, const PreparedMesh& prep
   HalvedVertices result;
   const TrianglesOf own = triangles_of(mesh, prepared);
   const QuadRule rule(options);
+  // Whether both triangles beside the corner's leading edge would lose it first.
+  const auto is_lost_first = [&](std::int32_t corner) {
+    const std::int32_t t = own.of_face[topology.face_of(corner)];
+    if (t < 0) return false;
+    const std::int32_t half_edge = 3 * t + topology.place_of(corner);
+    const std::int32_t twin = own.twins[half_edge];
+    return twin >= 0 && first_choice(own, mesh.positions, rule, t) == half_edge &&
+           first_choice(own, mesh.positions, rule, twin / 3) == twin;
+  };
   const std::int32_t step = 1 + topology.vertex_count() / kMostLookedAt;
   for (std::int32_t v = 0; v < topology.vertex_count(); v += step) {
     ++result.looked_at;
     if (topology.is_boundary_vertex(v)) continue;
     const auto corners = topology.corners_at(v);
-    const double turn = turn_at(mesh, topology, corners);
-    if (turn < kFlat || turn > options.largest_turn * kDegree) continue;
-    ++result.telling;
-    std::int64_t lost = 0;
+    double turn = 0;
+    bool has_flat = false;
+    std::int64_t quads = 0, turning = 0;  // faces that are left, and where flat ones are one
     for (const std::int32_t corner : corners) {
-      // Its leading edge, if both sides would lose it first.
-      const std::int32_t t = own.of_face[topology.face_of(corner)];
-      if (t < 0) continue;
-      const std::int32_t half_edge = 3 * t + topology.place_of(corner);
-      const std::int32_t twin = own.twins[half_edge];
-      if (twin >= 0 && first_choice(own, mesh.positions, rule, t) == half_edge &&
-          first_choice(own, mesh.positions, rule, twin / 3) == twin)
-        ++lost;
+      const double own_turn = turn_at(mesh, topology, corner);
+      const bool is_lost = is_lost_first(corner);
+      turn = std::max(turn, own_turn);
+      has_flat |= own_turn < kFlat;
+      quads += is_lost ? 0 : 1;
+      turning += is_lost || own_turn < kFlat ? 0 : 1;
     }
-    if (std::ssize(corners) - lost == 4) ++result.regular;
+    if (turn < kFlat || turn > options.largest_turn * kDegree) continue;
+    // At the rim of a flat cap it says nothing of what is beside that.
+    if (turning == 3 && has_flat) continue;
+    ++result.telling;
+    if (quads == 4) ++result.regular;
   }
   return result;
 }

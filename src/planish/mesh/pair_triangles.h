@@ -46,7 +46,8 @@ struct PairedMesh {
 /// of quads.
 struct HalvedVertices {
   std::int64_t looked_at = 0;
-  /// Inside the mesh, around which some edge turns and none does by more than may be joined.
+  /// Inside the mesh, around which some edge turns and none does by more than may be joined; not
+  /// at the rims of flat caps, where the cap and two others would be left.
   std::int64_t telling = 0;
   /// Those of them around which four faces are left where triangles that both would take the other
   /// first are joined.
