@@ -140,13 +140,12 @@ TEST_F(AssetFaults, MorphTargets) {
 
 // Of nodes without a mesh, too: who reads the surface's file asks all of them.
 TEST_F(AssetFaults, Transforms) {
-  expect([](json& all) { all["nodes"][3]["matrix"] = std::vector<double>(15, 1.0); },
-         "nodes[3].matrix: has 15 numbers, 16 are needed");
-  expect(
-      [](json& all) {
-        all["nodes"][3]["rotation"] = {0, 0, 0, 0};
-      },
-      "nodes[3].rotation: is no rotation");
+  EXPECT_THAT(refusal([](json& all) { all["nodes"][3]["matrix"] = std::vector<double>(15, 1.0); }),
+              HasSubstr("nodes[3].matrix: has 15 numbers, 16 are needed"));
+  EXPECT_THAT(refusal([](json& all) {
+                all["nodes"][3]["rotation"] = {0, 0, 0, 0};
+              }),
+              HasSubstr("nodes[3].rotation: is no rotation"));
 }
 
 TEST_F(AssetFaults, Nodes) {
