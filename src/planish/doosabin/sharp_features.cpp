@@ -25,8 +25,8 @@ constexpr double kStraightAngleTolerance = std::numbers::pi / 6.0;
 // Of faces; those of large ones are kept, as many of their corners may ask.
 class FaceAreas {
  public:
-  FaceAreas(const PolygonMesh& mesh, std::span<const glm::dvec3> positions)
-      : mesh(mesh), positions(positions) {}
+  FaceAreas(const PolygonMesh& of_mesh, std::span<const glm::dvec3> at_positions)
+      : mesh(of_mesh), positions(at_positions) {}
 
   [[nodiscard]] glm::dvec3 of(std::int32_t face) {
     if (mesh.face_size(face) < kKeptSize) return area_vector(positions, mesh.face(face));
