@@ -11,10 +11,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
-#include <unordered_map>
 
 #include "planish/core/visible_text.h"
 #include "planish/surface/memory_need.h"
@@ -40,7 +40,9 @@ struct Counted {
   std::atomic<std::uint64_t> of_others = 0;
   std::mutex mutex;  // of what follows
   std::uint64_t held = 0;
-  std::unordered_map<void*, Array> arrays;
+  // Nothing is deleted under the lock, for that would ask for it: a node may begin where a page
+  // does, too, and a hash table would give its places back as it grows.
+  std::map<void*, Array> arrays;
 };
 // Set once; used until the process has ended.
 std::atomic<Counted*> current = nullptr;
@@ -169,16 +171,14 @@ bool give_back_array(void* array) noexcept {
   Counted* const all = current;
   // Mappings begin where pages do.
   if (all == nullptr || reinterpret_cast<std::uintptr_t>(array) % 4096 != 0) return false;
-  Array about;
+  std::map<void*, Array>::node_type taken;  // outlives the lock
   {
     const std::lock_guard lock(all->mutex);
-    const auto found = all->arrays.find(array);
-    if (found == all->arrays.end()) return false;
-    about = found->second;
-    all->arrays.erase(found);
-    if (!about.is_in_file) all->held -= about.bytes;
+    taken = all->arrays.extract(array);
+    if (taken.empty()) return false;
+    if (!taken.mapped().is_in_file) all->held -= taken.mapped().bytes;
   }
-  ::munmap(array, about.bytes);
+  ::munmap(array, taken.mapped().bytes);
   return true;
 }
 
