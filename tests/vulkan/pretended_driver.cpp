@@ -83,10 +83,7 @@ bool is_other_memory() { return state.pretence.split_memory || state.pretence.ba
 void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
   real.vkGetPhysicalDeviceMemoryProperties(device, memory);
   if (!is_other_memory()) return;
-  state.mapped_type = 0;
-  while (state.mapped_type + 1 < memory->memoryTypeCount &&
-         (memory->memoryTypes[state.mapped_type].propertyFlags & kMappedMemory) != kMappedMemory)
-    ++state.mapped_type;
+  state.mapped_type = mapped_type(*memory, ~0u);
   if (state.pretence.bar_bytes > 0)
     *memory = discrete_memory(state.pretence.bar_bytes, state.pretence.host_bytes);
   else

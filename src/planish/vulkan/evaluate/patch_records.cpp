@@ -143,10 +143,9 @@ class Packer {
 void Packer::add_links() {
   const MeshTopology& topology = mesh_.topology();
   records_.links.resize(static_cast<std::size_t>(topology.corner_count()));
-  parallel_each(records_.links.size(), [&](std::size_t i) {
-    const auto c = static_cast<std::int32_t>(i);
+  parallel_each(records_.links.size(), [&](std::int32_t c) {
     // -1 is kNone.
-    records_.links[i] = {as_word(topology.ccw(c)), as_word(topology.next(c))};
+    records_.links[c] = {as_word(topology.ccw(c)), as_word(topology.next(c))};
   });
 }
 

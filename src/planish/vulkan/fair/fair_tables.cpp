@@ -24,9 +24,8 @@ std::uint32_t word(std::int32_t index) { return static_cast<std::uint32_t>(index
 void add_vertices(const FairTopology& topology, FairRecords& records) {
   records.vertices.resize(static_cast<std::size_t>(topology.vertex_count));
   std::atomic<bool> has_regular_vertices = false;
-  parallel_each(records.vertices.size(), [&](std::size_t i) {
-    const auto v = static_cast<std::int32_t>(i);
-    shared::FairVertex& vertex = records.vertices[i];
+  parallel_each(records.vertices.size(), [&](std::int32_t v) {
+    shared::FairVertex& vertex = records.vertices[v];
     vertex = {word(topology.ring_offsets[v]),
               word(topology.valence(v)),
               topology.kinds[v],
@@ -63,8 +62,7 @@ void add_corners(const FairTopology& topology, FairRecords& records) {
                          word(topology.corner_faces[corner])};
   });
   records.faces.resize(static_cast<std::size_t>(topology.face_count));
-  parallel_each(records.faces.size(), [&](std::size_t i) {
-    const auto f = static_cast<std::int32_t>(i);
+  parallel_each(records.faces.size(), [&](std::int32_t f) {
     const std::int32_t first = topology.face_offsets[f], m = topology.face_size(f);
     records.faces[f] = {word(first), word(m), word(topology.unit_circle.offsets[m]), 0};
     for (std::int32_t c = first; c < first + m; ++c) {
