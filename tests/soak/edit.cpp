@@ -127,7 +127,8 @@ void soak_edit(std::uint32_t count, std::uint32_t first) {
   EditSoak fair("fair", torus(60, 40, 1, 0.4), InterpolationMethod::Fair);
   std::mt19937 random(first);
   Growth growth;
-  for (std::uint32_t i = 0; i < count; ++i) {
+  std::uint32_t i = 0;
+  for (; i < count && !is_stopped(); ++i) {
     (i % kFair == 0 ? fair : i % 2 == 0 ? smooth : creased).edit(random);
     if (i % kMeasure == 0) {
       smooth.measure();
@@ -141,7 +142,7 @@ void soak_edit(std::uint32_t count, std::uint32_t first) {
   smooth.finish();
   creased.finish();
   fair.finish();
-  std::printf("%u edits; allocated %s\n", count, growth.text().c_str());
+  std::printf("%u edits; allocated %s\n", i, growth.text().c_str());
   if (growth.bytes() > kEditorMayGrow)
     complain("memory grows by " + std::to_string(growth.bytes()) + " bytes");
 }

@@ -123,7 +123,8 @@ bool soak_host(std::uint32_t count, std::uint32_t first) {
       "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT");
   Growth growth;
   int lost = 0;
-  for (std::uint32_t i = first; i - first < count; ++i) {
+  std::uint32_t i = first;
+  for (; i - first < count && !is_stopped(); ++i) {
     std::mt19937 random(i);
     PretendedDriver::reset();
     try {
@@ -143,7 +144,7 @@ bool soak_host(std::uint32_t count, std::uint32_t first) {
     if (!PretendedDriver::alive().empty()) complain("something is left alive");
     growth.note(resident_bytes());
   }
-  std::printf("%u sessions, %d of them lost their device; resident %s\n", count, lost,
+  std::printf("%u sessions, %d of them lost their device; resident %s\n", i - first, lost,
               growth.text().c_str());
   if (growth.bytes() > kHostMayGrow)
     complain("memory grows by " + std::to_string(growth.bytes()) + " bytes");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -12,6 +13,7 @@
 namespace planish::test {
 namespace {
 int complaint_count = 0;
+volatile std::sig_atomic_t signal_number = 0;
 constexpr double kMiB = 1024 * 1024;
 }  // namespace
 
@@ -21,6 +23,13 @@ void complain(const std::string& what) {
 }
 
 int complaints() { return complaint_count; }
+
+bool is_stopped() { return signal_number != 0; }
+
+void stop_on_signals() {
+  for (const int number : {SIGINT, SIGTERM})
+    std::signal(number, [](int given) { signal_number = given; });
+}
 
 std::uint64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");
@@ -75,6 +84,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "use: planish_soak service|edit|host COUNT [FIRST]\n");
     return 2;
   }
+  if (!is_service) stop_on_signals();
   if (is_service) {
     soak_service(*count, *first);
   } else if (is_edit) {

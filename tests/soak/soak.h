@@ -26,14 +26,17 @@ class Growth {
 void complain(const std::string& what);
 [[nodiscard]] int complaints();
 
+/// Whether an editor's or a host's soak was asked by SIGINT or SIGTERM to end with what there is.
+[[nodiscard]] bool is_stopped();
+
 /// Memory of this process, in pages of 4 KiB.
 [[nodiscard]] std::uint64_t resident_bytes();
 
 /// Fits `count` files through the C header.
 void soak_service(std::uint32_t count, std::uint32_t first);
-/// Makes `count` edits, of editors of both methods.
+/// Makes at most `count` edits, of editors of both methods.
 void soak_edit(std::uint32_t count, std::uint32_t first);
-/// Opens `count` sessions of a Vulkan device; false where there is none.
+/// Opens at most `count` sessions of a Vulkan device; false where there is none.
 [[nodiscard]] bool soak_host(std::uint32_t count, std::uint32_t first);
 
 }  // namespace planish::test
