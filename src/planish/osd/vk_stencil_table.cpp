@@ -16,20 +16,17 @@ using OpenSubdiv::Far::LimitStencilTable;
 using OpenSubdiv::Far::StencilTable;
 using AnyStencilTable = OpenSubdiv::Far::StencilTableReal<float>;
 
-/// A table's rows without weights. Offsets are made where the table has none, as OpenSubdiv's
-/// factories leave them out on request.
+/// A table's rows without weights. Offsets are made: OpenSubdiv's factories leave them out on
+/// request.
 class Rows {
  public:
   explicit Rows(AnyStencilTable const& table) {
     _view.source_count = table.GetNumControlVertices();
     _view.sizes = table.GetSizes();
-    _view.offsets = table.GetOffsets();
     _view.indices = table.GetControlIndices();
-    if (_view.offsets.size() != _view.sizes.size()) {
-      _offsets.resize(_view.sizes.size());
-      std::exclusive_scan(_view.sizes.begin(), _view.sizes.end(), _offsets.begin(), 0);
-      _view.offsets = _offsets;
-    }
+    _offsets.resize(_view.sizes.size());
+    std::exclusive_scan(_view.sizes.begin(), _view.sizes.end(), _offsets.begin(), 0);
+    _view.offsets = _offsets;
     for (std::size_t i = 0; i < _view.indices.size(); ++i)
       if (_view.indices[i] < 0 || _view.indices[i] >= _view.source_count)
         throw Error(ErrorCode::InvalidArgument,
