@@ -39,14 +39,16 @@ MemoryAllocator::MemoryAllocator(const DeviceFunctions& functions, VkDevice devi
 MemoryAllocator::~MemoryAllocator() = default;
 
 // The first type with the flags wished for most whose heap has room: device memory that the host
-// sees too is a small heap of many devices, and may come before their host's.
+// sees too is a small heap of many devices, and may come before their host's. For kernels nothing
+// else will do: Vulkan promises device memory for every buffer, and in the host's they are slower
+// than the CPU.
 std::uint32_t MemoryAllocator::pick_type(const MemoryRequest& request) const {
   constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
   constexpr VkMemoryPropertyFlags kCoherent = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
   constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   const std::initializer_list<VkMemoryPropertyFlags> wishes[] = {
-      {kLocal, 0}, {kVisible | kCoherent, kVisible}, {kVisible | kCached, kVisible}};
+      {kLocal}, {kVisible | kCoherent, kVisible}, {kVisible | kCached, kVisible}};
   const VkPhysicalDeviceMemoryProperties& memory = capabilities_.memory;
   std::string lacking;
   for (const VkMemoryPropertyFlags wish : wishes[static_cast<int>(request.use)]) {
@@ -57,8 +59,6 @@ std::uint32_t MemoryAllocator::pick_type(const MemoryRequest& request) const {
       if (reason.empty()) return i;
       if (lacking.empty()) lacking = reason;
     }
-    // Kernels that work in the host's memory are slower than the CPU.
-    if (request.use == MemoryUse::Device && !lacking.empty()) break;
   }
   if (lacking.empty())
     throw Error(ErrorCode::OutOfMemory, capabilities_.name + " has no memory type for a buffer");
