@@ -5,6 +5,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/lower_case.h"
+#include "planish/vulkan/device/device_rank.h"
 
 namespace planish::viewer {
 namespace {
@@ -54,21 +55,6 @@ std::string objection(const Candidate& candidate) {
   return "";
 }
 
-/// Higher is better.
-int rank_of(const Candidate& candidate) {
-  if (!objection(candidate).empty()) return -1;
-  switch (candidate.capabilities.type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-      return 3;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-      return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-      return 1;
-    default:
-      return 0;
-  }
-}
-
 const Candidate& pick(const std::vector<Candidate>& candidates, const std::string& wanted) {
   const Candidate* best = nullptr;
   std::string listing;
@@ -79,7 +65,9 @@ const Candidate& pick(const std::vector<Candidate>& candidates, const std::strin
     listing += formatted("; {} '{}'{}", i, name, why.empty() ? "" : " " + why);
     const bool named = std::to_string(i) == wanted ||
                        lower_case(name).find(lower_case(wanted)) != std::string::npos;
-    if (named && why.empty() && (!best || rank_of(candidate) > rank_of(*best))) best = &candidate;
+    if (named && why.empty() &&
+        (!best || rank_of(candidate.capabilities) > rank_of(best->capabilities)))
+      best = &candidate;
   }
   if (best) return *best;
   throw Error(ErrorCode::NoDevice, (wanted.empty() ? std::string("no Vulkan device serves")

@@ -4,28 +4,12 @@
 
 #include "planish/core/error.h"
 #include "planish/core/lower_case.h"
+#include "planish/vulkan/device/device_rank.h"
 #include "planish/vulkan/device/result.h"
 
 namespace planish::vulkan {
 
 namespace {
-
-/// Higher is better; negative: not usable.
-int rank_of(const Capabilities& device) {
-  if (!device.usable) return -1;
-  switch (device.type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-      return 4;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-      return 3;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-      return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_OTHER:
-      return 1;
-    default:
-      return 0;
-  }
-}
 
 std::string listing(const std::vector<FoundDevice>& devices) {
   if (devices.empty()) return "there is no Vulkan device";
