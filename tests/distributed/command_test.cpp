@@ -37,15 +37,15 @@ TEST_F(MpiCommand, WritesACageThatVerifyConfirmsAndAReport) {
 
 TEST_F(MpiCommand, FairTilesHaveTheBytesOfPlanish) {
   const std::string one = std::string(PLANISH_PROGRAM) + " fit " + torus_ +
-                          " --interpolation fair --repair none --precision double -o " +
+                          " --interpolation fair --up z --repair none --precision double -o " +
                           path("t.json") + " > " + path("one.txt") + " 2>&1";
   ASSERT_EQ(std::system(one.c_str()), 0) << read("one.txt");
   const auto expected = files_below(path("t"));
   const std::string document = read("t.json");
   for (const char* polish : {"8", "2"}) {
     const ProcessResult result =
-        on(3, {"fit", torus_, "--interpolation", "fair", "-o", path("t.json"), "-f", "--report",
-               path("r.json"), "--polish", polish});
+        on(3, {"fit", torus_, "--interpolation", "fair", "--up", "z", "-o", path("t.json"), "-f",
+               "--report", path("r.json"), "--polish", polish});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_THAT(result.err, HasSubstr("fair, largest vertex error"));
     EXPECT_THAT(result.err, HasSubstr("level 1: 1 tile, "));

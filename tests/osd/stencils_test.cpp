@@ -13,6 +13,7 @@
 #include "planish/core/error.h"
 #include "planish/osd/vk_compute_evaluator.h"
 #include "planish/stencil/far_tables.h"
+#include "vulkan/pretended_driver.h"
 
 namespace planish::testing {
 namespace {
@@ -92,6 +93,27 @@ TEST_F(OsdStencils, InstancesAndHandlesDoWhatTheStaticFunctionDoes) {
   EXPECT_EQ(floats_of(*of_static), torus.expected);
   EXPECT_EQ(floats_of(*of_instance), torus.expected);
   EXPECT_EQ(floats_of(*of_handles), torus.expected);
+}
+
+// So that no frame waits for a compiler.
+TEST_F(OsdStencils, KernelsAreCompiledWithTheirEvaluator) {
+  close();
+  PretendedDriver::reset();
+  make_device(PretendedDriver::get_proc());
+  const auto compiled = [] { return PretendedDriver::count("vkCreateComputePipelines"); };
+  const Refinement torus;
+  const auto table = upload(torus.table);
+  const BufferDescriptor from(0, 3, 5), to(0, 3, 7);
+  const auto source = buffer_of(std::vector<float>(std::size_t(torus.sources) * 5));
+  const auto target = buffer_of(std::vector<float>(std::size_t(torus.rows) * 7));
+  const int before = compiled();
+  const std::unique_ptr<VkComputeEvaluator> instance(
+      VkComputeEvaluator::Create(from, to, unused(), unused(), device_context_.get()));
+  const int with_evaluator = compiled();
+  EXPECT_GT(with_evaluator, before);
+  EXPECT_TRUE(
+      instance->EvalStencils(source->BindVBO(), from, target->BindVBO(), to, table.get(), 0, 1));
+  EXPECT_EQ(compiled(), with_evaluator);
 }
 
 TEST_F(OsdStencils, StartAndEndLeaveOtherElementsAlone) {

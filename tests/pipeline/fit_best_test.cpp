@@ -6,9 +6,13 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/fair/fair_builder.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -17,6 +21,42 @@ namespace planish::test {
 namespace {
 
 using testing::HasSubstr;
+
+// A device on which fair nets go wrong: all of their points are in one place.
+class MissingBackend final : public Backend, public FairBuilder {
+ public:
+  [[nodiscard]] DeviceDescription description() const override { return host_->description(); }
+  std::unique_ptr<Solve> make_solve(const SummedView& masks) override {
+    return host_->make_solve(masks);
+  }
+  std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
+    return host_->upload(points);
+  }
+  std::unique_ptr<DevicePoints> allocate(std::int32_t count) override {
+    return host_->allocate(count);
+  }
+  std::vector<glm::dvec3> download(const DevicePoints& points) override {
+    return host_->download(points);
+  }
+  void apply(const StencilView<double>& table, const DevicePoints& source, DevicePoints& target,
+             std::int32_t first_target) override {
+    host_->apply(table, source, target, first_target);
+  }
+  void apply_limit(const StencilView<double>& table, const DevicePoints& source,
+                   std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override {
+    host_->apply_limit(table, source, positions, normals);
+  }
+  [[nodiscard]] std::uint64_t peak_device_bytes() const override { return 0; }
+  FairNet build_fair_net(const FairTopology& topology, std::span<const glm::dvec3>,
+                         const FairOptions&) override {
+    FairNet net;
+    net.state.resize(static_cast<std::size_t>(topology.state_size));
+    return net;
+  }
+
+ private:
+  std::unique_ptr<Backend> host_ = make_cpu_backend();
+};
 
 TEST(FitBest, TakesFairWhereProgressiveFolds) {
   const auto backend = make_cpu_backend();
@@ -105,6 +145,17 @@ TEST(FitBest, TakesFairWhereProgressiveDoesNotConverge) {
   EXPECT_EQ(best.method, InterpolationMethod::Fair);
   EXPECT_TRUE(best.fit.interpolation.converged);
   EXPECT_THAT(best.reason, HasSubstr("progressive did not converge"));
+}
+
+TEST(FitBest, TakesProgressiveWhereADevicesFairNetMissesTheTolerance) {
+  MissingBackend backend;
+  const PolygonMesh mesh = torus(24, 12, 1, 0.4);
+  const BestFit best = fit_best(mesh, backend);
+  EXPECT_EQ(best.reason, "progressive: fair misses the tolerance");
+  EXPECT_EQ(best.method, InterpolationMethod::Progressive);
+  EXPECT_TRUE(best.fit.interpolation.converged);
+  EXPECT_FALSE(best.fit.fair.has_value());
+  EXPECT_FALSE(best.fair_mesh.has_value());
 }
 
 // The figures that decide are those of the surfaces themselves, and the mesh is the caller's.

@@ -39,6 +39,15 @@ TEST(Repair, OrientsTrianglesOfAnyWinding) {
   EXPECT_GT(volume(torus.positions, result.triangles), 2);
 }
 
+// What has no volume has no outside.
+TEST(Repair, FlatSheetsStayAsTheyAreWound) {
+  test::TriangleMesh grid = test::grid_mesh(8, [](int, int) { return 0.0; });
+  for (int side = 0; side < 2; ++side) {
+    EXPECT_EQ(repair_triangles(grid.positions, grid.triangles).triangles, grid.triangles);
+    for (Triangle& t : grid.triangles) std::swap(t[1], t[2]);
+  }
+}
+
 TEST(Repair, FillsShortLoopsOnly) {
   test::TriangleMesh torus = test::torus_mesh(40, 24);
   // A hole of one vertex: six edges.

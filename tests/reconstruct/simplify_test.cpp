@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <map>
 #include <random>
+#include <set>
 
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
@@ -34,6 +37,21 @@ double least_angle(const std::vector<glm::dvec3>& p, const std::vector<Triangle>
       least = std::min(least, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 /
                                   std::numbers::pi);
     }
+  return least;
+}
+
+// Of vertices that triangles surround.
+std::size_t least_inner_valence(const std::vector<Triangle>& triangles) {
+  std::map<std::int32_t, std::set<std::int32_t>> neighbours;
+  std::map<std::int32_t, std::size_t> around;
+  for (const Triangle& t : triangles)
+    for (const std::int32_t corner : t) {
+      ++around[corner];
+      neighbours[corner].insert(t.begin(), t.end());
+    }
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const auto& [vertex, found] : neighbours)
+    if (found.size() - 1 == around[vertex]) least = std::min(least, around[vertex]);
   return least;
 }
 
@@ -74,6 +92,7 @@ TEST(Simplify, KeepsEveryPointOfARoughMesh) {
       EXPECT_GT(result.flip_count, 20);
       EXPECT_GT(result.move_count, 5);
       EXPECT_LE(test::greatest_distance(grid.positions, result.triangles), 0.12 * (1 + 1e-12));
+      EXPECT_GE(least_inner_valence(result.triangles), 4u);
       const MeshStatistics facts = checked_statistics(grid.positions, result.triangles);
       EXPECT_EQ(facts.genus, before.genus);
       EXPECT_EQ(facts.component_count, before.component_count);

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <utility>
+#include <vector>
 
 #include "camera.h"
 #include "colours.h"
+#include "dome_light.h"
 #include "overlay.h"
 #include "picture.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -110,6 +113,47 @@ TEST(Overlay, HidesBehindTheSurface) {
   const glm::vec3 hidden = camera.project(glm::vec3(points.positions[1]));
   EXPECT_LT(buffer.what[buffer.at(static_cast<int>(hidden.x), static_cast<int>(hidden.y))],
             mesh.indices.size() / 3);
+}
+
+// Edges in the plane of a plate that is seen a little aslant.
+TEST(Overlay, EdgesOnTheSurfaceAreAsWideAsWithoutIt) {
+  const std::vector<glm::vec3> plate{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  const Camera camera = frame(plate, 200, 200, {.azimuth_degrees = 5, .elevation_degrees = 10});
+  std::vector<glm::vec3> projected;
+  for (const glm::vec3& p : plate) projected.push_back(camera.project(p));
+  PolygonMesh edges;  // a smaller one in the same plane
+  edges.positions = {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}, {-0.5, 0.5, 0}};
+  edges.add_face(std::array{0, 1, 2, 3});
+  VisibilityBuffer alone(200, 200), with_plate(200, 200);
+  rasterise(projected, std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}, 0, 200, with_plate);
+  for (VisibilityBuffer* buffer : {&alone, &with_plate})
+    draw_overlay(edges, camera, {.edge_width = 5, .vertex_width = 0}, *buffer);
+  const auto drawn = [](const VisibilityBuffer& buffer) {
+    return std::ranges::count(buffer.what, kEdgeSample);
+  };
+  EXPECT_GT(drawn(alone), 4 * 5 * 40);
+  EXPECT_EQ(drawn(with_plate), drawn(alone));
+}
+
+// A plate above a larger one, both level: the lower one is in shadow below it, and nowhere else.
+TEST(DomeLight, MeshesCastShadowsButNotOnTheirOwnLitSide) {
+  RenderMesh mesh;
+  for (const auto& [half, y] : {std::pair{1.0f, 0.4f}, std::pair{4.0f, 0.0f}}) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const auto& [x, z] :
+         {std::pair{-1, -1}, std::pair{-1, 1}, std::pair{1, 1}, std::pair{1, -1}})
+      mesh.positions.emplace_back(half * x, y, half * z);
+    for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + k);
+  }
+  const Camera camera = frame(mesh.positions, 100, 100, {});
+  const DomeLight light(mesh, camera);
+  const glm::vec3 up(0, 1, 0);
+  const std::vector<float> lit =
+      light.irradiance({{{0, 0.4f, 0}, up}, {{0, 0, 0}, up}, {{3.9f, 0, 3.9f}, up}});
+  const float free = light.free_irradiance(up);
+  EXPECT_NEAR(lit[0], free, 0.01f * free);
+  EXPECT_LT(lit[1], 0.3f * free);
+  EXPECT_GT(lit[2], 0.9f * free);
 }
 
 TEST(Picture, ValuesAreColouredOnASymmetricScale) {

@@ -174,6 +174,34 @@ TEST(SurfaceQuality, BendingOfATorus) {
               0.01 * expected);
 }
 
+// Two triangles along the shorter diagonal, whose normals differ at one far end alone: there it is
+// half the cotangents beside that corner, times the squared difference (Pinkall & Polthier 1993).
+TEST(SurfaceQuality, QuadsAreCutAlongTheirShorterDiagonalWhereverTheyStand) {
+  const std::array<glm::dvec3, 4> corners = {
+      {{0, 0, 0}, {4, 0, 0}, {5, 3, 0}, {1, 3, 0}}};  // from 1 to 3 it is shorter
+  const glm::vec3 up(0, 0, 1), turned(0.6f, 0, 0.8f);
+  // In the triangle (0, 1, 3): the angles at 1 and at 3 lie opposite the edges of corner 0.
+  const auto cotangent = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return glm::dot(a, b) / glm::length(glm::cross(a, b));
+  };
+  const double expected = 0.5 * 0.4 *
+                          (cotangent(corners[0] - corners[1], corners[3] - corners[1]) +
+                           cotangent(corners[0] - corners[3], corners[1] - corners[3]));
+  for (const glm::dvec3& moved : {glm::dvec3(0.0), glm::dvec3(-20, 30, 0), glm::dvec3(7, -2, 5)}) {
+    for (std::size_t first = 0; first < 4; ++first) {
+      PolygonMesh mesh;
+      std::vector<glm::vec3> normals;
+      for (std::size_t i = first; i < first + 4; ++i) {
+        mesh.positions.push_back(corners[i % 4] + moved);
+        normals.push_back(i % 4 == 0 ? turned : up);
+      }
+      mesh.add_face(std::array{0, 1, 2, 3});
+      EXPECT_NEAR(surface_quality(surface_with(mesh, normals), mesh).bending, expected, 1e-7)
+          << first;
+    }
+  }
+}
+
 TEST(SurfaceQuality, SliversDoNotSpoilTheBending) {
   PolygonMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-9, 0}};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "planish/fair/bending_rows.h"
 #include "planish/fair/corner_offsets.h"
@@ -207,7 +208,7 @@ TEST_P(FairKernels, PolygonsAndCreasesEqualTheirTwins) {
 
 TEST_P(FairKernels, RepairEqualsItsTwin) {
   std::int64_t halved = 0;
-  for_each_net(0, [&](DeviceNet& net) {
+  const auto halvings_of = [&](DeviceNet& net) {
     build(net);
     std::vector<dvec3> expected = result(net);
     const std::vector<dvec3> face_normals = this->face_normals(net);
@@ -222,8 +223,16 @@ TEST_P(FairKernels, RepairEqualsItsTwin) {
     const auto words = download<std::uint32_t>(net.fair.buffers().decisions, halvings.size());
     EXPECT_EQ(vulkan::unpack_decisions(words).halvings, halvings);
     for (const std::uint8_t count : halvings) halved += count;
-  });
+    return halvings;
+  };
+  for_each_net(0, halvings_of);
   EXPECT_GT(halved, 10);
+  // All lanes that share a hub's ring must see that it is turned over.
+  PolygonMesh hub = hub_of(40, 3, 2 * std::numbers::pi);
+  for (std::size_t i = 8; i < hub.positions.size(); i += 8) hub.positions[i].z += 2.4;
+  const test::FairCase c(hub);
+  DeviceNet net(*machine_, c, 0);
+  EXPECT_GT(halvings_of(net).front(), 0);
 }
 
 TEST_P(FairKernels, RepairRunsOnlyWhereSomethingIsTurnedOver) {
