@@ -34,8 +34,9 @@ struct RepairedTriangles {
 /// Makes triangles with any winding an oriented manifold: drops what prevents it and
 /// open_bridges(), keeps the asked components, fills short boundary loops with the flattest patch
 /// (largest dihedral angle, then area, at its least), and turns every component outwards (by its
-/// volume; an open one by the volume over its centroid). Corners must be different indices of
-/// `positions`. Throws Error{InvalidArgument} for the options, Error{Cancelled}.
+/// volume; an open one by the volume over its centroid; one without volume as its first triangle
+/// is). Corners must be different indices of `positions`. Throws Error{InvalidArgument} for the
+/// options, Error{Cancelled}.
 [[nodiscard]] RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
                                                  std::vector<Triangle> triangles,
                                                  const TriangleRepairOptions& options = {});
