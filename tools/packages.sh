@@ -1,4 +1,4 @@
-# Sourced by tools/run, tools/test, tools/package, tools/docs and tools/check: the Debian 12 packages that each
+# Sourced by tools/run, tools/test, tools/package, tools/docs, tools/races and tools/check: the Debian 12 packages that each
 # needs.
 
 # To build the command and the library.
@@ -28,6 +28,9 @@ docs_packages="doxygen graphviz"
 
 # To check format and faults.
 check_packages="clang-format clang-tidy"
+
+# To build oneTBB and all else with the thread sanitizer.
+races_packages="clang-19 dpkg-dev patch"
 
 # To compile to WebAssembly, beside what tools/wasm/setup.sh fetches; and the packages whose sources are compiled so.
 wasm_packages="clang-19 lld-19 llvm-19 dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtinygltf-dev

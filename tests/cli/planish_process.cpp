@@ -81,8 +81,9 @@ PlanishProcess::PlanishProcess(const std::vector<std::string>& arguments, const 
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = options.environment;
   environment.emplace_back("PATH=/usr/bin:/bin");
-  if (const char* sanitizer = std::getenv("ASAN_OPTIONS")) {
-    environment.push_back(std::string("ASAN_OPTIONS=") + sanitizer);
+  for (const std::string name : {"ASAN_OPTIONS", "TSAN_OPTIONS"}) {
+    if (const char* options = std::getenv(name.c_str()))
+      environment.push_back(name + "=" + options);
   }
   std::vector<char*> argv = pointers(texts);
   std::vector<char*> envp = pointers(environment);

@@ -17,6 +17,20 @@ if(PLANISH_SANITIZE)
   target_link_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE})
 endif()
 
+# planish_require_instrumented(TARGET): of a library whose locks the thread sanitizer must see, as else every loop on it
+# looks like a race, or, where what stands in it is not reported, none does.
+function(planish_require_instrumented target)
+  if(NOT PLANISH_SANITIZE MATCHES thread)
+    return()
+  endif()
+  get_target_property(location ${target} LOCATION)
+  file(STRINGS ${location} calls REGEX "__tsan_func_entry" LIMIT_COUNT 1)
+  if(NOT calls)
+    message(FATAL_ERROR "${location} is not built with the thread sanitizer; tools/races builds one that is, or name "
+                        "its folder by TBB_DIR")
+  endif()
+endfunction()
+
 # planish_widest(TARGET SOURCE...): loops become vectors, of several widths with the same bits (core/widest.h).
 function(planish_widest target)
   set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES COMPILE_OPTIONS
