@@ -28,7 +28,7 @@ static planish_mesh_arrays cube_arrays(void) {
   return arrays;
 }
 
-static planish_mesh* cube(void) {
+static inline planish_mesh* cube(void) {
   const planish_mesh_arrays arrays = cube_arrays();
   planish_mesh* mesh = NULL;
   EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
