@@ -31,7 +31,9 @@ Watch& watch() {
   return *instance;
 }
 
-volatile std::sig_atomic_t noted_signal = 0;
+// Jobs on other threads than the one that takes the signal read it, too.
+std::atomic<int> noted_signal = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 StopFlag stop = false;
 sem_t signalled;
 MessageStyle ending_style;

@@ -23,7 +23,8 @@ struct AssetMesh {
 };
 
 /// A glTF file with all that it holds, whose triangle meshes are to give way to surfaces: nodes,
-/// materials, textures, skins, animations and what nobody here knows stay as they are.
+/// materials, textures, skins, animations and what nobody here knows stay as they are. One thread
+/// at a time: what lies beside the file or is packed is fetched when it is first asked for.
 class GltfAsset {
  public:
   /// The bytes must outlive it. Throws Error{UnreadableInput}, naming the place, where something in
