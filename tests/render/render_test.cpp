@@ -207,6 +207,23 @@ TEST(Picture, LightDoesNotDependOnWhereTheMeshIs) {
   EXPECT_LT(sum / static_cast<double>(here.size()), 0.5);  // of 255
 }
 
+// Faces that look inward are seen from behind right up to the outline.
+TEST(Picture, ASphereInsideOutLooksLikeASphere) {
+  PictureOptions options;
+  options.width = 80;
+  options.height = 60;
+  RenderMesh inside_out = sphere();
+  for (glm::vec3& n : inside_out.normals) n = -n;
+  for (std::size_t i = 0; i < inside_out.indices.size(); i += 3)
+    std::swap(inside_out.indices[i], inside_out.indices[i + 1]);
+  const auto right = draw_picture(sphere(), options), wrong = draw_picture(inside_out, options);
+  ASSERT_EQ(right.size(), wrong.size());
+  int largest = 0;
+  for (std::size_t i = 0; i < right.size(); ++i)
+    largest = std::max(largest, std::abs(right[i] - wrong[i]));
+  EXPECT_LT(largest, 8);  // of 255
+}
+
 TEST(RenderMesh, HasTheTrianglesOfAllPrimitives) {
   SurfaceMesh surface;
   surface.level = 1;

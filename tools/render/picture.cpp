@@ -72,12 +72,6 @@ struct Hit {
   }
 };
 
-// Smooth normals turn a little away from the eye at outlines; that is no back side yet.
-bool is_behind(const glm::vec3& normal, const glm::vec3& ray) {
-  constexpr float kOvershoot = 0.2f;
-  return glm::dot(normal, ray) > kOvershoot * glm::length(ray);
-}
-
 class Painter {
  public:
   Painter(const RenderMesh& mesh, const PictureOptions& options, const Camera& camera)
@@ -111,12 +105,13 @@ class Painter {
 
  private:
   void bake_light();
+  bool is_seen_from_behind(std::uint32_t triangle) const;
   bool any_seen_from_behind() const;
   Hit hit_at(std::uint32_t triangle, const glm::vec2& image) const;
   bool on_wire(std::uint32_t triangle, const glm::vec2& image) const;
   glm::vec3 sample(int x, int y) const;
   glm::vec3 background(const glm::vec2& image) const;
-  glm::vec3 surface(const Hit& hit, const glm::vec3& ray) const;
+  glm::vec3 surface(const Hit& hit, bool is_behind, const glm::vec3& ray) const;
 
   const RenderMesh& mesh_;
   const PictureOptions& options_;
@@ -129,14 +124,19 @@ class Painter {
   std::vector<float> front_light_, back_light_, curvature_;
 };
 
+// By the triangle itself: normals turn away from the eye beside outlines already.
+bool Painter::is_seen_from_behind(std::uint32_t triangle) const {
+  const std::uint32_t* corners = mesh_.indices.data() + 3 * std::size_t{triangle};
+  const glm::vec3 a = mesh_.positions[corners[0]];
+  const glm::vec3 area =
+      glm::cross(mesh_.positions[corners[1]] - a, mesh_.positions[corners[2]] - a);
+  return glm::dot(area, a - camera_.eye) > 0;
+}
+
 bool Painter::any_seen_from_behind() const {
-  for (std::size_t i = 0; i < buffer_.what.size(); ++i) {
-    const std::uint32_t triangle = buffer_.what[i];
-    if (triangle >= kVertexSample) continue;
-    const std::uint32_t corner = mesh_.indices[3 * std::size_t{triangle}];
-    if (is_behind(mesh_.normals[corner], mesh_.positions[corner] - camera_.eye)) return true;
-  }
-  return false;
+  return std::ranges::any_of(buffer_.what, [&](std::uint32_t what) {
+    return what < kVertexSample && is_seen_from_behind(what);
+  });
 }
 
 // One call for the front of the surface, its back where that is seen, and the floor: the lamps'
@@ -210,11 +210,10 @@ glm::vec3 Painter::background(const glm::vec2& image) const {
   return paper * glm::mix(1.0f, floor_.at(camera_.eye + distance * ray), 0.85f);
 }
 
-glm::vec3 Painter::surface(const Hit& hit, const glm::vec3& ray) const {
+glm::vec3 Painter::surface(const Hit& hit, bool is_behind, const glm::vec3& ray) const {
   glm::vec3 normal = glm::normalize(hit.mix(mesh_.normals));
-  const bool behind = is_behind(normal, ray);
-  if (behind) normal = -normal;
-  const float light = hit.mix(behind ? back_light_ : front_light_);
+  if (is_behind) normal = -normal;
+  const float light = hit.mix(is_behind ? back_light_ : front_light_);
   const glm::vec3 mirrored = glm::reflect(ray, normal);
   if (options_.look == Look::Stripes) {
     // Bands of light all round the model, seen in a mirror.
@@ -241,7 +240,8 @@ glm::vec3 Painter::sample(int x, int y) const {
   if (what == VisibilityBuffer::kNothing) return background(image);
   if (what == kEdgeSample) return linear(glm::vec3(0.13f, 0.20f, 0.30f));
   if (what == kVertexSample) return linear(glm::vec3(0.80f, 0.22f, 0.10f));
-  glm::vec3 colour = soft_shoulder(surface(hit_at(what, image), camera_.ray(image)));
+  glm::vec3 colour =
+      soft_shoulder(surface(hit_at(what, image), is_seen_from_behind(what), camera_.ray(image)));
   if (options_.wire && on_wire(what, image)) colour *= 0.35f;
   return colour;
 }
