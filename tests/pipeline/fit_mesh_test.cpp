@@ -11,6 +11,7 @@
 #include "planish/pipeline/make_ready.h"
 #include "planish/pipeline/tessellate_fit.h"
 #include "planish/pipeline/verify_cage.h"
+#include "support/cone.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -168,6 +169,35 @@ double leaves_square(const FittedMesh& fitted, double n, double m) {
   return farthest;
 }
 
+// The largest distance of a surface from the side of the cone with that height over the unit disc.
+double leaves_cone(const FittedMesh& fitted, double height) {
+  const double length = std::sqrt(1 + height * height);
+  double farthest = 0;
+  for (const glm::dvec3& p : tessellate(fitted, {.chord_error = 1e-4}).positions) {
+    if (p.z == 0) continue;  // its base
+    const double off = (std::sqrt(p.x * p.x + p.y * p.y) * height + p.z - height) / length;
+    farthest = std::max(farthest, std::abs(off));
+  }
+  return farthest;
+}
+
+TEST(FitMesh, KeepsTheTipOfACone) {
+  for (const bool is_closed : {false, true}) {
+    PolygonMesh cone = test::cone(32, 1.5);
+    if (is_closed) cone = test::with_base(cone, 32);
+    const FittedMesh kept = fit_mesh(cone, "cone", *make_cpu_backend());
+    EXPECT_EQ(kept.creases(), is_closed ? "auto:30" : "auto:180");
+    ASSERT_EQ(kept.mesh.corners.size(), 1u);
+    EXPECT_EQ(kept.mesh.corners.front().vertex, 32);
+    MeshFitOptions rounded;
+    rounded.chooses_creases = false;
+    const FittedMesh round = fit_mesh(cone, "cone", *make_cpu_backend(), rounded);
+    // Between two of 32 points a chord leaves the circle by 0.0048 of its radius.
+    EXPECT_LT(leaves_cone(kept, 1.5), 0.005);
+    EXPECT_GT(leaves_cone(round, 1.5), 0.05);
+  }
+}
+
 TEST(FitMesh, KeepsTheCornersOfAnOutline) {
   for (const bool is_wavy : {false, true}) {
     PolygonMesh sheet = test::flat_grid(6, 4);
@@ -176,7 +206,8 @@ TEST(FitMesh, KeepsTheCornersOfAnOutline) {
     FittedMesh kept = fit_mesh(sheet, "sheet", *make_cpu_backend());
     EXPECT_EQ(kept.mesh.corners.size(), 4u);
     EXPECT_EQ(kept.creases(), "auto:180");
-    EXPECT_NE(kept.reason->text.find("corners of its outline are kept"), std::string::npos);
+    EXPECT_NE(kept.reason->text.find("corners of its outline and tips of cones are kept"),
+              std::string::npos);
     EXPECT_EQ(kept.options.method,
               is_wavy ? InterpolationMethod::Fair : InterpolationMethod::Progressive);
     MeshFitOptions rounded;

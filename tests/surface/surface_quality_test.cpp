@@ -13,6 +13,7 @@
 #include "planish/surface/block_quality.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
+#include "support/cone.h"
 #include "support/meshes.h"
 
 namespace planish {
@@ -115,6 +116,33 @@ TEST(SurfaceQuality, FacesWithoutAreaDeviateFromNothing) {
   const SurfaceQuality without = surface_quality(*rest.level(1), mesh, {}, {});
   EXPECT_NEAR(of_blocks.max_normal_deviation, without.max_normal_deviation, 1e-6);
   EXPECT_LT(of_blocks.folded_area, without.folded_area + 1e-9);
+}
+
+// A cone's tip has no normal: on a quad there, those beside it count.
+TEST(SurfaceQuality, OfATaggedTipTheNormalsBesideItCount) {
+  const PolygonMesh smooth = test::cone(32, 1.7);
+  PolygonMesh tagged = smooth;
+  tagged.corners = {{32, kInfiniteSharpness}};
+  const auto both = [](const PolygonMesh& mesh, const PolygonMesh& reference) {
+    const DooSabinSurface base(mesh, {});
+    const auto blocks = base.level(1);
+    const SurfaceQuality of_blocks = surface_quality(*blocks, reference, {}, {});
+    const SurfaceQuality of_mesh = surface_quality(collect(*blocks, {}), reference);
+    EXPECT_NEAR(of_blocks.rms_normal_deviation, of_mesh.rms_normal_deviation, 1e-6);
+    EXPECT_NEAR(of_blocks.max_normal_deviation, of_mesh.max_normal_deviation, 1e-6);
+    return of_mesh;
+  };
+  const double lean = std::atan(1.7) * 180 / kPi;
+  const SurfaceQuality counted = both(tagged, smooth), left_out = both(tagged, tagged);
+  EXPECT_NEAR(counted.max_normal_deviation, lean, 0.5) << "that of the axis";
+  EXPECT_LT(left_out.max_normal_deviation, 15);
+  // Where creases end there, each part of the surface has its normal.
+  PolygonMesh creased = tagged;
+  creased.creases = {{32, 0, kInfiniteSharpness}, {32, 16, kInfiniteSharpness}};
+  PolygonMesh without_tags = creased;
+  without_tags.corners.clear();
+  EXPECT_EQ(both(creased, creased).rms_normal_deviation,
+            both(creased, without_tags).rms_normal_deviation);
 }
 
 TEST(SurfaceQuality, AnglesAreInDegreesAgainstTheGivenNormals) {

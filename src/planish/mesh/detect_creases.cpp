@@ -18,9 +18,10 @@
 #include "planish/core/raw_vector.h"
 #include "planish/core/work.h"
 #include "planish/mesh/angle_between.h"
-#include "planish/mesh/area_vector.h"
 #include "planish/mesh/coherent_edges.h"
+#include "planish/mesh/cone_apexes.h"
 #include "planish/mesh/disjoint_sets.h"
+#include "planish/mesh/face_areas.h"
 #include "planish/mesh/sound_topology.h"
 
 namespace planish {
@@ -48,10 +49,11 @@ constexpr double kEvenShare = 0.8;
 
 struct Edge {
   std::int32_t v0, v1;
-  bool given;       // tagged as sharp by the mesh, or a boundary: stays
-  double angle;     // between its faces, radians
-  bool stands_out;  // from its surroundings
-  bool is_clear;    // by far
+  std::int32_t number;  // in the topology
+  bool given;           // tagged as sharp by the mesh, or a boundary: stays
+  double angle;         // between its faces, radians
+  bool stands_out;      // from its surroundings
+  bool is_clear;        // by far
 };
 
 void require_angle(double degrees, const char* name) {
@@ -79,17 +81,9 @@ std::set<VertexPair> tagged_edges(const PolygonMesh& mesh) {
   return tagged;
 }
 
-std::vector<glm::dvec3> face_normals(const PolygonMesh& mesh) {
-  std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
-  parallel_each(normals.size(), kDetectGrain,
-                [&](std::int32_t f) { normals[f] = area_vector(mesh.positions, mesh.face(f)); });
-  return normals;
-}
-
 // By lower vertex, then by higher.
 std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topology,
-                              double dihedral) {
-  const std::vector<glm::dvec3> normals = face_normals(mesh);
+                              std::span<const glm::dvec3> normals, double dihedral) {
   const std::set<VertexPair> tagged = tagged_edges(mesh);
   const double slope = dihedral < kRightAngle ? std::tan(dihedral) : 0;
   const auto ends_of = [&](std::int32_t edge) {
@@ -125,6 +119,7 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
     const auto [lower, higher] = ends_of(edge);
     edges[number] = {lower,
                      higher,
+                     edge,
                      kinds[e] == Given,
                      angle_at(edge),
                      kinds[e] == Given || turns.stands_out(edge),
@@ -240,20 +235,23 @@ void drop_fold_backs(const PolygonMesh& mesh, std::vector<Edge>& edges) {
   std::erase_if(edges, [&](const Edge&) { return dropped[next++] != 0; });
 }
 
-// Where a line of two edges turns too far.
+// Where a line of two edges turns too far, and cones end.
 void tag_corners(PolygonMesh& mesh, const std::vector<Edge>& edges,
-                 const CreaseDetectionOptions& options) {
+                 std::span<const std::int32_t> apexes, const CreaseDetectionOptions& options) {
   std::set<std::int32_t> tagged;
   for (const CornerVertex& corner : mesh.corners) tagged.insert(corner.vertex);
   const Groups<std::int32_t> sharp = edges_of_vertices(mesh, edges);
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+  const auto turns_far = [&](std::int32_t v) {
     const auto at = sharp.of(v);
-    if (at.size() != 2 || tagged.contains(v)) continue;
-    if (!options.smooth_vertices.empty() && options.smooth_vertices[v]) continue;
+    if (at.size() != 2) return false;
     const glm::dvec3 in = -along(mesh, edges[at[0]], v), out = along(mesh, edges[at[1]], v);
-    if (angle_between(in, out) > options.corner_degrees * kRadians) {
+    return angle_between(in, out) > options.corner_degrees * kRadians;
+  };
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (tagged.contains(v)) continue;
+    if (!options.smooth_vertices.empty() && options.smooth_vertices[v]) continue;
+    if (turns_far(v) || std::ranges::binary_search(apexes, v))
       mesh.corners.push_back({v, kInfiniteSharpness});
-    }
   }
 }
 
@@ -269,7 +267,9 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
         ErrorCode::InvalidArgument,
         formatted("smooth_vertices has {} flags for {} vertices; give one a vertex, or none", flags,
                   mesh.positions.size()));
-  std::vector<Edge> edges = sharp_edges(mesh, topology, options.dihedral_degrees * kRadians);
+  const std::vector<glm::dvec3> normals = face_areas(mesh);
+  std::vector<Edge> edges =
+      sharp_edges(mesh, topology, normals, options.dihedral_degrees * kRadians);
   drop_incoherent(mesh, edges);
   drop_fold_backs(mesh, edges);
   drop_weak_lines(mesh, edges);
@@ -304,7 +304,9 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
   for (const Edge& edge : edges) {
     if (!edge.given) mesh.creases.push_back({edge.v0, edge.v1, kInfiniteSharpness});
   }
-  tag_corners(mesh, edges, options);
+  std::vector<std::uint8_t> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
+  for (const Edge& edge : edges) is_sharp[edge.number] = 1;
+  tag_corners(mesh, edges, cone_apexes(topology, normals, is_sharp), options);
 }
 
 PolygonMesh with_detected_creases(const PolygonMesh& mesh, const CreaseDetectionOptions& options) {

@@ -26,9 +26,10 @@ struct CreaseDetectionOptions {
 ///     long edges of a needle do;
 ///   - lines of a single edge that touch no other crease and no boundary;
 /// and as corners the vertices where a line of two sharp edges turns by more than `corner_degrees`
-/// (three or more sharp edges make a corner by themselves). A lower sharpness of an edge that is
-/// found sharp is replaced. Throws Error{UnusableMesh} for a mesh that does not pass check(),
-/// Error{InvalidArgument} for angles outside 0 to 180 and for another number of flags.
+/// (three or more sharp edges make a corner by themselves), and cone_apexes(). A lower sharpness of
+/// an edge that is found sharp is replaced. Throws Error{UnusableMesh} for a mesh that does not
+/// pass check(), Error{InvalidArgument} for angles outside 0 to 180 and for another number of
+/// flags.
 [[nodiscard]] PolygonMesh with_detected_creases(const PolygonMesh& mesh,
                                                 const CreaseDetectionOptions& options = {});
 

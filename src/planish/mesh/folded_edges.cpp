@@ -7,8 +7,8 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
-#include "planish/mesh/area_vector.h"
 #include "planish/mesh/edge_groups.h"
+#include "planish/mesh/face_areas.h"
 
 namespace planish {
 
@@ -19,11 +19,7 @@ constexpr std::size_t kFoldGrain = 1 << 13;
 // The vector areas of all faces, and which pairs of them turn too far.
 class FaceAreas {
  public:
-  explicit FaceAreas(const PolygonMesh& mesh)
-      : areas_(static_cast<std::size_t>(mesh.face_count())) {
-    parallel_each(areas_.size(), kFoldGrain,
-                  [&](std::int32_t f) { areas_[f] = area_vector(mesh.positions, mesh.face(f)); });
-  }
+  explicit FaceAreas(const PolygonMesh& mesh) : areas_(face_areas(mesh)) {}
   [[nodiscard]] std::size_t count() const { return areas_.size(); }
 
   [[nodiscard]] bool are_folded(std::int32_t f, std::int32_t g) const {

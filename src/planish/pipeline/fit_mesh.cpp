@@ -109,7 +109,8 @@ void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warning
     result.crease_degrees = best.crease_degrees;
   } else if (outline) {
     best.smoothed_vertices = std::move(result.smoothed_vertices);
-    result.reason->text += "; corners of its outline are kept (--creases use rounds them)";
+    result.reason->text +=
+        "; corners of its outline and tips of cones are kept (--creases use rounds them)";
   }
   result.options.method = best.method;
   result.smoothed_vertices = std::move(best.smoothed_vertices);

@@ -9,9 +9,10 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/mesh/angle_between.h"
-#include "planish/mesh/area_vector.h"
 #include "planish/mesh/coherent_edges.h"
+#include "planish/mesh/cone_apexes.h"
 #include "planish/mesh/convex_faces.h"
+#include "planish/mesh/face_areas.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/outline_corners.h"
 #include "planish/pipeline/deep_folds.h"
@@ -123,10 +124,7 @@ bool are_creases_clear(const PolygonMesh& mesh,
     const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
     if (edge >= 0) is_crease[edge] = 1;
   }
-  std::vector<glm::dvec3> areas(static_cast<std::size_t>(topology.face_count()));
-  parallel_each(areas.size(), [&](std::int32_t f) {
-    areas[f] = area_vector(used.mesh.positions, used.mesh.face(f));
-  });
+  const std::vector<glm::dvec3> areas = face_areas(used.mesh);
   double all = 0, of_creases = 0;
   bool is_any_smooth = false;
   for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
@@ -192,9 +190,13 @@ std::optional<std::vector<std::int32_t>> add_outline_corners(
   std::vector<std::uint8_t> is_clear(mesh.positions.size(), 0);
   {
     const UsedPart used = used_part(mesh, prepared);
-    const auto clear = outline_corners(used.mesh, *prepared->topology, options.corner_degrees);
-    if (clear.empty()) return std::nullopt;
-    for (const std::int32_t v : clear) is_clear[used.vertices[v]] = 1;
+    const MeshTopology& topology = *prepared->topology;
+    const auto corners = outline_corners(used.mesh, topology, options.corner_degrees);
+    const std::vector<std::uint8_t> none_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
+    const auto apexes = cone_apexes(topology, face_areas(used.mesh), none_sharp);
+    if (corners.empty() && apexes.empty()) return std::nullopt;
+    for (const auto& clear : {corners, apexes})
+      for (const std::int32_t v : clear) is_clear[used.vertices[v]] = 1;
   }
   const FoundCreases found = add_found_creases(mesh, *prepared, options);
   std::vector<std::int32_t> smoothed;

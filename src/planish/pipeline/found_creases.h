@@ -39,15 +39,15 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
     PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
 
 /// Of CreaseDetectionOptions: no edge is sharp, but corners of outlines are, which turn by more
-/// than kOutlineCornerDegrees then, as those of a hexagon do.
+/// than kOutlineCornerDegrees then, as those of a hexagon do, and apexes of cones.
 inline constexpr double kOutlineDegrees = 180, kOutlineCornerDegrees = 45;
 
 /// How edges that turn by more than `degrees` are found, by default or as a user asks.
 [[nodiscard]] CreaseDetectionOptions crease_detection(double degrees);
 
-/// Tags the corners that outlines have beyond doubt (see outline_corners()), as with_detected_
-/// creases() by kOutlineDegrees with the vertices that are returned left smooth. Nothing where
-/// there are none: the mesh is as it was. `prepared` is the mesh's, and stays so.
+/// Tags the corners that outlines have beyond doubt (see outline_corners()), and cone_apexes(), as
+/// with_detected_creases() by kOutlineDegrees with the vertices that are returned left smooth.
+/// Nothing where there are none: the mesh is as it was. `prepared` is the mesh's, and stays so.
 [[nodiscard]] std::optional<std::vector<std::int32_t>> add_outline_corners(
     PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
 /// The same corners again, of a mesh with other faces but the same vertices.

@@ -11,6 +11,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/surface/apex_normals.h"
 #include "planish/surface/folded_places.h"
 #include "planish/surface/kept_rows.h"
 #include "planish/surface/quad_figures.h"
@@ -27,10 +28,12 @@ using Sums = QualitySums;
 // Measures one range of quads after another; keeps its memory.
 class QuadMeter {
  public:
-  Sums operator()(const PolygonMesh& input, std::span<const std::uint8_t> is_beside_folds,
-                  const SurfaceBlocks& surface, RowRange faces,
-                  std::span<const glm::dvec3> positions, std::span<const glm::vec3> normals) {
+  Sums operator()(const PolygonMesh& input, const ApexNormals& apexes,
+                  std::span<const std::uint8_t> is_beside_folds, const SurfaceBlocks& surface,
+                  RowRange faces, std::span<const glm::dvec3> positions,
+                  std::span<const glm::vec3> normals) {
     input_ = &input;
+    apexes_ = &apexes;
     is_beside_folds_ = is_beside_folds;
     positions_ = positions;
     normals_ = normals;
@@ -65,6 +68,7 @@ class QuadMeter {
         position[j * kQuadLanes + static_cast<std::size_t>(i)] = p[j];
         normal[j * kQuadLanes + static_cast<std::size_t>(i)] = static_cast<double>(n[j]);
       }
+      if (apex_ != nullptr) take_normals_beside(face, static_cast<std::size_t>(i));
       deviates_[i] = has_normal_;
       for (int axis = 0; axis < 3; ++axis)
         batch_.wanted[axis][i] = has_normal_ ? wanted_[axis] : static_cast<double>(n[axis]);
@@ -77,6 +81,16 @@ class QuadMeter {
     const double length = glm::length(area);
     has_normal_ = length > 0;
     if (has_normal_) wanted_ = area / length;
+    apex_ = apexes_->apex_of(face);
+  }
+
+  void take_normals_beside(std::size_t face, std::size_t lane) {
+    std::array<glm::vec3, 4> normals;
+    std::copy_n(normals_.begin() + static_cast<std::ptrdiff_t>(4 * face), 4, normals.begin());
+    leave_out_apex(*apex_, positions_.subspan(4 * face, 4), normals);
+    for (int k = 0; k < 4; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        batch_.normal[k][axis][lane] = static_cast<double>(normals[k][axis]);
   }
 
   void add_fold(std::size_t face, double area, Sums& sums) const {
@@ -99,11 +113,13 @@ class QuadMeter {
   }
 
   const PolygonMesh* input_ = nullptr;
+  const ApexNormals* apexes_ = nullptr;
   std::span<const std::uint8_t> is_beside_folds_;
   std::span<const glm::dvec3> positions_;
   std::span<const glm::vec3> normals_;
   RawVector<std::int32_t> ancestors_;
   std::int32_t ancestor_ = -1;
+  const glm::dvec3* apex_ = nullptr;
   bool has_normal_ = false;
   glm::dvec3 wanted_{0.0};
   std::array<bool, kQuadLanes> deviates_{};  // a face without an area has no normal to deviate from
@@ -115,7 +131,7 @@ class QuadMeter {
 
 BlockQuality::BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& input,
                            std::span<const std::uint8_t> is_beside_folds)
-    : surface_(surface), input_(input), is_beside_folds_(is_beside_folds) {
+    : surface_(surface), input_(input), is_beside_folds_(is_beside_folds), apexes_(input) {
   PLANISH_ASSERT(surface.info().level >= 1 && surface.info().corners_per_face == 4);
   const std::vector<RowRange> pieces = swept_pieces(surface.info());
   if (!pieces.empty()) piece_size_ = pieces.front().count;
@@ -126,7 +142,7 @@ void BlockQuality::add(RowRange piece, std::span<const glm::dvec3> positions,
                        std::span<const glm::vec3> normals) {
   thread_local QuadMeter measure;
   of_pieces_[piece.first / piece_size_] =
-      measure(input_, is_beside_folds_, surface_, piece, positions, normals);
+      measure(input_, apexes_, is_beside_folds_, surface_, piece, positions, normals);
 }
 
 SurfaceQuality BlockQuality::result() const {
@@ -161,6 +177,7 @@ SurfaceQuality QualitySums::quality() const {
 QualitySums quality_sums(const SurfaceBlocks& surface, std::span<const RowRange> ranges,
                          const PolygonMesh& input, std::span<const std::uint8_t> is_beside_folds) {
   constexpr std::int64_t kPieceFaces = 4096;
+  const ApexNormals apexes(input);
   QuadMeter measure;
   QualitySums all;
   RawVector<glm::dvec3> positions;
@@ -171,7 +188,7 @@ QualitySums quality_sums(const SurfaceBlocks& surface, std::span<const RowRange>
       positions.resize(static_cast<std::size_t>(4 * piece.count));
       normals.resize(positions.size());
       surface.corners(piece, positions, normals);
-      all.add(measure(input, is_beside_folds, surface, piece, positions, normals));
+      all.add(measure(input, apexes, is_beside_folds, surface, piece, positions, normals));
     }
   }
   return all;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/apex_normals.h"
 #include "planish/surface/folded_places.h"
 #include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_quality.h"
@@ -49,14 +50,15 @@ class BlockQuality {
   const SurfaceBlocks& surface_;
   const PolygonMesh& input_;
   std::span<const std::uint8_t> is_beside_folds_;
+  ApexNormals apexes_;
   std::int64_t piece_size_ = 1;
   std::vector<QualitySums> of_pieces_;
 };
 
 /// surface_quality() against the faces of the mesh that was fitted, of a surface of level 1 or more
 /// that is made piece by piece on all threads; the same bits whatever their number. Angles are
-/// within 1e-6 of a degree. `is_beside_folds`: one per face of the input, as FoldedEdges has it, or
-/// nothing. Throws Error{Cancelled}.
+/// within 1e-6 of a degree; see surface_quality.h of apexes. `is_beside_folds`: one per face of the
+/// input, as FoldedEdges has it, or nothing. Throws Error{Cancelled}.
 [[nodiscard]] SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
                                              std::span<const std::uint8_t> is_beside_folds,
                                              const Callbacks& callbacks);

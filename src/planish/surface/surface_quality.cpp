@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "planish/core/stop.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
+#include "planish/surface/apex_normals.h"
 #include "planish/surface/folded_places.h"
 #include "planish/surface/level_faces.h"
 #include "planish/surface/quality_sum.h"
@@ -16,10 +18,12 @@ namespace planish {
 
 namespace {
 
-// `ancestor`: one per face, or empty: no places are wanted.
+// `input`, and `ancestor` of each face in it: null and empty where the reference is another shape.
 SurfaceQuality measured_quality(const SurfaceMesh& surface, const ReferenceNormal& reference,
                                 std::span<const std::uint8_t> is_beside_folds,
-                                std::span<const std::int32_t> ancestor) {
+                                const PolygonMesh* input, std::span<const std::int32_t> ancestor) {
+  std::optional<ApexNormals> apexes;
+  if (input != nullptr) apexes.emplace(*input);
   QualitySum sum;
   FoldedPlaces places;
   StopCheck stop;
@@ -36,9 +40,12 @@ SurfaceQuality measured_quality(const SurfaceMesh& surface, const ReferenceNorma
       positions.push_back(surface.positions[v]);
       normals.push_back(surface.normals[v]);
       wanted.push_back(reference(f, corner));
-      if (!ancestor.empty() && glm::dot(glm::dvec3(normals.back()), wanted.back()) < 0)
-        places.add({ancestor[f], positions.back()}, is_elsewhere);
     }
+    const glm::dvec3* apex = apexes ? apexes->apex_of(ancestor[f]) : nullptr;
+    if (apex != nullptr) leave_out_apex(*apex, positions, normals);
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      if (input != nullptr && glm::dot(glm::dvec3(normals[i]), wanted[i]) < 0)
+        places.add({ancestor[f], positions[i]}, is_elsewhere);
     sum.add(positions, normals, wanted, is_elsewhere);
   }
   SurfaceQuality quality = sum.result();
@@ -50,7 +57,7 @@ SurfaceQuality measured_quality(const SurfaceMesh& surface, const ReferenceNorma
 
 SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal& reference,
                                std::span<const std::uint8_t> is_beside_folds) {
-  return measured_quality(surface, reference, is_beside_folds, {});
+  return measured_quality(surface, reference, is_beside_folds, nullptr, {});
 }
 
 std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface, const PolygonMesh& input) {
@@ -71,7 +78,7 @@ SurfaceQuality surface_quality(const SurfaceMesh& surface, const PolygonMesh& in
         if (corner == 0) normal = area_vector(input.positions, input.face(ancestor[face]));
         return normal;
       },
-      beside_folds(surface, input), ancestor);
+      beside_folds(surface, input), &input, ancestor);
 }
 
 }  // namespace planish

@@ -57,7 +57,8 @@ using ReferenceNormal = std::function<glm::dvec3(std::int64_t face, std::int32_t
 [[nodiscard]] std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface,
                                                      const PolygonMesh& input);
 
-/// Against the faces of the mesh that was fitted, each for its own descendants; any level.
+/// Against the faces of the mesh that was fitted, each for its own descendants; any level. At the
+/// apex of a cone, where there is no normal, the one beside it in each face counts.
 [[nodiscard]] SurfaceQuality surface_quality(const SurfaceMesh& surface, const PolygonMesh& input);
 
 }  // namespace planish
