@@ -315,6 +315,44 @@ TEST(DetectCreases, LeavesBevelsAllAroundRound) {
   EXPECT_TRUE(with_detected_creases(block).creases.empty());
 }
 
+// Walls over a profile in the plane y = 0, counter-clockwise seen against y, with both ends; in
+// triangles if `is_cut`.
+PolygonMesh prism_of(const std::vector<glm::dvec2>& profile, bool is_cut) {
+  const auto n = static_cast<std::int32_t>(profile.size());
+  PolygonMesh mesh;
+  for (const double y : {0.0, 2.0})
+    for (const glm::dvec2& p : profile) mesh.positions.emplace_back(p.x, y, p.y);
+  const auto add = [&](const std::vector<std::int32_t>& face) {
+    if (!is_cut) mesh.add_face(face);
+    for (std::size_t i = 1; is_cut && i + 1 < face.size(); ++i)
+      mesh.add_face(std::array{face[0], face[i], face[i + 1]});
+  };
+  std::vector<std::int32_t> front, back;
+  for (std::int32_t i = 0; i < n; ++i) {
+    front.push_back(i);
+    back.push_back(2 * n - 1 - i);
+    add({i, n + i, n + (i + 1) % n, (i + 1) % n});
+  }
+  add(front);
+  add(back);
+  return mesh;
+}
+
+// The eaves of a house turn by 51 degrees between walls and a ridge that turn by more; a round
+// shape has no single edge, and how flat faces are cut says nothing.
+TEST(DetectCreases, FindsTheEavesOfAHouseHoweverItIsCut) {
+  const std::vector<glm::dvec2> house{{-1, 0}, {1, 0}, {1, 1}, {0, 1.8}, {-1, 1}};
+  std::vector<glm::dvec2> tube;
+  for (int i = 0; i < 7; ++i)
+    tube.emplace_back(std::cos(2 * std::numbers::pi * i / 7),
+                      std::sin(2 * std::numbers::pi * i / 7));
+  for (const bool is_cut : {false, true}) {
+    EXPECT_EQ(with_detected_creases(prism_of(house, is_cut)).creases.size(), 15u) << is_cut;
+    EXPECT_EQ(with_detected_creases(prism_of(tube, is_cut)).creases.size(), 14u)
+        << "walls that turn alike by 51 degrees are round: " << is_cut;
+  }
+}
+
 // Every edge of an icosahedron turns by 42 degrees: it is a coarse sphere.
 TEST(DetectCreases, FindsNothingWhereAllEdgesAreAlike) {
   PolygonMesh mesh;

@@ -15,6 +15,7 @@
 #include "planish/fair/fair_builder.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"
+#include "support/primal_meshes.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {
@@ -214,6 +215,24 @@ TEST(FitBest, KeepsPrismsWithChamfersAsTheyAre) {
   ASSERT_TRUE(best.creased.has_value());
   EXPECT_NEAR(best.creased->rms_normal_deviation, 0, 1e-4);
   EXPECT_EQ(best.mesh(chamfered_prism(6)).creases.size(), 42u);
+}
+
+// So do the sides of a prism, which are no ball's, in polygons and in triangles.
+TEST(FitBest, KeepsPrismsAsTheyAre) {
+  const auto backend = make_cpu_backend();
+  for (const PolygonMesh& mesh : {prism(6), as_triangles(prism(6))}) {
+    const BestFit best = fit_best(mesh, *backend);
+    ASSERT_TRUE(best.creased.has_value());
+    EXPECT_NEAR(best.creased->rms_normal_deviation, 0, 1e-4);
+    EXPECT_EQ(best.mesh(mesh).creases.size(), 18u);
+  }
+}
+
+TEST(FitBest, SaysThatACubeMayBeKeptSharp) {
+  const BestFit best = fit_best(cube(), *make_cpu_backend());
+  EXPECT_TRUE(best.is_coarse_ball);
+  EXPECT_THAT(best.reason, HasSubstr("--creases auto"));
+  EXPECT_FALSE(fit_best(cube(), *make_cpu_backend(), {}, {}, false).is_coarse_ball);
 }
 
 // Coarse balls turn at all of their edges, and round ones at none.

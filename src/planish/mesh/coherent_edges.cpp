@@ -17,8 +17,6 @@ constexpr double kStrongTurn = 0.99 * std::numbers::pi / 3;  // the walls of hex
 // Of the turns around: what a weaker edge has to be.
 constexpr double kTwice = 2;
 constexpr double kFlatTurn = std::numbers::pi / 180;
-// Edges with fewer faces at both ends, as chamfered blocks have, speak for themselves.
-constexpr std::size_t kTellingValence = 4;
 // What lies around vertices of more faces is looked at once.
 constexpr std::size_t kHubValence = 64;
 // Strips: faces that turn by less are one, up to so many; edges are alike where one turns by about
@@ -84,9 +82,10 @@ EdgeTurns::Around EdgeTurns::around(std::int32_t vertex) const {
   return hubs_.at(vertex);
 }
 
+// Where three lines end or fewer, as on blocks with chamfers, they speak for themselves: 0 then.
 double EdgeTurns::third_turn(std::int32_t vertex) const {
-  const bool is_telling = topology_.corners_at(vertex).size() >= kTellingValence;
-  return is_telling ? around(vertex)[2] : 0;
+  const Around turns = around(vertex);
+  return turns.back() < kFlatTurn ? 0 : turns[2];
 }
 
 // The plane of a face up to another edge, across it, that turns, or turns alike and the same way.
@@ -187,9 +186,13 @@ bool EdgeTurns::stands_out(std::int32_t edge) const {
   const auto [v, w] = topology_.edge_vertices(edge);
   if (own < kTwice * std::min(third_turn(v), third_turn(w))) return bounds_chamfer(edge);
   const std::int32_t corner = topology_.corner_of(edge);
-  const double left = strip(edge, topology_.face_of(corner), Across::Alike).width;
-  const double right = strip(edge, topology_.face_of(topology_.twin(corner)), Across::Alike).width;
-  return kMostWidths * std::min(left, right) <= std::max(left, right);
+  const Strip left = strip(edge, topology_.face_of(corner), Across::Alike);
+  const Strip right = strip(edge, topology_.face_of(topology_.twin(corner)), Across::Alike);
+  const auto is_strong = [&](const Strip& side) {
+    return side.far_edge >= 0 && turn(side.far_edge) >= kStrongTurn;
+  };
+  if (is_strong(left) && is_strong(right)) return true;  // no round has a single edge
+  return kMostWidths * std::min(left.width, right.width) <= std::max(left.width, right.width);
 }
 
 }  // namespace planish

@@ -25,14 +25,10 @@ class EdgeTurns {
 
   /// Whether an edge is a line of the shape rather than part of an even curvature or of noise: it
   /// turns by a right angle's two thirds; or by twice as much as the third sharpest edge at one of
-  /// its ends, where two are the line's own, and is no strip of a coarse cylinder, whose edges
-  /// beyond both its faces turn alike and are about as far off; or bounds a chamfer.
+  /// its ends, where two are the line's own, if there are more than three, and is no strip of a
+  /// coarse cylinder, whose edges beyond both its faces turn alike, not both by two thirds, and are
+  /// about as far off; or bounds a chamfer.
   [[nodiscard]] bool stands_out(std::int32_t edge) const;
-  /// Whether it is an edge of a chamfer: of a strip that is far narrower than what lies beyond both
-  /// its edges, one of which ends where four lines meet, among them one that turns by a right
-  /// angle's two thirds, as walls do. (Solids with bevels all around have none: they are meant to
-  /// be round.)
-  [[nodiscard]] bool bounds_chamfer(std::int32_t edge) const;
   /// Whether one of its ends is flat but for two edges, or one of its sides is up to the next line:
   /// a line of a part, however little it turns.
   [[nodiscard]] bool is_clear(std::int32_t edge) const;
@@ -50,6 +46,11 @@ class EdgeTurns {
   enum class Across { Any, Alike };
   [[nodiscard]] Strip strip(std::int32_t edge, std::int32_t face, Across across) const;
   [[nodiscard]] bool ends_at_walls(std::int32_t edge) const;
+  // Whether it is an edge of a chamfer: of a strip that is far narrower than what lies beyond both
+  // its edges, one of which ends where four lines meet, among them one that turns by a right
+  // angle's two thirds, as walls do. (Solids with bevels all around have none: they are meant to
+  // be round.)
+  [[nodiscard]] bool bounds_chamfer(std::int32_t edge) const;
   [[nodiscard]] glm::dvec3 middle_of(std::int32_t edge) const;
   [[nodiscard]] glm::dvec3 along(std::int32_t edge) const;
 

@@ -132,10 +132,10 @@ void choose(const Candidate& progressive, const Candidate& fair,
   }
 }
 
-bool has_clear_creases(const PolygonMesh& mesh, const Fit& fitted) {
-  if (!mesh.creases.empty()) return false;
+ClearCreases clear_creases_of(const PolygonMesh& mesh, const Fit& fitted) {
+  if (!mesh.creases.empty()) return {};
   PolygonMesh tagged = mesh;
-  return add_clear_creases(tagged, fitted.prepared).has_value();
+  return add_clear_creases(tagged, fitted.prepared);
 }
 
 // The fair surface with found creases, if it is the better one; else the mesh is as it was.
@@ -143,7 +143,7 @@ std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
                                             const FitOptions& options, const Candidate& round,
                                             BestFit& best) {
   if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
-  made.found = add_clear_creases(made.mesh, made.prepared);
+  made.found = add_clear_creases(made.mesh, made.prepared).found;
   if (!made.found) return std::nullopt;
   Candidate creased = fair_candidate(made, backend, options, best);
   best.creased = creased.quality;
@@ -186,7 +186,10 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
   Candidate progressive = candidate(mesh, backend, of_candidate);
   best.progressive = progressive.quality;
-  const bool tries_found = tries_creases && has_clear_creases(mesh, progressive.fit);
+  const ClearCreases clear =
+      tries_creases ? clear_creases_of(mesh, progressive.fit) : ClearCreases{};
+  const bool tries_found = clear.found.has_value();
+  best.is_coarse_ball = clear.are_of_balls;
   const bool is_close =
       progressive.is_sound() && progressive.quality.rms_normal_deviation < kCloseDegrees;
   if (is_close && !tries_found) {
@@ -245,6 +248,8 @@ BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& op
   BestFit best;
   backend.run_on_host(
       [&] { best = best_of(mesh, backend, options, make_fair_mesh, tries_creases); });
+  if (best.is_coarse_ball)
+    best.reason += "; all its edges turn alike, and are rounded (--creases auto keeps them sharp)";
   options.callbacks.report("choose", 1);
   return best;
 }

@@ -34,6 +34,7 @@ struct BestFit {
   // At level 1, against the mesh's faces; empty: not tried.
   std::optional<SurfaceQuality> progressive, fair;
   std::optional<SurfaceQuality> creased;  ///< of fair with creases that were tried
+  bool is_coarse_ball = false;            ///< rounded as such, see are_coarse_balls()
   std::string reason;  ///< in a line, for people: without figures of level 1 beside the surface's
 
   /// The mesh that `fit` is of.

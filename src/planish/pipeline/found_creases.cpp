@@ -9,9 +9,8 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/mesh/angle_between.h"
-#include "planish/mesh/coherent_edges.h"
+#include "planish/mesh/coarse_balls.h"
 #include "planish/mesh/cone_apexes.h"
-#include "planish/mesh/convex_faces.h"
 #include "planish/mesh/face_areas.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/outline_corners.h"
@@ -114,9 +113,10 @@ void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
   }
 }
 
-bool are_creases_clear(const PolygonMesh& mesh,
-                       const std::shared_ptr<const PreparedMesh>& prepared) {
-  if (mesh.creases.empty()) return false;
+enum class Clarity { Unclear, OfBalls, Clear };
+
+Clarity clarity_of(const PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared) {
+  if (mesh.creases.empty()) return Clarity::Unclear;
   const UsedPart used = used_part(mesh, prepared);
   const MeshTopology& topology = *prepared->topology;
   std::vector<std::uint8_t> is_crease(static_cast<std::size_t>(topology.edge_count()), 0);
@@ -138,12 +138,9 @@ bool are_creases_clear(const PolygonMesh& mesh,
     all += turn * turn * weight;
     if (is_crease[e] != 0) of_creases += turn * turn * weight;
   }
-  if (of_creases < kClearShare * all) return false;
-  if (is_any_smooth || !concave_faces(used.mesh).empty()) return true;
-  const EdgeTurns turns(used.mesh, topology, areas);
-  for (std::int32_t e = 0; e < topology.edge_count(); ++e)
-    if (turns.bounds_chamfer(e)) return true;
-  return false;
+  if (of_creases < kClearShare * all) return Clarity::Unclear;
+  if (is_any_smooth || !are_coarse_balls(used.mesh, topology, areas)) return Clarity::Clear;
+  return Clarity::OfBalls;
 }
 
 }  // namespace
@@ -162,14 +159,15 @@ FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
   return found;
 }
 
-std::optional<FoundCreases> add_clear_creases(PolygonMesh& mesh,
-                                              const std::shared_ptr<const PreparedMesh>& prepared) {
-  if (!mesh.creases.empty()) return std::nullopt;
+ClearCreases add_clear_creases(PolygonMesh& mesh,
+                               const std::shared_ptr<const PreparedMesh>& prepared) {
+  if (!mesh.creases.empty()) return {};
   FoundCreases found = add_found_creases(mesh, *prepared, {});
-  if (are_creases_clear(mesh, prepared)) return found;
+  const Clarity clarity = clarity_of(mesh, prepared);
+  if (clarity == Clarity::Clear) return {std::move(found), false};
   mesh.creases = found.creases;
   mesh.corners = found.corners;
-  return std::nullopt;
+  return {std::nullopt, clarity == Clarity::OfBalls};
 }
 
 void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,

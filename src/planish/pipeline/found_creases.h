@@ -30,13 +30,19 @@ struct FoundCreases {
 void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,
                   std::span<const std::int32_t> smoothed_vertices);
 
+/// What add_clear_creases() found.
+struct ClearCreases {
+  std::optional<FoundCreases> found;
+  bool are_of_balls = false;  ///< all edges would be sharp of are_coarse_balls(): none is found
+};
+
 /// The same with the default options where the creases are clear, else none, and the mesh as it
 /// was. They are clear where the mesh had no tags, where by far the most of what its faces turn is
 /// at them (of the squares of all turns, weighted by the faces' areas), as on parts with flat and
-/// round faces, and where an edge is smooth or a face concave: every coarse ball turns at all of
-/// its edges.
-[[nodiscard]] std::optional<FoundCreases> add_clear_creases(
-    PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
+/// round faces, and where an edge is smooth or the mesh none of are_coarse_balls(), which turn at
+/// all of their edges.
+[[nodiscard]] ClearCreases add_clear_creases(PolygonMesh& mesh,
+                                             const std::shared_ptr<const PreparedMesh>& prepared);
 
 /// Of CreaseDetectionOptions: no edge is sharp, but corners of outlines are, which turn by more
 /// than kOutlineCornerDegrees then, as those of a hexagon do, and apexes of cones.
