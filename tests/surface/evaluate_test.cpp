@@ -69,6 +69,23 @@ TEST(Evaluate, ReplacesNormalsWhereTangentsAreParallel) {
   EXPECT_EQ(warnings[0].count, static_cast<std::int64_t>(surface.normals.size()));
 }
 
+// Bicubic about its middle: there both tangents run along x (a B-spline's derivative is half the
+// difference of its neighbours), while the facets on both sides lean towards -y.
+TEST(Evaluate, CatmullClarkTakesFacetsNormalsWhereTangentsAreParallel) {
+  const PolygonMesh cage = test::grid(4, 4, [](double x, double y) {
+    const double v = y - 2;
+    return glm::dvec3(x + 0.5 * v, v * v, v * (v * v - 1) / 6);
+  });
+  std::vector<Warning> warnings;
+  EvaluateOptions options{.level = 0, .scheme = Scheme::CatmullClark};
+  options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };
+  const SurfaceMesh surface = evaluate(cage, *make_cpu_backend(), options);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, "degenerate-normals");
+  constexpr std::size_t kMiddle = 2 + 5 * 2;
+  EXPECT_LT(glm::distance(surface.normals[kMiddle], glm::vec3(0, -1, 0)), 1e-6f);
+}
+
 TEST(Evaluate, InteriorValenceTwoHasAUnitNormal) {
   const SurfaceMesh surface = evaluated(test::cube_with_split_edges(), 2);
   for (const auto& normal : surface.normals) EXPECT_NEAR(glm::length(normal), 1.0f, 1e-6f);
