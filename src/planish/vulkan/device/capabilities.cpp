@@ -49,7 +49,7 @@ void query_properties(const InstanceFunctions& vk, VkPhysicalDevice device, Capa
   result.name = core.deviceName;
   result.api_version = core.apiVersion;
   result.type = core.deviceType;
-  result.kind = core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? "software" : "gpu";
+  result.kind = result.type == VK_PHYSICAL_DEVICE_TYPE_CPU ? "software" : "gpu";
   result.driver = version_text(core.driverVersion);
   result.max_storage_range = core.limits.maxStorageBufferRange;
   result.max_texel_elements = core.limits.maxTexelBufferElements;
