@@ -73,11 +73,12 @@ RawVector<std::byte> read_start(const std::filesystem::path& path, std::uint64_t
   struct stat status {};
   if (::fstat(file.number, &status) != 0) fail_to_read(path, errno);
   if (S_ISDIR(status.st_mode)) fail_to_read(path, EISDIR);
-  // Pipes and /proc say 0 bytes, and files may grow: the size is only a first guess.
+  // Pipes and /proc say 0 bytes, and files may grow: the size is only a first guess. One byte more
+  // tells the end.
   constexpr std::size_t kPiece = std::size_t{1} << 16;
   const std::size_t size = memory_size(
       std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), most), visible(path));
-  RawVector<std::byte> bytes(size + kPiece);
+  RawVector<std::byte> bytes(size > 0 ? size + 1 : kPiece);
   ReadProgress progress(callbacks, size);
   std::size_t used = read_pieces(file.number, std::span(bytes).first(size), progress);
   while (used < most) {
