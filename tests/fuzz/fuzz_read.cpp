@@ -43,7 +43,7 @@ class Digest {
   void add_attributes(const std::vector<VertexAttribute>& attributes) {
     for (const VertexAttribute& attribute : attributes) add(attribute.name, attribute.values);
   }
-  [[nodiscard]] std::string text() const { return std::to_string(sum_); }
+  [[nodiscard]] std::uint64_t sum() const { return sum_; }
 
  private:
   void add_bytes(std::span<const std::byte> bytes) {
@@ -81,7 +81,7 @@ std::string told(const MeshFile& found) {
   digest.add_attributes(mesh.attributes);
   for (const FaceGroup& group : mesh.groups) digest.add(group.name, group.material);
   return std::to_string(mesh.vertex_count()) + " vertices, " + std::to_string(mesh.face_count()) +
-         " faces, " + digest.text() + messages_of(found.warnings);
+         " faces, " + std::to_string(digest.sum()) + messages_of(found.warnings);
 }
 
 std::string told(const PointCloud& cloud) {
@@ -92,7 +92,7 @@ std::string told(const PointCloud& cloud) {
   digest.add(cloud.points, cloud.normals, cloud.colors, std::array{cloud.origin});
   digest.add_attributes(cloud.attributes);
   return std::to_string(cloud.points.size()) + " points, " + std::to_string(cloud.missing_count) +
-         " missing, " + digest.text() + messages_of(cloud.warnings);
+         " missing, " + std::to_string(digest.sum()) + messages_of(cloud.warnings);
 }
 
 // The same, or the message of an error.
@@ -140,14 +140,27 @@ ReadInParts<PointCloud> points_in_parts(FileFormat format) {
   }
 }
 
-template <class Found>
-void require_the_same_in_parts(ReadInParts<Found> read, const FileBytes& file) {
-  if (read == nullptr) return;
+// Whether an input is one of four, drawn by its bytes, that costly questions are asked of.
+bool is_drawn(std::span<const std::byte> bytes) {
+  Digest digest;
+  digest.add(bytes);
+  return digest.sum() % 4 == 0;
+}
+
+// Of text what a reader makes of small parts, and of one in four the same of one part and of the
+// file as programs read it.
+template <class Found, class Read>
+std::string told_in_parts(ReadInParts<Found> read_parts, const FileBytes& file, const Read& read) {
   const std::size_t size = file.bytes.size();
   const auto in_parts = [&](std::size_t bytes) {
-    return told_of([&] { return read(file, bytes); });
+    return told_of([&] { return read_parts(file, bytes); });
   };
-  require(in_parts(size + 1) == in_parts(1 + size % 61));
+  if (read_parts != nullptr) {
+    std::string small = in_parts(1 + size % 61);
+    if (!is_drawn(file.bytes)) return small;
+    require(in_parts(size + 1) == small);
+  }
+  return told_of(read);
 }
 
 }  // namespace
@@ -165,8 +178,7 @@ std::string fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) 
   // Every second size as `--creases normals` reads it.
   const FileBytes file{
       .bytes = bytes, .name = "fuzz", .path = {}, .split_normals_crease = bytes.size() % 2 == 1};
-  require_the_same_in_parts(mesh_in_parts(format), file);
-  return told_of([&] { return read_mesh(file, format); });
+  return told_in_parts(mesh_in_parts(format), file, [&] { return read_mesh(file, format); });
 }
 
 std::string fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format) {
@@ -224,8 +236,7 @@ std::string fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat forma
 
 std::string fuzz_read_points(std::span<const std::byte> bytes, FileFormat format) {
   const FileBytes file{.bytes = bytes, .name = "fuzz", .path = {}};
-  require_the_same_in_parts(points_in_parts(format), file);
-  return told_of([&] { return read_points(file, format); });
+  return told_in_parts(points_in_parts(format), file, [&] { return read_points(file, format); });
 }
 
 std::string fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format) {
