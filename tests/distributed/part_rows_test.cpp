@@ -278,6 +278,9 @@ TEST(PartRows, ProblemsAreReportedOnceByTheFilesNumbers) {
   PolygonMesh small = mixed_torus(8, 4);
   small.add_face(std::vector<std::int32_t>{3, 4});
   expect_refused_as_on_one(small);
+  PolygonMesh beyond = mixed_torus(8, 4);
+  beyond.positions.push_back({1, -2, HUGE_VAL});  // which no face names
+  expect_refused_as_on_one(beyond);
 }
 
 TEST(PartRows, TagsAndWholeMeshesAreRefusedAsOnOneMachine) {
