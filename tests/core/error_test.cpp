@@ -36,7 +36,8 @@ TEST(CurrentFailure, IsAnErrorAsItIs) {
 TEST(CurrentFailure, IsOutOfMemoryWhereNothingCanHoldTheArray) {
   const auto beyond_memory = [] {
     const volatile std::size_t count = static_cast<std::size_t>(-1) / 16;
-    delete[] new double[count];
+    double* volatile array = new double[count];  // which Clang would leave out else
+    delete[] array;
   };
   const auto beyond_counting = [] {
     const volatile std::size_t count = static_cast<std::size_t>(-1);
