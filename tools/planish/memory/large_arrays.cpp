@@ -40,8 +40,8 @@ struct Counted {
   std::atomic<std::uint64_t> of_others = 0;
   std::mutex mutex;  // of what follows
   std::uint64_t held = 0;
-  // Nothing is deleted under the lock, for that would ask for it: a node may begin where a page
-  // does, too, and a hash table would give its places back as it grows.
+  // Nothing is deleted under the lock, for that would ask for it: a node or a name may begin where
+  // a page does, too, and a hash table would give its places back as it grows.
   std::map<void*, Array> arrays;
 };
 // Set once; used until the process has ended.
@@ -159,11 +159,25 @@ MemoryOfOthers::~MemoryOfOthers() {
 void* take_large_array(std::size_t bytes) {
   Counted* const all = current;
   if (all == nullptr) return nullptr;
+  std::map<void*, Array> made;
+  Array& about = made[nullptr] = {.bytes = bytes, .is_in_file = false};
+  {
+    const std::lock_guard lock(all->mutex);
+    about.is_in_file = all->held + bytes > all->budget / kHeldPart;
+    if (!about.is_in_file) all->held += bytes;
+  }
+  void* array = nullptr;
+  try {
+    array = about.is_in_file ? map_in_file(all->folder, bytes) : map_in_memory(bytes);
+  } catch (...) {
+    const std::lock_guard lock(all->mutex);
+    if (!about.is_in_file) all->held -= bytes;
+    throw;
+  }
+  auto node = made.extract(made.begin());
+  node.key() = array;
   const std::lock_guard lock(all->mutex);
-  const bool is_in_file = all->held + bytes > all->budget / kHeldPart;
-  void* const array = is_in_file ? map_in_file(all->folder, bytes) : map_in_memory(bytes);
-  all->arrays.emplace(array, Array{bytes, is_in_file});
-  if (!is_in_file) all->held += bytes;
+  all->arrays.insert(std::move(node));
   return array;
 }
 
