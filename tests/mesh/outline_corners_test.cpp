@@ -130,11 +130,32 @@ TEST(OutlineCorners, ARaggedRimHasNone) {
   EXPECT_TRUE(found_in(mesh).empty());
 }
 
-TEST(OutlineCorners, AreAtMostHalfOfALoop) {
-  EXPECT_TRUE(found_in(quad_sheet(1, 1, flat)).empty());
-  EXPECT_TRUE(found_in(quad_sheet(2, 1, flat)).empty()) << "four of six";
+TEST(OutlineCorners, AreAtMostHalfOfALoopOrFour) {
+  EXPECT_EQ(found_in(quad_sheet(1, 1, flat)).size(), 4u) << "a plane of one face";
+  EXPECT_EQ(found_in(quad_sheet(2, 1, flat)).size(), 4u) << "of six";
   EXPECT_EQ(found_in(quad_sheet(2, 2, flat)).size(), 4u);
   EXPECT_TRUE(found_in(quad_sheet(2, 2, flat), 91).empty()) << "the caller's angle";
+  for (const int sides : {5, 6, 7}) {
+    PolygonMesh disc;
+    std::vector<std::int32_t> face;
+    for (int i = 0; i < sides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / sides;
+      disc.positions.emplace_back(std::cos(angle), std::sin(angle), 0);
+      face.push_back(i);
+    }
+    disc.add_face(face);
+    EXPECT_TRUE(found_in(disc, 45).empty()) << "a coarse disc of " << sides;
+  }
+}
+
+// A face is missing: around its place faces reach round by three quarters of a turn.
+TEST(OutlineCorners, SmallHolesHaveNone) {
+  PolygonMesh sheet;
+  const PolygonMesh whole = quad_sheet(5, 5, flat);
+  sheet.positions = whole.positions;
+  for (std::int32_t f = 0; f < whole.face_count(); ++f)
+    if (f != 12) sheet.add_face(whole.face(f));
+  EXPECT_EQ(found_in(sheet), (Corners{0, 5, 30, 35}));
 }
 
 TEST(OutlineCorners, ClosedMeshesHaveNone) { EXPECT_TRUE(found_in(test::cube()).empty()); }

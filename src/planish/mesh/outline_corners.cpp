@@ -20,8 +20,12 @@ constexpr double kOnwardDegrees = 30;
 // So large a part of a loop's vertices that are no corners turns by less along the surface.
 constexpr double kQuietDegrees = 15, kQuietPart = 0.75;
 
+// A loop of hardly more vertices than corners is round, unless it has at most those of a rectangle.
+constexpr std::size_t kFewCorners = 4;
+
 struct Turns {
   double in_space = 0, along_surface = 0;  // degrees
+  bool is_outward = false;                 // the faces reach round by less than half a turn
 };
 
 // Turns of a boundary at the vertex between two of its edges.
@@ -35,7 +39,8 @@ class BoundaryTurns {
     const glm::dvec3 out = mesh_.positions[behind] - mesh_.positions[vertex];
     double reach = 0;
     for (const std::int32_t corner : topology_.corners_at(vertex)) reach += angle_of(corner);
-    return {angle_between(in, out) * kDegrees, std::abs(180 - reach * kDegrees)};
+    return {angle_between(in, out) * kDegrees, std::abs(180 - reach * kDegrees),
+            reach < std::numbers::pi};
   }
 
  private:
@@ -78,16 +83,18 @@ void add_clear(const std::vector<std::int32_t>& loop, const std::vector<Turns>& 
     return turns[i].along_surface < kOnwardDegrees || turns_far(i);
   };
   const std::size_t first = corners.size();
-  std::size_t quiet = 0;
+  std::size_t quiet = 0, inward = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (turns_far(i) && goes_on((i + count - 1) % count) && goes_on((i + 1) % count)) {
       corners.push_back(loop[i]);
+      inward += turns[i].is_outward ? 0 : 1;
     } else if (turns[i].along_surface < kQuietDegrees) {
       ++quiet;
     }
   }
   const std::size_t found = corners.size() - first;
-  if (2 * found > count ||
+  const bool is_few = found <= kFewCorners && inward == 0;  // none of a missing face's
+  if ((2 * found > count && !is_few) ||
       static_cast<double>(quiet) < kQuietPart * static_cast<double>(count - found))
     corners.resize(first);
 }
