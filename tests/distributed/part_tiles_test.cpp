@@ -309,6 +309,12 @@ TEST(PartTiles, TheKeyIsTheSameForEveryRankCountAndOfAllThatTilesDependOn) {
   PartTilesOptions other;
   other.tiles.skirts = true;
   const TilesKey with_skirts = key_on(2, input, other);
+  PolygonMesh tagged = with_random_creases(random_open_mesh(5), 0.2, 5);
+  std::vector<TilesKey> of_corners;
+  for (const std::int32_t vertex : {3, 4}) {
+    tagged.corners = {{vertex, 2.0f}};
+    of_corners.push_back(key_on(2, shared_file("cornered.obj", obj_of(tagged)), options));
+  }
   PolygonMesh laden = laden_mesh(5);
   const auto key_of_laden = [&](int count) {
     return key_on(count, written("key.obj", FileFormat::Obj, laden), options);
@@ -327,6 +333,7 @@ TEST(PartTiles, TheKeyIsTheSameForEveryRankCountAndOfAllThatTilesDependOn) {
     for (std::size_t i = 2; i < keys.size(); ++i) EXPECT_NE(keys[i], keys[i - 1]) << i;
     EXPECT_NE(moved, key);
     EXPECT_NE(with_skirts, key);
+    EXPECT_NE(of_corners[0], of_corners[1]);
   }
 }
 
