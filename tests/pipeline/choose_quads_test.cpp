@@ -85,15 +85,26 @@ TEST(ChooseQuads, MakesNoSecondFitForAFewHalves) {
   }
 }
 
-// A box of twelve triangles has its edges kept sharp; six squares are a ball.
-TEST(ChooseQuads, TakesTheTrianglesThatAreBetter) {
-  const PolygonMesh box = cut_quads(test::cube());
-  const FittedMesh chosen = fitted(box, QuadChoice::Auto);
-  ASSERT_TRUE(chosen.quad_reason.has_value());
-  EXPECT_FALSE(chosen.pairs_triangles);
-  EXPECT_GT(chosen.quad_reason->quads->bending, 1);
-  EXPECT_NEAR(chosen.quad_reason->triangles->bending, 0, 1e-6);
-  EXPECT_EQ(chosen.mesh.creases.size(), 12u);
+// A box of twelve triangles has its edges kept sharp, and as six squares, too, which are a ball
+// else. All is flat: fewer faces, on which texture coordinates run straight.
+TEST(ChooseQuads, JoinsWhatIsFlat) {
+  PolygonMesh box = cut_quads(test::cube());
+  for (const glm::dvec3& p : box.positions) box.uvs.emplace_back(p.x + 0.3 * p.z, p.y + 0.7 * p.z);
+  box.face_uvs = box.face_vertices;
+  for (const QuadChoice quads : {QuadChoice::Auto, QuadChoice::On}) {
+    const FittedMesh chosen = fitted(box, quads);
+    EXPECT_TRUE(chosen.pairs_triangles);
+    EXPECT_EQ(chosen.mesh.creases.size(), 12u);
+    const SurfaceMesh surface = evaluate(chosen.mesh, chosen.fit, *make_cpu_backend());
+    ASSERT_EQ(surface.face_uvs.size(), surface.face_vertices.size());
+    for (std::size_t c = 0; c < surface.face_uvs.size(); ++c) {
+      const glm::dvec3& p = surface.positions[surface.face_vertices[c]];
+      const glm::dvec2& uv = surface.uvs[surface.face_uvs[c]];
+      EXPECT_NEAR(uv.x, p.x + 0.3 * p.z, 1e-6);
+      EXPECT_NEAR(uv.y, p.y + 0.7 * p.z, 1e-6);
+    }
+  }
+  EXPECT_THAT(fitted(box, QuadChoice::Auto).quad_reason->text, testing::HasSubstr("flat"));
 }
 
 TEST(ChooseQuads, ByFiguresAlone) {
@@ -103,6 +114,7 @@ TEST(ChooseQuads, ByFiguresAlone) {
   };
   EXPECT_TRUE(takes({true, 9.9, 0}, good));
   EXPECT_FALSE(takes(good, good)) << "no less";
+  EXPECT_TRUE(takes({true, 1e-9, 0}, {true, 0, 0})) << "both are flat";
   EXPECT_FALSE(takes({true, 10 - 1e-6, 0}, good)) << "rounding";
   EXPECT_FALSE(takes({true, 5, 1e-3}, good)) << "folds";
   EXPECT_TRUE(takes({true, 5, 1e-3}, {true, 10, 2e-3})) << "folds less";

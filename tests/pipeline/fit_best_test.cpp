@@ -117,7 +117,7 @@ TEST(FitBest, LooksBetweenThePlacesOfLevelOne) {
     mesh.add_face(std::array{2 * kSides + 1, kSides + i, kSides + next});
   }
   const auto backend = make_cpu_backend({Precision::Double});
-  const BestFit best = fit_best(mesh, *backend, {}, {}, false);  // its rim is sharp
+  const BestFit best = fit_best(mesh, *backend, {}, {}, CreaseTrial::None);  // its rim is sharp
   EXPECT_LT(best.progressive->folded_area_elsewhere, kSoundFoldedArea);
   EXPECT_LT(best.progressive->rms_normal_deviation,
             kClearlyBetter * best.fair->rms_normal_deviation);
@@ -201,7 +201,7 @@ TEST(FitBest, TakesCreasesThatAreClear) {
   EXPECT_THAT(best.reason, HasSubstr("--creases use"));
   EXPECT_EQ(best.mesh(box).creases.size(), 12u);
 
-  EXPECT_FALSE(fit_best(box, *backend, {}, {}, false).creased.has_value());
+  EXPECT_FALSE(fit_best(box, *backend, {}, {}, CreaseTrial::None).creased.has_value());
   PolygonMesh tagged = box;
   tagged.creases = {{best.mesh(box).creases.front()}};
   EXPECT_FALSE(fit_best(tagged, *backend).creased.has_value()) << "who tags has chosen";
@@ -232,7 +232,7 @@ TEST(FitBest, SaysThatACubeMayBeKeptSharp) {
   const BestFit best = fit_best(cube(), *make_cpu_backend());
   EXPECT_TRUE(best.is_coarse_ball);
   EXPECT_THAT(best.reason, HasSubstr("--creases auto"));
-  EXPECT_FALSE(fit_best(cube(), *make_cpu_backend(), {}, {}, false).is_coarse_ball);
+  EXPECT_FALSE(fit_best(cube(), *make_cpu_backend(), {}, {}, CreaseTrial::None).is_coarse_ball);
 }
 
 // Coarse balls turn at all of their edges, and round ones at none.

@@ -47,12 +47,16 @@ QuadReason choose_quads(const BendingFigures& triangles, const BendingFigures& q
   } else if (fold_more) {
     std::snprintf(text, sizeof text, "triangles: that of quads folds %.2g %% of the area",
                   100 * quads.folded_area);
-  } else if (quads.bending < triangles.bending - kBendsLess * (1 + triangles.bending)) {
+  } else if (quads.bending < triangles.bending - kSameBending * (1 + triangles.bending)) {
     reason.are_better = true;
     std::snprintf(text, sizeof text,
                   "triangles joined to quads: the surface bends %.2g %% less (--quads off leaves "
                   "them)",
                   100 * (1 - quads.bending / triangles.bending));
+  } else if (quads.bending <= kSameBending) {
+    reason.are_better = true;
+    std::snprintf(text, sizeof text,
+                  "triangles joined to quads: all is flat (--quads off leaves them)");
   } else {
     std::snprintf(text, sizeof text, "triangles: the surface of quads bends no less");
   }

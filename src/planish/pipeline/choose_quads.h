@@ -15,7 +15,8 @@ inline constexpr double kHalvedShare = 0.8;  ///< of the vertices that are looke
 /// better without joining them then.
 inline constexpr double kPlainShare = 0.9;
 inline constexpr std::int64_t kPlainCount = 50;
-inline constexpr double kBendsLess = 1e-6;  ///< of 1 and the triangles' bending: rounding
+/// Of 1 and the triangles' bending: rounding. A surface that bends by less is flat everywhere.
+inline constexpr double kSameBending = 1e-6;
 
 /// Whether at least half of the faces are triangles.
 [[nodiscard]] bool are_mostly_triangles(const PolygonMesh& mesh);
@@ -46,9 +47,9 @@ struct QuadReason {
 };
 
 /// Takes the quads where their surface converges and folds no more than the other, or that does
-/// not converge, and bends less, by more than kBendsLess. Bending belongs to a surface alone:
-/// normals are measured against faces, which triangles follow into the creases along their
-/// diagonals.
+/// not converge, and bends less, by more than kSameBending, or not at all: flat quads are fewer and
+/// carry texture coordinates straight. Bending belongs to a surface alone: normals are measured
+/// against faces, which triangles follow into the creases along their diagonals.
 [[nodiscard]] QuadReason choose_quads(const BendingFigures& triangles, const BendingFigures& quads);
 
 }  // namespace planish

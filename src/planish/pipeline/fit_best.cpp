@@ -132,18 +132,18 @@ void choose(const Candidate& progressive, const Candidate& fair,
   }
 }
 
-ClearCreases clear_creases_of(const PolygonMesh& mesh, const Fit& fitted) {
-  if (!mesh.creases.empty()) return {};
+ClearCreases clear_creases_of(const PolygonMesh& mesh, const Fit& fitted, CreaseTrial trial) {
+  if (trial == CreaseTrial::None || !mesh.creases.empty()) return {};
   PolygonMesh tagged = mesh;
-  return add_clear_creases(tagged, fitted.prepared);
+  return add_clear_creases(tagged, fitted.prepared, trial);
 }
 
 // The fair surface with found creases, if it is the better one; else the mesh is as it was.
 std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
                                             const FitOptions& options, const Candidate& round,
-                                            BestFit& best) {
+                                            CreaseTrial trial, BestFit& best) {
   if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
-  made.found = add_clear_creases(made.mesh, made.prepared).found;
+  made.found = add_clear_creases(made.mesh, made.prepared, trial).found;
   if (!made.found) return std::nullopt;
   Candidate creased = fair_candidate(made, backend, options, best);
   best.creased = creased.quality;
@@ -180,14 +180,13 @@ FairMesh fair_mesh_of(const PolygonMesh& mesh, const std::function<FairMesh()>& 
 }
 
 BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
+                const std::function<FairMesh()>& make_fair_mesh, CreaseTrial trial) {
   BestFit best;
   FitOptions of_candidate = options;
   of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
   Candidate progressive = candidate(mesh, backend, of_candidate);
   best.progressive = progressive.quality;
-  const ClearCreases clear =
-      tries_creases ? clear_creases_of(mesh, progressive.fit) : ClearCreases{};
+  const ClearCreases clear = clear_creases_of(mesh, progressive.fit, trial);
   const bool tries_found = clear.found.has_value();
   best.is_coarse_ball = clear.are_of_balls;
   const bool is_close =
@@ -202,7 +201,7 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   if (tries_found) {
     done = (kFirstMeasured + kBothMeasured) / 2;
     of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, done);
-    if (auto creased = with_clear_creases(made, backend, of_candidate, progressive, best)) {
+    if (auto creased = with_clear_creases(made, backend, of_candidate, progressive, trial, best)) {
       best.fair_mesh = std::move(made.mesh);
       give_out(std::move(*creased), best, options.callbacks);
       return best;
@@ -243,11 +242,10 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
 }  // namespace
 
 BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                 const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
+                 const std::function<FairMesh()>& make_fair_mesh, CreaseTrial trial) {
   const HostScope host(options.callbacks);
   BestFit best;
-  backend.run_on_host(
-      [&] { best = best_of(mesh, backend, options, make_fair_mesh, tries_creases); });
+  backend.run_on_host([&] { best = best_of(mesh, backend, options, make_fair_mesh, trial); });
   if (best.is_coarse_ball)
     best.reason += "; all its edges turn alike, and are rounded (--creases auto keeps them sharp)";
   options.callbacks.report("choose", 1);

@@ -57,8 +57,8 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 /// own faces, which the progressive method follows more closely even where it is no nearer to the
 /// shape.
 ///
-/// Where `tries_creases`, the mesh has no tags but those of add_outline_corners() and creases that
-/// are found are clear (see add_clear_creases()), the fair surface that has them comes second,
+/// Where the mesh has no tags but those of add_outline_corners() and creases that are found by
+/// `trial` are clear (see add_clear_creases()), the fair surface that has them comes second,
 /// whatever the first, and is taken where it does not fold more, by kWorthAllCreases of the area,
 /// and is off by kCreasesBetter of what progressive is at most.
 ///
@@ -68,6 +68,6 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 [[nodiscard]] BestFit fit_best(const PolygonMesh& mesh, Backend& backend,
                                const FitOptions& options = {},
                                const std::function<FairMesh()>& make_fair_mesh = {},
-                               bool tries_creases = true);
+                               CreaseTrial trial = CreaseTrial::NotOfBalls);
 
 }  // namespace planish

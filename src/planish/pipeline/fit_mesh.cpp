@@ -102,8 +102,8 @@ void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warning
     if (!ready.given && ready.options.repairs) make_fair(fair);
     return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found), outline};
   };
-  BestFit best =
-      fit_best(result.mesh, backend, result.options, make_fair_mesh, ready.chooses_creases);
+  BestFit best = fit_best(result.mesh, backend, result.options, make_fair_mesh,
+                          ready.chooses_creases ? crease_trial(result) : CreaseTrial::None);
   result.reason = MethodReason{best.reason, best.progressive, best.fair, best.creased};
   if (best.crease_degrees) {
     result.crease_degrees = best.crease_degrees;

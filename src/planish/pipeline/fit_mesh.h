@@ -94,6 +94,11 @@ struct ReadyFit {
   bool is_plainly_halved = false;
 };
 
+/// Which creases are tried of a mesh whose creases are chosen.
+[[nodiscard]] inline CreaseTrial crease_trial(const FittedMesh& fitted) {
+  return fitted.paired_count > 0 ? CreaseTrial::All : CreaseTrial::NotOfBalls;
+}
+
 /// The first half of fit_mesh(): welds, repairs and tags. Throws Error{UnusableMesh} with every
 /// problem and its remedy, and as repair(). Callbacks must outlive what is returned.
 [[nodiscard]] ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name,

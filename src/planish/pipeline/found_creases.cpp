@@ -160,11 +160,13 @@ FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
 }
 
 ClearCreases add_clear_creases(PolygonMesh& mesh,
-                               const std::shared_ptr<const PreparedMesh>& prepared) {
-  if (!mesh.creases.empty()) return {};
+                               const std::shared_ptr<const PreparedMesh>& prepared,
+                               CreaseTrial trial) {
+  if (trial == CreaseTrial::None || !mesh.creases.empty()) return {};
   FoundCreases found = add_found_creases(mesh, *prepared, {});
   const Clarity clarity = clarity_of(mesh, prepared);
-  if (clarity == Clarity::Clear) return {std::move(found), false};
+  if (clarity == Clarity::Clear || (clarity == Clarity::OfBalls && trial == CreaseTrial::All))
+    return {std::move(found), false};
   mesh.creases = found.creases;
   mesh.corners = found.corners;
   return {std::nullopt, clarity == Clarity::OfBalls};

@@ -30,6 +30,10 @@ struct FoundCreases {
 void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,
                   std::span<const std::int32_t> smoothed_vertices);
 
+/// Whether creases are looked for that are clear, and whether a mesh may be meant as a ball, as one
+/// of polygons may: where triangles were joined to these, some of its edges were smooth.
+enum class CreaseTrial { None, NotOfBalls, All };
+
 /// What add_clear_creases() found.
 struct ClearCreases {
   std::optional<FoundCreases> found;
@@ -40,9 +44,10 @@ struct ClearCreases {
 /// was. They are clear where the mesh had no tags, where by far the most of what its faces turn is
 /// at them (of the squares of all turns, weighted by the faces' areas), as on parts with flat and
 /// round faces, and where an edge is smooth or the mesh none of are_coarse_balls(), which turn at
-/// all of their edges.
+/// all of their edges, unless `trial` is All.
 [[nodiscard]] ClearCreases add_clear_creases(PolygonMesh& mesh,
-                                             const std::shared_ptr<const PreparedMesh>& prepared);
+                                             const std::shared_ptr<const PreparedMesh>& prepared,
+                                             CreaseTrial trial);
 
 /// Of CreaseDetectionOptions: no edge is sharp, but corners of outlines are, which turn by more
 /// than kOutlineCornerDegrees then, as those of a hexagon do, and apexes of cones.

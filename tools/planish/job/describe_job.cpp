@@ -129,7 +129,9 @@ ReadyFit expected_ready(const PlannedJob& planned, Input input) {
   // Vertices of files are there twice along creases.
   if (settings.creases.chooses && chooses_by_measurement(settings, planned.outputs)) {
     for (ReadyFit* one : {&ready, ready.paired.get()})
-      if (one != nullptr) (void)add_clear_creases(one->fitted.mesh, one->fitted.options.prepared);
+      if (one != nullptr)
+        (void)add_clear_creases(one->fitted.mesh, one->fitted.options.prepared,
+                                crease_trial(one->fitted));
   }
   return ready;
 }
