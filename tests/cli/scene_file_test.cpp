@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <fstream>
 
+#include "job/input.h"
+#include "job/point_input.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/files/formats.h"
@@ -353,6 +355,13 @@ TEST(SceneSchema, EveryValueThatItAllowsIsAccepted) {
         if (description.contains(limit)) values.push_back(description[limit]);
       }
       for (const json& value : values) {
+#ifndef PLANISH_HAS_MESHER
+        if (key == "input_format" &&
+            is_point_path("", parse_input_format(value.get<std::string>(), key))) {
+          EXPECT_THROW((void)parse(scene_holding(object, key, value)), Error);
+          continue;
+        }
+#endif
         EXPECT_NO_THROW((void)parse(scene_holding(object, key, value)))
             << pointer << ' ' << key << ' ' << value;
       }
