@@ -115,9 +115,12 @@ class Trial:
         copy = self.scratch / "shaders_copy"
         shutil.copytree(shaders, copy)
         (copy / path.relative_to(shaders)).write_text(text)
-        generated = self.scratch / "generated"
-        (generated / "shaders").mkdir(parents=True)
         kernels, headers = self.graph.kernels(path)
+        folders = {(self.scratch / output).parent for output in kernels + headers}
+        for folder in folders:
+            folder.mkdir(parents=True, exist_ok=True)
+        # The mutated words first; those of the library are included as shaders/NAME.
+        includes = " ".join(f"-I{folder} -I{folder.parent}" for folder in sorted(folders))
         for output in kernels + headers:
             command = self.graph.commands[output]["command"].split(" && ")
             command = [part for part in command if "transform_depfile" not in part and not part.startswith("cd ")]
@@ -130,7 +133,7 @@ class Trial:
         for number, object_file in enumerate(self.graph.readers(headers)):
             source = self.graph.commands[object_file]["file"]
             result[object_file] = self.compiler.object(object_file, source, source, self.scratch / f"{number}.o",
-                                                       f"-I{generated}")  # the mutated words first
+                                                       includes)
         return result
 
     def link(self, program):
