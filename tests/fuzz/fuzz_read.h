@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <initializer_list>
 #include <span>
@@ -13,6 +14,10 @@
 #include "planish/files/formats.h"
 
 namespace planish::test {
+
+/// Readers of text are asked for small parts, and of one input in so many, drawn by its bytes, for
+/// one part and for the file, too. All are asked for all until a fuzzer, which has many, says this.
+void ask_all_of_one_in(std::uint64_t inputs);
 
 /// Reads, checks and counts; aborts when the reader breaks its promises: an Error of another kind,
 /// a message with a character that nobody sees, an index out of range, a position that is not

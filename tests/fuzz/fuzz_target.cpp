@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "fuzz/fuzz_read.h"
 #include "fuzz/fuzz_targets.h"
@@ -35,7 +38,7 @@ extern "C" const char* __asan_default_options() {
   return "detect_stack_use_after_return=0:malloc_context_size=4";
 }
 
-extern "C" int LLVMFuzzerInitialize(int*, char*** arguments) {
+extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
   const std::vector<FuzzTarget> targets = planish::test::fuzz_targets();
   const std::string name = fs::path((*arguments)[0]).filename();
   const auto found = std::ranges::find_if(
@@ -45,6 +48,10 @@ extern "C" int LLVMFuzzerInitialize(int*, char*** arguments) {
     std::exit(0);
   }
   chosen = *found;
+  // With -runs=0 a corpus is replayed.
+  const std::span<char* const> given(*arguments, static_cast<std::size_t>(*count));
+  if (std::ranges::find(given, std::string_view("-runs=0")) == given.end())
+    planish::test::ask_all_of_one_in(4);
   // In memory: a disk waits for each of the small files that a target writes.
   if (fs::is_directory("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", /*replace=*/0);
   return 0;
