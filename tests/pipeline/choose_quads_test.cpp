@@ -5,9 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <numbers>
+#include <vector>
 
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/merged_meshes.h"
@@ -175,6 +178,54 @@ TEST(ChooseQuads, MakesOneSurfaceOfPlainHalves) {
   EXPECT_FALSE(plain.quad_reason->quads || plain.quad_reason->triangles);
   const FittedMesh part = fitted(cut_quads(test::cube()), QuadChoice::Auto);
   EXPECT_TRUE(part.quad_reason->quads && part.quad_reason->triangles);
+}
+
+// A barrel of 16 staves whose lid lies a little below its rim, its axis along z.
+PolygonMesh barrel() {
+  constexpr int kStaves = 16;
+  const std::vector<glm::dvec2> profile{{0.4, 0},   {0.5, 0.3},  {0.55, 0.6}, {0.5, 0.9},
+                                        {0.4, 1.2}, {0.35, 1.2}, {0.35, 1.15}};
+  const auto rings = static_cast<int>(profile.size());
+  PolygonMesh mesh;
+  for (const glm::dvec2& at : profile)
+    for (int i = 0; i < kStaves; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kStaves;
+      mesh.positions.emplace_back(at.x * std::cos(angle), at.x * std::sin(angle), at.y);
+    }
+  mesh.positions.emplace_back(0, 0, 0);
+  mesh.positions.emplace_back(0, 0, 1.15);
+  for (int i = 0; i < kStaves; ++i) {
+    const int next = (i + 1) % kStaves, last = (rings - 1) * kStaves;
+    mesh.add_face(std::array{rings * kStaves, next, i});
+    for (int ring = 0; ring + 1 < rings; ++ring) {
+      const int below = ring * kStaves, above = below + kStaves;
+      mesh.add_face(std::array{below + i, below + next, above + next});
+      mesh.add_face(std::array{below + i, above + next, above + i});
+    }
+    mesh.add_face(std::array{last + i, last + next, rings * kStaves + 1});
+  }
+  return mesh;
+}
+
+// 48 vertices say so, every one, and what the rim bends does not count.
+TEST(ChooseQuads, AllOfAFewVerticesAreEnough) {
+  const FittedMesh chosen = fitted(barrel(), QuadChoice::Auto);
+  EXPECT_TRUE(chosen.pairs_triangles);
+  EXPECT_FALSE(chosen.quad_reason->quads);
+  // It has the mirror symmetry of the quads, which their diagonals have not.
+  const auto leaves_its_image = [](const FittedMesh& fit) {
+    const RawVector<glm::dvec3> points = points_of(fit);
+    double farthest = 0;
+    for (const glm::dvec3& p : points) {
+      double nearest = 1;
+      for (const glm::dvec3& q : points)
+        nearest = std::min(nearest, glm::distance(p, glm::dvec3(q.x, -q.y, q.z)));
+      farthest = std::max(farthest, nearest);
+    }
+    return farthest;
+  };
+  EXPECT_LT(leaves_its_image(chosen), 1e-5);
+  EXPECT_GT(leaves_its_image(fitted(barrel(), QuadChoice::Off)), 1e-2);
 }
 
 // Quads that fold are no cure: where they are plainly meant, the triangles' surface is made too.

@@ -29,6 +29,7 @@ Halves look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
   if (tell <= kFewTell * static_cast<double>(found.looked_at)) return Halves::Maybe;
   const double share = static_cast<double>(found.regular) / tell;
   if (share >= kPlainShare && found.telling >= kPlainCount) return Halves::Plain;
+  if (found.regular == found.telling && found.telling >= kPlainAll) return Halves::Plain;
   return share >= kHalvedShare ? Halves::Maybe : Halves::No;
 }
 
