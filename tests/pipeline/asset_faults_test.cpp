@@ -180,6 +180,12 @@ TEST_F(AssetFaults, Nodes) {
             all["meshes"][1]["primitives"][0]["attributes"]["POSITION"];
       },
       "attributes.TRANSLATION: 3 values, and another attribute has 86; each place needs one");
+  expect(
+      [](json& all) {
+        json& places = all["nodes"][7]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+        places["ROTATION"] = places["TRANSLATION"];
+      },
+      "attributes.ROTATION: is no VEC4, as each place needs one; save it anew");
 }
 
 TEST_F(AssetFaults, Animations) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 
 #include "planish/core/lower_case.h"
@@ -52,10 +53,11 @@ bool names_a_texture(std::string_view keyword) {
   return keyword.starts_with("map_") || std::ranges::find(kOthers, keyword) != kOthers.end();
 }
 
+// 0 where it is none, or not finite.
 double number_of(std::string_view word) {
   double value = 0;
   (void)std::from_chars(word.data(), word.data() + word.size(), value);
-  return value;
+  return std::isfinite(value) ? value : 0;
 }
 
 // Behind the options of a texture, such as -s 1 1 1 and -clamp on, comes its name with its blanks.

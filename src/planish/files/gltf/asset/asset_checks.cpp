@@ -149,14 +149,21 @@ void require_primitive(const JsonPlace& root, const JsonPlace& primitive) {
     require_number(root, (*mappings)[i], "material", "materials");
 }
 
-// Attributes of places are as many of each.
+// Attributes of places are as many of each, and of the types that readers place meshes by.
 void require_instances(const JsonPlace& root, const JsonPlace& instances) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kTypes{
+      {{"ROTATION", "VEC4"}, {"SCALE", "VEC3"}, {"TRANSLATION", "VEC3"}}};
   require_members(root, instances, "attributes", "accessors");
   const auto attributes = instances.find("attributes");
   std::int64_t count = -1;
   for (const std::string& name : attributes ? attributes->keys() : std::vector<std::string>{}) {
     const std::int64_t found = accessor_count(root, (*attributes)[name]);
     if (count < 0) count = found;
+    for (const auto& [attribute, type] : kTypes) {
+      const JsonPlace number = (*attributes)[name];
+      if (name == attribute && root["accessors"][number.integer()]["type"].text() != type)
+        number.fail("is no {}, as each place needs one{}", type, kRemedy);
+    }
     if (found != count)
       (*attributes)[name].fail("{} values, and another attribute has {}; each place needs one{}",
                                found, count, kRemedy);
