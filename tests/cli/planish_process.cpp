@@ -82,8 +82,7 @@ PlanishProcess::PlanishProcess(const std::vector<std::string>& arguments, const 
   std::vector<std::string> environment = options.environment;
   environment.emplace_back("PATH=/usr/bin:/bin");
   for (const std::string name : {"ASAN_OPTIONS", "TSAN_OPTIONS"}) {
-    if (const char* options = std::getenv(name.c_str()))
-      environment.push_back(name + "=" + options);
+    if (const char* own = std::getenv(name.c_str())) environment.push_back(name + "=" + own);
   }
   std::vector<char*> argv = pointers(texts);
   std::vector<char*> envp = pointers(environment);
