@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "planish/mesh/angle_between.h"
+#include "planish/mesh/coherent_edges.h"
 #include "planish/mesh/disjoint_sets.h"
 
 namespace planish {
@@ -53,12 +53,11 @@ bool are_coarse_balls(const PolygonMesh& mesh, const MeshTopology& topology,
     const double off = glm::dot(mesh.positions[first] - part.middle, areas[f]);
     part.nearest = std::min(part.nearest, length > 0 ? off / length : 0);
   }
+  const EdgeTurns turns(mesh, topology, areas);
   for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
     if (topology.is_boundary_edge(e)) continue;
-    const std::int32_t corner = topology.corner_of(e);
-    const double turn = angle_between(areas[topology.face_of(corner)],
-                                      areas[topology.face_of(topology.twin(corner))]);
-    ConnectedPart& part = part_of(topology.vertex_of(corner));
+    const double turn = turns.turn(e);
+    ConnectedPart& part = part_of(topology.edge_vertices(e).first);
     part.flattest = std::min(part.flattest, turn);
     part.sharpest = std::max(part.sharpest, turn);
   }
