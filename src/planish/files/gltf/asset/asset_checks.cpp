@@ -157,16 +157,15 @@ void require_instances(const JsonPlace& root, const JsonPlace& instances) {
   const auto attributes = instances.find("attributes");
   std::int64_t count = -1;
   for (const std::string& name : attributes ? attributes->keys() : std::vector<std::string>{}) {
-    const std::int64_t found = accessor_count(root, (*attributes)[name]);
+    const JsonPlace accessor = (*attributes)[name];
+    const std::int64_t found = accessor_count(root, accessor);
     if (count < 0) count = found;
-    for (const auto& [attribute, type] : kTypes) {
-      const JsonPlace number = (*attributes)[name];
-      if (name == attribute && root["accessors"][number.integer()]["type"].text() != type)
-        number.fail("is no {}, as each place needs one{}", type, kRemedy);
-    }
+    for (const auto& [attribute, type] : kTypes)
+      if (name == attribute && root["accessors"][accessor.integer()]["type"].text() != type)
+        accessor.fail("is no {}, as each place needs one{}", type, kRemedy);
     if (found != count)
-      (*attributes)[name].fail("{} values, and another attribute has {}; each place needs one{}",
-                               found, count, kRemedy);
+      accessor.fail("{} values, and another attribute has {}; each place needs one{}", found, count,
+                    kRemedy);
   }
 }
 
