@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/vec3.hpp>
@@ -47,6 +48,15 @@ TEST(CoarseBalls, AreRegularSolidsAndBoxesNearThem) {
   EXPECT_TRUE(may_be_balls(regular_tetrahedron()));
   EXPECT_TRUE(may_be_balls(octahedron()));
   EXPECT_TRUE(may_be_balls(box({1, 1, 2})));
+}
+
+// Which way faces look says nothing of the shape.
+TEST(CoarseBalls, MayBeInsideOut) {
+  for (PolygonMesh mesh : {test::cube(), box({1, 1, 4})}) {
+    const bool is_ball = may_be_balls(mesh);
+    std::ranges::reverse(mesh.face_vertices);  // faces of four corners, each the other way round
+    EXPECT_EQ(may_be_balls(mesh), is_ball);
+  }
 }
 
 TEST(CoarseBalls, LongAndFlatBoxesAreNone) {

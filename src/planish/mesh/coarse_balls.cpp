@@ -18,11 +18,14 @@ constexpr double kRoundness = 3.05;  // a tetrahedron has 3
 
 struct ConnectedPart {
   double flattest = std::numbers::pi, sharpest = 0;  // turns of edges
-  double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+  // Of the faces' planes from the middle, below 0 where they look at it; and of the vertices.
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  double farthest = 0;
   glm::dvec3 middle{0.0};
   std::int64_t vertex_count = 0;
 
   [[nodiscard]] bool is_ball() const {
+    const double nearest = std::max(lowest, -highest);  // all look outward, or all inward
     return sharpest <= kAlikeTurns * flattest && farthest <= kRoundness * nearest;
   }
 };
@@ -50,8 +53,10 @@ bool are_coarse_balls(const PolygonMesh& mesh, const MeshTopology& topology,
     const std::int32_t first = mesh.face(f).front();
     ConnectedPart& part = part_of(first);
     const double length = glm::length(areas[f]);
-    const double off = glm::dot(mesh.positions[first] - part.middle, areas[f]);
-    part.nearest = std::min(part.nearest, length > 0 ? off / length : 0);
+    const double along = glm::dot(mesh.positions[first] - part.middle, areas[f]);
+    const double off = length > 0 ? along / length : 0;
+    part.lowest = std::min(part.lowest, off);
+    part.highest = std::max(part.highest, off);
   }
   const EdgeTurns turns(mesh, topology, areas);
   for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
