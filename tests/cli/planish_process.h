@@ -14,8 +14,8 @@ struct ProcessResult {
   int signal = 0;      ///< that killed it
   std::string out, err;
   // Of Options::measured.
-  double peak_bytes = 0;   ///< of memory: its own or of the largest program that it started
-  double cpu_seconds = 0;  ///< of all of them
+  double peak_bytes = 0;   ///< of memory, with what it started
+  double cpu_seconds = 0;  ///< likewise
 };
 
 /// The built command as a child process. Its stdin, stdout and stderr are files, so that no pipe
