@@ -134,7 +134,9 @@ TEST_F(MemoryBudget, ArraysLeaveMemoryAndKeepTheirContent) {
       std::iota(arrays.back(), arrays.back() + kWords, a << 32);
     }
     ::usleep(50'000);
-    EXPECT_LT(resident_bytes(), 160 * kMiB);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    EXPECT_LT(resident_bytes(), 160 * kMiB);  // sanitizers hold a shadow of what was written, too
+#endif
     for (std::size_t a = 0; a < kCount; ++a)
       for (std::size_t i = 0; i < kWords; ++i)
         if (arrays[a][i] != (a << 32) + i) return 1;
