@@ -95,6 +95,7 @@ def comparable(path):
 def messages(text):
     """Words without times and sizes of memory."""
     text = re.sub(r"^ *time .*$", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^.*: +\d+%, .*\n", "", text, flags=re.MULTILINE)  # how far a slow run is
     text = re.sub(r"(\de[-+]\d\d)( +[\d.,]+){2}$", r"\1", text, flags=re.MULTILINE)  # table of scenes
     text = re.sub(r"[\d.,]+ ?(ms|s|min|h|MB|GB|MiB|GiB|kB|KiB)\b", "", text)
     return re.sub(r"[ \t]+", " ", re.sub(r"under\b", "", text))
