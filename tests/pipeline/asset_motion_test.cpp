@@ -137,5 +137,23 @@ TEST_F(Asset, WhatMovesApartIsNotWelded) {
   }
 }
 
+// Nor where an edge joins them, which has no length until they do.
+TEST_F(Asset, EdgesThatGetALengthByMovingStay) {
+  AssetSample shut = sample_;
+  shut.json["meshes"].erase(2);
+  shut.json["nodes"].erase(7);
+  shut.json["scenes"][0]["nodes"] = {0, 3, 4, 5, 6, 7};
+  (void)fitted(shut.glb(), progressive());
+  const std::int64_t before = result_.fitted.mesh.vertex_count();
+  const std::size_t stays = AssetSample::kRings / 2 * (AssetSample::kAround + 1) + 3,
+                    goes = stays + 1;
+  shut.move_tube([&](std::size_t v, std::size_t k) {
+    return v == goes ? shut.tube[stays][k] - shut.tube[goes][k] : 0;
+  });
+  (void)fitted(shut.glb(), progressive());
+  EXPECT_EQ(result_.fitted.mesh.vertex_count(), before);
+  for (const Warning& warning : result_.fitted.warnings) EXPECT_NE(warning.code, "short-edges");
+}
+
 }  // namespace
 }  // namespace planish::test

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "planish/mesh/sound_topology.h"
 #include "planish/pipeline/make_ready.h"
 #include "planish/pipeline/tessellate_fit.h"
 #include "planish/pipeline/verify_cage.h"
@@ -72,6 +74,54 @@ TEST(MakeReady, NamesVerticesOfTheFileWhereItWelds) {
   EXPECT_EQ(mesh.positions[ready.changes[0].first], glm::dvec3(1)) << "where the cubes touch";
   for (std::int32_t v = 0; v < 24; ++v)
     EXPECT_EQ(mesh.positions[ready.source_vertices[v]], ready.mesh.positions[v]);
+}
+
+// A cube of which each corner was bevelled by nothing: three vertices at its place and a triangle.
+PolygonMesh bevelled_by_nothing(double length) {
+  const PolygonMesh sharp = test::cube();
+  PolygonMesh mesh;
+  for (const std::int32_t v : sharp.face_vertices) {
+    const auto i = static_cast<double>(mesh.positions.size());
+    mesh.positions.push_back(sharp.positions[v] + length * glm::dvec3(std::sin(i), std::cos(i), 0));
+  }
+  const MeshTopology topology = usable_topology(sharp, "cube");
+  std::vector<std::int32_t> corner(4);
+  for (std::int32_t f = 0; f < sharp.face_count(); ++f) {
+    for (int k = 0; k < 4; ++k) corner[k] = topology.first_corner(f) + k;
+    mesh.add_face(corner);
+  }
+  for (std::int32_t c = 0; c < topology.corner_count(); ++c) {
+    const std::int32_t twin = topology.twin(c);
+    if (twin > c) mesh.add_face(std::array{topology.next(c), c, topology.next(twin), twin});
+  }
+  for (std::int32_t v = 0; v < sharp.vertex_count(); ++v) {
+    const auto around = topology.corners_at(v);
+    mesh.add_face(std::array{around[0], around[1], around[2]});
+  }
+  return mesh;
+}
+
+TEST(MakeReady, MakesTheEndsOfEdgesWithoutLengthOne) {
+  const PolygonMesh sharp = test::cube();
+  for (const double length : {0.0, 1e-7}) {
+    const PolygonMesh mesh = bevelled_by_nothing(length);
+    const ReadyMesh ready = make_ready(PolygonMesh(mesh), {});
+    ASSERT_EQ(ready.mesh.vertex_count(), 8) << length;
+    EXPECT_EQ(ready.mesh.face_count(), 6) << length;
+    EXPECT_EQ(ready.welded_count, 16) << length;
+    ASSERT_FALSE(ready.changes.empty());
+    EXPECT_EQ(ready.changes.front().code, "short-edges");
+    EXPECT_EQ(ready.changes.front().count, 16);
+    EXPECT_GE(ready.changes.front().first, 1);
+    // Numbers are the file's.
+    ASSERT_EQ(ready.source_vertices.size(), 8u);
+    for (std::int32_t v = 0; v < 8; ++v)
+      EXPECT_EQ(ready.mesh.positions[v], mesh.positions[ready.source_vertices[v]]);
+    EXPECT_EQ(make_ready(PolygonMesh(mesh), {.repairs = false}).mesh.vertex_count(), 24);
+    EXPECT_EQ(make_ready(PolygonMesh(mesh), {.welds_short_edges = false}).mesh.vertex_count(), 24);
+  }
+  // Bevelled by more it is as it was.
+  EXPECT_EQ(make_ready(bevelled_by_nothing(1e-4), {}).mesh.vertex_count(), 24);
 }
 
 TEST(MakeReady, LeavesNoTagWhereTagsAreIgnored) {

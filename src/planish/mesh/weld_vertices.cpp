@@ -15,6 +15,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/mesh/placement.h"
+#include "planish/mesh/short_edges.h"
 #include "planish/mesh/sound_topology.h"
 
 namespace planish {
@@ -149,29 +150,23 @@ void renumber(PolygonMesh& mesh, std::span<const std::int32_t> numbers) {
   for (CornerVertex& corner : mesh.corners) corner.vertex = number_of(corner.vertex);
 }
 
-}  // namespace
-
-WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction) {
-  if (!can_weld_within(fraction))
-    throw Error(ErrorCode::InvalidArgument,
-                "vertices cannot be welded within " + shortest(fraction) +
-                    " of the diagonal; 0, or 1e-12 to less than 0.1, is wanted");
-  WeldedMesh result{std::move(mesh), {}, 0};
+// Each vertex becomes its target, which is no later one and stays.
+WeldedMesh with_targets(PolygonMesh&& mesh, std::vector<std::int32_t> numbers) {
+  WeldedMesh result{.mesh = std::move(mesh), .source_vertices = {}};
   PolygonMesh& welded = result.mesh;
-  if (!can_be_welded(welded)) return result;
-  std::vector<std::int32_t> numbers = targets_of(welded, fraction);
-  for (std::int32_t v = 0; v < welded.vertex_count(); ++v) {
+  for (std::int32_t v = 0; v < std::ssize(numbers); ++v) {
     const bool stays = numbers[v] == v;
+    if (!stays && result.first_welded < 0) result.first_welded = v;
     // Those that stay come first, so that the numbers of earlier ones are final.
     numbers[v] =
         stays ? static_cast<std::int32_t>(result.source_vertices.size()) : numbers[numbers[v]];
     if (stays) result.source_vertices.push_back(v);
   }
-  result.welded_count = welded.vertex_count() - std::ssize(result.source_vertices);
-  if (result.welded_count == 0) {
+  if (result.first_welded < 0) {
     result.source_vertices.clear();
     return result;
   }
+  result.welded_count = welded.vertex_count() - std::ssize(result.source_vertices);
   renumber(welded, numbers);
   for (std::size_t v = 0; v < result.source_vertices.size(); ++v) {
     const std::int32_t source = result.source_vertices[v];
@@ -182,6 +177,25 @@ WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction) {
   welded.positions.resize(result.source_vertices.size());
   if (!welded.colors.empty()) welded.colors.resize(result.source_vertices.size());
   return result;
+}
+
+}  // namespace
+
+WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction) {
+  if (!can_weld_within(fraction))
+    throw Error(ErrorCode::InvalidArgument,
+                "vertices cannot be welded within " + shortest(fraction) +
+                    " of the diagonal; 0, or 1e-12 to less than 0.1, is wanted");
+  if (!can_be_welded(mesh)) return {.mesh = std::move(mesh), .source_vertices = {}};
+  std::vector<std::int32_t> targets = targets_of(mesh, fraction);
+  return with_targets(std::move(mesh), std::move(targets));
+}
+
+WeldedMesh weld_short_edges(PolygonMesh&& mesh) {
+  std::vector<std::int32_t> targets = short_edge_targets(mesh);
+  if (targets.empty() || !can_be_welded(mesh))
+    return {.mesh = std::move(mesh), .source_vertices = {}};
+  return with_targets(std::move(mesh), std::move(targets));
 }
 
 }  // namespace planish

@@ -17,6 +17,7 @@ struct WeldedMesh {
   PolygonMesh mesh;
   std::vector<std::int32_t> source_vertices;  ///< for each vertex the input's; empty: none welded
   std::int64_t welded_count = 0;              ///< vertices that became another one
+  std::int32_t first_welded = -1;             ///< the first of them in the input
 };
 
 /// Gives faces one vertex where several lie within `fraction` of the bounding box's diagonal of
@@ -28,5 +29,9 @@ struct WeldedMesh {
 /// colours are unusable comes back as it was, for check(). Throws Error{InvalidArgument} for
 /// another fraction than those above.
 [[nodiscard]] WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction);
+
+/// The same along edges that have no length to speak of, as boolean operations and bevels leave
+/// them (see short_edge_targets()).
+[[nodiscard]] WeldedMesh weld_short_edges(PolygonMesh&& mesh);
 
 }  // namespace planish

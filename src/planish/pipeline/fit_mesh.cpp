@@ -31,7 +31,8 @@ Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod me
           .method = method,
           .weld = options.weld,
           .smoothed_vertices = {},
-          .pairs_triangles = options.quads == QuadChoice::On};
+          .pairs_triangles = options.quads == QuadChoice::On,
+          .welds_short_edges = options.welds_short_edges};
 }
 
 // Every warning once, to the caller and into the result.

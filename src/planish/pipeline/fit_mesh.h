@@ -24,7 +24,9 @@ namespace planish {
 struct MeshFitOptions {
   /// Empty: of Doo-Sabin the better one by measurement (see fit_best()), else progressive.
   std::optional<InterpolationMethod> method;
-  bool repairs = true;                   ///< see repair(); and cuts concave faces for fair surfaces
+  /// See repair() and weld_short_edges(); and cuts concave faces for fair surfaces.
+  bool repairs = true;
+  bool welds_short_edges = true;         ///< where it repairs; not where vertices will move apart
   std::optional<double> crease_degrees;  ///< edges whose faces turn by more are sharp, too
   /// Where method and crease_degrees are empty and the mesh has no tags: found creases, too, where
   /// the surface is better for them (see fit_best()).

@@ -1,6 +1,7 @@
 #include "planish/pipeline/make_ready.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -33,6 +34,16 @@ void cut_concave_faces(ReadyMesh& prepared) {
   sources = std::move(convex.source_faces);
   prepared.mesh = std::move(convex.mesh);
   prepared.prepared = prepare_if_sound(prepared.mesh);
+}
+
+// Of a mesh that may have been welded already: of which vertices of the file its own are.
+PolygonMesh take_welded(WeldedMesh&& welded, std::vector<std::int32_t>& sources,
+                        std::int64_t& count) {
+  count += welded.welded_count;
+  if (!sources.empty() && welded.welded_count > 0)
+    for (std::int32_t& source : welded.source_vertices) source = sources[source];
+  if (welded.welded_count > 0) sources = std::move(welded.source_vertices);
+  return std::move(welded.mesh);
 }
 
 // What was said of the vertices of the welded mesh, of the file's.
@@ -93,11 +104,20 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
     mesh.corners.clear();
   }
   std::vector<std::int32_t> welded_sources;
-  if (choice.weld) {
-    WeldedMesh welded = weld_vertices(std::move(mesh), *choice.weld);
-    mesh = std::move(welded.mesh);
-    welded_sources = std::move(welded.source_vertices);
-    ready.welded_count = welded.welded_count;
+  if (choice.weld)
+    mesh = take_welded(weld_vertices(std::move(mesh), *choice.weld), welded_sources,
+                       ready.welded_count);
+  std::optional<Warning> shortened;
+  if (choice.repairs && choice.welds_short_edges) {
+    WeldedMesh welded = weld_short_edges(std::move(mesh));
+    if (const std::int64_t count = welded.welded_count; count > 0) {
+      const std::int32_t first = welded.first_welded;
+      shortened = {
+          "short-edges",
+          formatted("vertices that coincide with a neighbour, made one with it: {}", count), count,
+          welded_sources.empty() ? first : welded_sources[first]};
+    }
+    mesh = take_welded(std::move(welded), welded_sources, ready.welded_count);
   }
   ready.prepared = prepare_if_sound(mesh);
   if (ready.prepared || !choice.repairs) {
@@ -107,6 +127,7 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
     ready.prepared = prepare_if_sound(ready.mesh);
   }
   name_sources(ready, std::move(welded_sources));
+  if (shortened) ready.changes.insert(ready.changes.begin(), *shortened);
   if (choice.pairs_triangles && ready.prepared) pair_up(ready, choice.crease_degrees);
   if (choice.repairs && choice.method == InterpolationMethod::Fair) make_fair(ready);
   if (choice.crease_degrees && ready.prepared) find_creases(ready, choice);

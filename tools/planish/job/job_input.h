@@ -45,7 +45,7 @@ struct JobInput {
 
 /// What prepare_fit() makes of the input's mesh with the tags that a scene adds. Throws as that,
 /// and Error{UnusableMesh} for a tag that names no vertex.
-[[nodiscard]] ReadyFit prepare_mesh(Input&& input, const MeshFitOptions& options,
+[[nodiscard]] ReadyFit prepare_mesh(Input&& input, MeshFitOptions options,
                                     const Settings& settings);
 
 /// prepare_fit() of the input's mesh, with the tags that a scene adds, as the job's settings say;

@@ -92,6 +92,7 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
                   .read_mesh(format_, number, collector);
   mesh.vertices = collector.finish();
+  mesh.file.vertices_move = mesh.vertices.moves();
   require_joints(number, mesh.vertices);
   for (AssetGroup& group : mesh.vertices.groups) {
     const int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());
