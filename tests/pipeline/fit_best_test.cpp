@@ -244,6 +244,45 @@ TEST(FitBest, RoundShapesHaveNoCreases) {
     EXPECT_FALSE(fit_best(mesh, *backend).crease_degrees.has_value()) << mesh.vertex_count();
 }
 
+// A ball of 24 by 9 faces with a bore along its axis.
+PolygonMesh bored_ball() {
+  constexpr int kAround = 24, kRings = 10;
+  PolygonMesh mesh;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double latitude = 1.16 - 2.32 * ring / (kRings - 1);
+    for (int i = 0; i < kAround; ++i) {
+      const double around = 2 * std::numbers::pi * i / kAround;
+      mesh.positions.emplace_back(std::cos(latitude) * std::cos(around),
+                                  std::cos(latitude) * std::sin(around), std::sin(latitude));
+    }
+  }
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int i = 0; i < kAround; ++i) {
+      const int above = ring * kAround, below = (ring + 1) % kRings * kAround;
+      const int next = (i + 1) % kAround;
+      mesh.add_face(std::array{above + i, below + i, below + next, above + next});
+    }
+  }
+  return mesh;
+}
+
+// Its faces turn by 15 degrees, in sum more than the rims do, of which each edge turns by over 100:
+// nothing lies between.
+TEST(FitBest, KeepsRimsThatAreApartFromAllOtherEdges) {
+  const auto backend = make_cpu_backend();
+  const PolygonMesh ball = bored_ball();
+  for (const PolygonMesh& mesh : {ball, as_triangles(ball)}) {
+    const BestFit best = fit_best(mesh, *backend);
+    ASSERT_TRUE(best.crease_degrees.has_value());
+    EXPECT_EQ(best.mesh(mesh).creases.size(), 48u);
+    EXPECT_LT(best.creased->rms_normal_deviation, 0.5 * best.progressive->rms_normal_deviation);
+  }
+  // On a dented one something does.
+  PolygonMesh dented = ball;
+  dented.positions[5 * 24] *= 1.08;
+  EXPECT_FALSE(fit_best(dented, *backend).crease_degrees.has_value());
+}
+
 // A fit that is not taken has nothing to warn of.
 TEST(FitBest, GivesOnlyTheWarningsOfTheFitThatIsTaken) {
   const auto backend = make_cpu_backend();

@@ -143,19 +143,21 @@ std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
                                             const FitOptions& options, const Candidate& round,
                                             CreaseTrial trial, BestFit& best) {
   if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
-  made.found = add_clear_creases(made.mesh, made.prepared, trial).found;
-  if (!made.found) return std::nullopt;
+  ClearCreases clear = add_clear_creases(made.mesh, made.prepared, trial);
+  if (!clear.found) return std::nullopt;
+  made.found = std::move(clear.found);
   Candidate creased = fair_candidate(made, backend, options, best);
   best.creased = creased.quality;
   const SurfaceQuality &sharp = creased.quality, &rounded = round.quality;
   const bool folds_more =
       sharp.folded_area_elsewhere > rounded.folded_area_elsewhere + kWorthAllCreases;
   if (creased.fit.interpolation.converged && !folds_more &&
-      sharp.rms_normal_deviation <= kCreasesBetter * rounded.rms_normal_deviation) {
+      sharp.rms_normal_deviation <=
+          (clear.are_apart ? 1 : kCreasesBetter) * rounded.rms_normal_deviation) {
     best.method = InterpolationMethod::Fair;
     best.crease_degrees = made.found->options.dihedral_degrees;
     best.reason = "fair, with " + counted(std::ssize(made.mesh.creases), "edge") +
-                  " kept sharp: its normals are far nearer to the faces' than with all rounded "
+                  " kept sharp: its normals are nearer to the faces' than with all rounded "
                   "(--creases use rounds them)";
     return creased;
   }

@@ -60,7 +60,8 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 /// Where the mesh has no tags but those of add_outline_corners() and creases that are found by
 /// `trial` are clear (see add_clear_creases()), the fair surface that has them comes second,
 /// whatever the first, and is taken where it does not fold more, by kWorthAllCreases of the area,
-/// and is off by kCreasesBetter of what progressive is at most.
+/// and is off by kCreasesBetter of what progressive is at most; where they are apart from all other
+/// edges, by no more.
 ///
 /// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.

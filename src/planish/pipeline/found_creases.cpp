@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <numbers>
 #include <utility>
 
 #include "planish/core/host_scope.h"
@@ -24,6 +26,8 @@ namespace {
 constexpr int kRounds = 4;
 // Of all turns; see pipeline/details.md.
 constexpr double kClearShare = 0.9;
+// By what the flattest crease turns more than the sharpest other edge where they are apart.
+constexpr double kApart = 1.5;
 // Corners of a face from which on it is more than what lies around a vertex.
 constexpr std::size_t kLargeFace = 16;
 // So many creases are no loss: parts of few are not to fold at all.
@@ -113,9 +117,10 @@ void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
   }
 }
 
-enum class Clarity { Unclear, OfBalls, Clear };
+enum class Clarity { Unclear, OfBalls, Clear, Apart };
 
-Clarity clarity_of(const PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared) {
+Clarity clarity_of(const PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared,
+                   const CreaseDetectionOptions& options) {
   if (mesh.creases.empty()) return Clarity::Unclear;
   const UsedPart used = used_part(mesh, prepared);
   const MeshTopology& topology = *prepared->topology;
@@ -126,6 +131,7 @@ Clarity clarity_of(const PolygonMesh& mesh, const std::shared_ptr<const Prepared
   }
   const std::vector<glm::dvec3> areas = face_areas(used.mesh);
   double all = 0, of_creases = 0;
+  double flattest = std::numbers::pi, sharpest_other = 0;
   bool is_any_smooth = false;
   for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
     if (topology.is_boundary_edge(e)) continue;
@@ -136,11 +142,18 @@ Clarity clarity_of(const PolygonMesh& mesh, const std::shared_ptr<const Prepared
     const double weight = glm::length(a) / topology.face_size(topology.face_of(corner)) +
                           glm::length(b) / topology.face_size(topology.face_of(twin));
     all += turn * turn * weight;
-    if (is_crease[e] != 0) of_creases += turn * turn * weight;
+    if (is_crease[e] != 0) {
+      of_creases += turn * turn * weight;
+      flattest = std::min(flattest, turn);
+    } else {
+      sharpest_other = std::max(sharpest_other, turn);
+    }
   }
-  if (of_creases < kClearShare * all) return Clarity::Unclear;
-  if (is_any_smooth || !are_coarse_balls(used.mesh, topology, areas)) return Clarity::Clear;
-  return Clarity::OfBalls;
+  const bool are_apart = sharpest_other <= glm::radians(options.dihedral_degrees) &&
+                         flattest >= kApart * sharpest_other;
+  if (!are_apart && of_creases < kClearShare * all) return Clarity::Unclear;
+  if (!is_any_smooth && are_coarse_balls(used.mesh, topology, areas)) return Clarity::OfBalls;
+  return are_apart ? Clarity::Apart : Clarity::Clear;
 }
 
 }  // namespace
@@ -164,12 +177,13 @@ ClearCreases add_clear_creases(PolygonMesh& mesh,
                                CreaseTrial trial) {
   if (trial == CreaseTrial::None || !mesh.creases.empty()) return {};
   FoundCreases found = add_found_creases(mesh, *prepared, {});
-  const Clarity clarity = clarity_of(mesh, prepared);
-  if (clarity == Clarity::Clear || (clarity == Clarity::OfBalls && trial == CreaseTrial::All))
-    return {std::move(found), false};
+  const Clarity clarity = clarity_of(mesh, prepared, found.options);
+  const bool are_of_balls = clarity == Clarity::OfBalls;
+  if (clarity != Clarity::Unclear && (!are_of_balls || trial == CreaseTrial::All))
+    return {std::move(found), false, clarity == Clarity::Apart};
   mesh.creases = found.creases;
   mesh.corners = found.corners;
-  return {std::nullopt, clarity == Clarity::OfBalls};
+  return {std::nullopt, are_of_balls};
 }
 
 void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,

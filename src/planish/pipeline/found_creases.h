@@ -38,13 +38,15 @@ enum class CreaseTrial { None, NotOfBalls, All };
 struct ClearCreases {
   std::optional<FoundCreases> found;
   bool are_of_balls = false;  ///< all edges would be sharp of are_coarse_balls(): none is found
+  bool are_apart = false;     ///< all other edges turn by less than is looked for, and by far less
 };
 
 /// The same with the default options where the creases are clear, else none, and the mesh as it
 /// was. They are clear where the mesh had no tags, where by far the most of what its faces turn is
 /// at them (of the squares of all turns, weighted by the faces' areas), as on parts with flat and
-/// round faces, and where an edge is smooth or the mesh none of are_coarse_balls(), which turn at
-/// all of their edges, unless `trial` is All.
+/// round faces, or where they are apart from all other edges, as the rim of a cut ball is, and
+/// where an edge is smooth or the mesh none of are_coarse_balls(), which turn at all of their
+/// edges, unless `trial` is All.
 [[nodiscard]] ClearCreases add_clear_creases(PolygonMesh& mesh,
                                              const std::shared_ptr<const PreparedMesh>& prepared,
                                              CreaseTrial trial);
