@@ -118,10 +118,40 @@ TEST(MakeReady, MakesTheEndsOfEdgesWithoutLengthOne) {
     for (std::int32_t v = 0; v < 8; ++v)
       EXPECT_EQ(ready.mesh.positions[v], mesh.positions[ready.source_vertices[v]]);
     EXPECT_EQ(make_ready(PolygonMesh(mesh), {.repairs = false}).mesh.vertex_count(), 24);
-    EXPECT_EQ(make_ready(PolygonMesh(mesh), {.welds_short_edges = false}).mesh.vertex_count(), 24);
+    EXPECT_EQ(make_ready(PolygonMesh(mesh), {.stands_alone = false}).mesh.vertex_count(), 24);
   }
   // Bevelled by more it is as it was.
   EXPECT_EQ(make_ready(bevelled_by_nothing(1e-4), {}).mesh.vertex_count(), 24);
+}
+
+// A box in triangles, on one side around a point of an edge: there the triangulation of that side
+// has a triangle without area. Its normal tells of no crease.
+TEST(FitMesh, KeepsAnEdgeBesideAFlatTriangle) {
+  PolygonMesh box;
+  box.positions = test::cube().positions;
+  for (glm::dvec3& p : box.positions) p.x *= 3;
+  for (const auto& face : test::faces_of(test::cube())) {
+    box.add_face(std::array{face[0], face[1], face[2]});
+    box.add_face(std::array{face[0], face[2], face[3]});
+  }
+  // A triangle (a, b, c) becomes (a, b, m), (m, b, c), (a, m, c), the last one flat.
+  const std::array corner{box.face_vertices[0], box.face_vertices[1], box.face_vertices[2]};
+  const std::int32_t middle = box.vertex_count();
+  const glm::dvec3 &a = box.positions[corner[0]], &b = box.positions[corner[1]];
+  box.positions.push_back(0.75 * a + 0.25 * b);
+  box.face_vertices[1] = middle;  // (a, m, c)
+  box.add_face(std::array{middle, corner[1], corner[2]});
+  box.add_face(std::array{corner[0], corner[1], middle});
+  const ReadyMesh ready = make_ready(PolygonMesh(box), {});
+  ASSERT_EQ(ready.changes.size(), 1u);
+  EXPECT_EQ(ready.changes[0].code, "flat-triangles");
+  EXPECT_EQ(ready.changes[0].first, 13);
+  EXPECT_EQ(ready.mesh.face_count(), box.face_count());
+  EXPECT_TRUE(make_ready(PolygonMesh(box), {.repairs = false}).changes.empty());
+  const FittedMesh fitted = fit_mesh(box, "box", *make_cpu_backend());
+  EXPECT_EQ(fitted.mesh.creases.size(), 13u);
+  ASSERT_TRUE(fitted.reason && fitted.reason->creased);
+  EXPECT_NEAR(fitted.reason->creased->rms_normal_deviation, 0, 1e-4);
 }
 
 TEST(MakeReady, LeavesNoTagWhereTagsAreIgnored) {

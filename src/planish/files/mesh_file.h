@@ -24,7 +24,9 @@ struct MeshFile {
   std::int64_t welded_vertex_count = 0;    ///< vertices merged with one at the same position
   std::int64_t dropped_element_count = 0;  ///< lines, points and the like that carry no surface
   std::vector<Warning> warnings;
-  bool vertices_move = false;  ///< by joints or morph targets: those at one place may part
+  /// No joint, morph target or further texture coordinate of an asset is kept by its vertices and
+  /// coordinates.
+  bool stands_alone = true;
   /// Points without coordinates, as PointCloud has it, of files without faces; they are left out.
   std::int64_t missing_count = 0;
   std::vector<glm::vec3> normals;   ///< one per vertex, of files without faces that have them

@@ -53,7 +53,7 @@ std::list<AssetPart> fitted_parts(const GltfAsset& asset, const MeshFitOptions& 
     for (const Warning& warning : part.mesh.file.warnings) whole.warn(warning);
     MeshFitOptions one = how;
     one.fit.callbacks = share_of_mesh(whole, of, 0, kMeshesReady);
-    one.welds_short_edges = !part.mesh.file.vertices_move;
+    one.stands_alone = part.mesh.file.stands_alone;
     part.ready =
         prepare_fit(std::move(part.mesh.file.mesh),
                     asset.surfaces().size() == 1 ? file : file + ": " + part.mesh.name, one);

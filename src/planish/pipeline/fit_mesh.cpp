@@ -32,7 +32,7 @@ Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod me
           .weld = options.weld,
           .smoothed_vertices = {},
           .pairs_triangles = options.quads == QuadChoice::On,
-          .welds_short_edges = options.welds_short_edges};
+          .stands_alone = options.stands_alone};
 }
 
 // Every warning once, to the caller and into the result.

@@ -24,9 +24,12 @@ namespace planish {
 struct MeshFitOptions {
   /// Empty: of Doo-Sabin the better one by measurement (see fit_best()), else progressive.
   std::optional<InterpolationMethod> method;
-  /// See repair() and weld_short_edges(); and cuts concave faces for fair surfaces.
+  /// See repair(), weld_short_edges() and without_flat_triangles(); and cuts concave faces for fair
+  /// surfaces.
   bool repairs = true;
-  bool welds_short_edges = true;         ///< where it repairs; not where vertices will move apart
+  /// Nothing else is kept by the mesh's vertices and texture coordinates: where it is, none is
+  /// welded or added.
+  bool stands_alone = true;
   std::optional<double> crease_degrees;  ///< edges whose faces turn by more are sharp, too
   /// Where method and crease_degrees are empty and the mesh has no tags: found creases, too, where
   /// the surface is better for them (see fit_best()).

@@ -9,31 +9,63 @@
 #include "planish/core/number_text.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
+#include "planish/mesh/flat_triangles.h"
 #include "planish/mesh/weld_vertices.h"
 
 namespace planish {
 namespace {
 
-void cut_concave_faces(ReadyMesh& prepared) {
-  ConvexMesh convex = with_convex_faces(prepared.mesh);
-  if (convex.cut_faces.empty()) return;
-  std::vector<std::int32_t>& sources = prepared.source_faces;
-  const auto source_of = [&](std::int32_t face) { return sources.empty() ? face : sources[face]; };
-  const auto count = static_cast<std::int64_t>(convex.cut_faces.size());
-  std::ranges::transform(convex.cut_faces, convex.cut_faces.begin(), source_of);
-  prepared.changes.push_back({"concave-faces",
-                              formatted("faces with corners that turn inward or lie unevenly, cut "
-                                        "in parts for the fair surface: {}",
-                                        count),
-                              count, convex.cut_faces.front()});
-  std::vector<std::int32_t>& changed = prepared.changed_faces;
-  changed.insert(changed.end(), convex.cut_faces.begin(), convex.cut_faces.end());
+// Of triangles in a row on one line each round takes out one.
+constexpr int kFlatRounds = 8;
+
+// Takes a mesh with other faces: of which of its own they are, and which of these changed.
+void take_faces(ReadyMesh& ready, PolygonMesh&& mesh, std::vector<std::int32_t>&& source_faces,
+                std::vector<std::int32_t> changed_faces) {
+  std::vector<std::int32_t>& sources = ready.source_faces;
+  if (!sources.empty())
+    for (auto* faces : {&source_faces, &changed_faces})
+      for (std::int32_t& face : *faces) face = sources[face];
+  std::vector<std::int32_t>& changed = ready.changed_faces;
+  changed.insert(changed.end(), changed_faces.begin(), changed_faces.end());
   std::ranges::sort(changed);
   changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
-  std::ranges::transform(convex.source_faces, convex.source_faces.begin(), source_of);
-  sources = std::move(convex.source_faces);
-  prepared.mesh = std::move(convex.mesh);
-  prepared.prepared = prepare_if_sound(prepared.mesh);
+  sources = std::move(source_faces);
+  ready.mesh = std::move(mesh);
+  ready.prepared = prepare_if_sound(ready.mesh);
+}
+
+std::int32_t source_of(const ReadyMesh& ready, std::int32_t face) {
+  return ready.source_faces.empty() ? face : ready.source_faces[face];
+}
+
+void cut_concave_faces(ReadyMesh& ready) {
+  ConvexMesh convex = with_convex_faces(ready.mesh);
+  if (convex.cut_faces.empty()) return;
+  const std::int64_t count = std::ssize(convex.cut_faces);
+  ready.changes.push_back({"concave-faces",
+                           formatted("faces with corners that turn inward or lie unevenly, cut in "
+                                     "parts for the fair surface: {}",
+                                     count),
+                           count, source_of(ready, convex.cut_faces.front())});
+  take_faces(ready, std::move(convex.mesh), std::move(convex.source_faces), convex.cut_faces);
+}
+
+void take_out_flat_triangles(ReadyMesh& ready, bool adds_uvs) {
+  std::int64_t count = 0;
+  std::int32_t first = -1;
+  for (int round = 0; ready.prepared && round < kFlatRounds; ++round) {
+    UnflattenedMesh made = without_flat_triangles(ready.mesh, *ready.prepared->topology, adds_uvs);
+    if (made.flat_faces.empty()) break;
+    count += std::ssize(made.flat_faces);
+    if (first < 0) first = source_of(ready, made.flat_faces.front());
+    take_faces(ready, std::move(made.mesh), std::move(made.source_faces), made.changed_faces);
+  }
+  if (count > 0)
+    ready.changes.push_back(
+        {"flat-triangles",
+         formatted("triangles whose corners lie on a line, given to the faces beside them: {}",
+                   count),
+         count, first});
 }
 
 // Of a mesh that may have been welded already: of which vertices of the file its own are.
@@ -108,7 +140,7 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
     mesh = take_welded(weld_vertices(std::move(mesh), *choice.weld), welded_sources,
                        ready.welded_count);
   std::optional<Warning> shortened;
-  if (choice.repairs && choice.welds_short_edges) {
+  if (choice.repairs && choice.stands_alone) {
     WeldedMesh welded = weld_short_edges(std::move(mesh));
     if (const std::int64_t count = welded.welded_count; count > 0) {
       const std::int32_t first = welded.first_welded;
@@ -128,6 +160,7 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
   }
   name_sources(ready, std::move(welded_sources));
   if (shortened) ready.changes.insert(ready.changes.begin(), *shortened);
+  if (choice.repairs) take_out_flat_triangles(ready, choice.stands_alone);
   if (choice.pairs_triangles && ready.prepared) pair_up(ready, choice.crease_degrees);
   if (choice.repairs && choice.method == InterpolationMethod::Fair) make_fair(ready);
   if (choice.crease_degrees && ready.prepared) find_creases(ready, choice);

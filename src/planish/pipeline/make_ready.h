@@ -17,15 +17,16 @@ namespace planish {
 
 /// What changes a mesh on its way to the fit.
 struct Preparation {
-  bool repairs = true;                   ///< mends what check() reports, and see weld_short_edges()
+  /// Mends what check() reports; and see weld_short_edges() and without_flat_triangles().
+  bool repairs = true;
   bool uses_tags = true;                 ///< else edges and vertices lose theirs
   std::optional<double> crease_degrees;  ///< sharp are edges whose faces turn by more, too
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<double> weld;  ///< see weld_vertices()
   /// Where no creases are to be found; of the mesh that comes out.
   std::span<const std::int32_t> smoothed_vertices;
-  bool pairs_triangles = false;   ///< see with_paired_triangles()
-  bool welds_short_edges = true;  ///< where it repairs; else ends at one place may move apart
+  bool pairs_triangles = false;  ///< see with_paired_triangles()
+  bool stands_alone = true;      ///< see MeshFitOptions
 };
 
 /// A mesh to be fitted, with what was found of it. The lists of source vertices and faces are empty

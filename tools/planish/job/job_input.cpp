@@ -188,7 +188,7 @@ bool chooses_by_measurement(const Settings& settings, const std::vector<PlannedO
 }
 
 ReadyFit prepare_mesh(Input&& input, MeshFitOptions options, const Settings& settings) {
-  options.welds_short_edges = !input.file.vertices_move;
+  options.stands_alone = input.file.stands_alone;
   return prepare_fit(tagged(std::move(input.file.mesh), settings, input.name), input.name, options);
 }
 

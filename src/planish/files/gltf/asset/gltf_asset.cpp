@@ -92,7 +92,7 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
                   .read_mesh(format_, number, collector);
   mesh.vertices = collector.finish();
-  mesh.file.vertices_move = mesh.vertices.moves();
+  mesh.file.stands_alone = !mesh.vertices.moves() && mesh.vertices.further_uvs.empty();
   require_joints(number, mesh.vertices);
   for (AssetGroup& group : mesh.vertices.groups) {
     const int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());
