@@ -137,6 +137,14 @@ TEST(FlatTriangles, InARowGoOneByOne) {
   EXPECT_THAT(unflattened(twice.mesh).flat_faces, IsEmpty());
 }
 
+TEST(FlatTriangles, AreOfNoUnit) {
+  for (const double unit : {1e-200, 1e100}) {
+    PolygonMesh mesh = squares();
+    for (glm::dvec3& p : mesh.positions) p *= unit;
+    EXPECT_THAT(unflattened(mesh).flat_faces, ElementsAre(2)) << unit;
+  }
+}
+
 TEST(FlatTriangles, NeedlesAndLowTrianglesAreNone) {
   PolygonMesh mesh = squares();
   mesh.positions[6].z = 1e-4;

@@ -29,6 +29,14 @@ TEST(ShortEdges, AreThoseWithoutLength) {
   EXPECT_THAT(short_edge_targets(test::cube()), IsEmpty());
 }
 
+TEST(ShortEdges, AreOfNoUnit) {
+  for (const double unit : {1e-200, 1e100}) {
+    PolygonMesh mesh = square_with_edge(1e-6);
+    for (glm::dvec3& p : mesh.positions) p *= unit;
+    EXPECT_THAT(short_edge_targets(mesh), ElementsAre(0, 1, 2, 3, 0)) << unit;
+  }
+}
+
 // Places alone say nothing: sheets that touch are apart.
 TEST(ShortEdges, VerticesWithoutAnEdgeAreNotJoined) {
   PolygonMesh mesh = square_with_edge(0);

@@ -28,7 +28,7 @@ class FlatTriangles {
       : mesh_(mesh),
         topology_(topology),
         adds_uvs_(adds_uvs),
-        limit_(kShortEdge * placement_of(mesh).diagonal) {}
+        diagonal_(placement_of(mesh).diagonal) {}
 
   UnflattenedMesh run() {
     const auto face_count = static_cast<std::size_t>(mesh_.face_count());
@@ -57,6 +57,10 @@ class FlatTriangles {
   [[nodiscard]] const glm::dvec3& at(std::int32_t corner) const {
     return mesh_.positions[mesh_.face_vertices[corner]];
   }
+  // In units of the diagonal, whose squares are numbers however small the mesh is.
+  [[nodiscard]] glm::dvec3 along(std::int32_t from, std::int32_t to) const {
+    return (at(to) - at(from)) / diagonal_;
+  }
   [[nodiscard]] std::int32_t uv_at(std::int32_t corner) const {
     return mesh_.face_uvs.empty() ? -1 : mesh_.face_uvs[corner];
   }
@@ -65,15 +69,19 @@ class FlatTriangles {
   [[nodiscard]] std::optional<std::int32_t> longest_side(std::int32_t face) const {
     if (mesh_.face_size(face) != 3) return std::nullopt;
     const std::int32_t first = mesh_.face_offsets[face];
-    const std::array points{at(first), at(first + 1), at(first + 2)};
+    std::array<glm::dvec3, 3> sides;
     std::array<double, 3> lengths;
-    for (std::size_t i = 0; i < 3; ++i) lengths[i] = glm::distance(points[i], points[(i + 1) % 3]);
+    for (std::int32_t i = 0; i < 3; ++i) {
+      sides[i] = along(first + i, first + (i + 1) % 3);
+      lengths[i] = glm::length(sides[i]);
+    }
     const auto side = std::ranges::max_element(lengths) - lengths.begin();
     const double longest = lengths[side];
-    const double area = glm::length(glm::cross(points[1] - points[0], points[2] - points[0]));
-    const bool is_flat = area <= longest * std::min(limit_, kShortShare * longest);
+    const double height = glm::length(glm::cross(sides[0], sides[1])) / longest;
     // With a short side it is a needle, of which no corner lies within a side.
-    if (!is_flat || std::ranges::min(lengths) <= limit_) return std::nullopt;
+    if (std::ranges::min(lengths) <= kShortEdge ||
+        height > std::min(kShortEdge, kShortShare * longest))
+      return std::nullopt;
     return first + static_cast<std::int32_t>(side);
   }
 
@@ -85,7 +93,7 @@ class FlatTriangles {
   const PolygonMesh& mesh_;
   const MeshTopology& topology_;
   bool adds_uvs_;
-  double limit_;
+  double diagonal_;
   UnflattenedMesh result_;
   std::set<VertexPair> tagged_, made_;
   std::vector<std::uint8_t> is_taken_;  // by face: it goes, or takes a vertex
@@ -137,7 +145,7 @@ std::optional<std::int32_t> FlatTriangles::uv_within(std::int32_t corner, std::i
   if (begin == uv_at(corner) && end == uv_at(topology_.next(corner))) return uv_at(within);
   if (!adds_uvs_) return std::nullopt;
   const double part =
-      glm::distance(at(corner), at(within)) / glm::distance(at(corner), at(topology_.next(corner)));
+      glm::length(along(corner, within)) / glm::length(along(corner, topology_.next(corner)));
   added_uvs_.push_back(glm::mix(mesh_.uvs[begin], mesh_.uvs[end], part));
   return static_cast<std::int32_t>(mesh_.uvs.size() + added_uvs_.size()) - 1;
 }
