@@ -237,7 +237,6 @@ bool is_whole(const FittedMesh& fitted, const Callbacks& callbacks) {
 // The fit of quads, and that of triangles unless they are plainly halves and the quads do not fold:
 // the better one is given out, with its warnings alone.
 FittedMesh fit_both(ReadyFit ready, Backend& backend) {
-  using Clock = std::chrono::steady_clock;
   const bool is_plain = ready.is_plainly_halved;
   // Of the time, the first fit, and both.
   const double first = is_plain ? 0.9 : 0.45, both = is_plain ? 0.95 : 0.9;
@@ -249,7 +248,7 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   const std::size_t told = ready.fitted.warnings.size();
   paired.fitted.warnings = ready.fitted.warnings;
   paired.fitted.reason = ready.fitted.reason;
-  const auto began = Clock::now();
+  const auto began = std::chrono::steady_clock::now();
   auto& prepared = ready.fitted.options.prepared;
   // Mostly that is of no use any more.
   if (is_plain) prepared.reset();
@@ -271,14 +270,13 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
       choose_quads(of_triangles, figures_of(quads, share_of(caller, one_measured, 1)));
   FittedMesh& taken = reason.are_better ? quads : triangles;
   taken.quad_reason = std::move(reason);
-  const std::chrono::duration<double, std::milli> took = Clock::now() - began;
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
   taken.choose_milliseconds = took.count() - sum_of(taken.fit.timing);
   for (std::size_t i = told; i < taken.warnings.size(); ++i) caller.warn(taken.warnings[i]);
   return std::move(taken);
 }
 
-// Corners of outlines, where creases are chosen: after triangles are joined, as verify_cage() has
-// it.
+// Corners of outlines, where creases are chosen: after pairing, as verify_cage() has it.
 void keep_outline_corners(FittedMesh& result) {
   auto smoothed = add_outline_corners(result.mesh, result.options.prepared);
   if (!smoothed) return;
