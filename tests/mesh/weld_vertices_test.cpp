@@ -144,5 +144,18 @@ TEST(WeldVertices, RefusesOtherFractions) {
   }
 }
 
+TEST(WeldShortEdges, LeavesWhatWouldHaveNoFace) {
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+  mesh.add_face(std::array{0, 1, 2});
+  EXPECT_EQ(weld_short_edges(PolygonMesh(mesh)).welded_count, 0);
+  mesh.positions.emplace_back(0, 1, 0);
+  mesh.add_face(std::array{1, 3, 2});
+  const WeldedMesh welded = weld_short_edges(PolygonMesh(mesh));
+  EXPECT_EQ(welded.welded_count, 1);
+  EXPECT_EQ(welded.first_welded, 1);
+  EXPECT_THAT(welded.source_vertices, ElementsAre(0, 2, 3));
+}
+
 }  // namespace
 }  // namespace planish

@@ -150,6 +150,20 @@ void renumber(PolygonMesh& mesh, std::span<const std::int32_t> numbers) {
   for (CornerVertex& corner : mesh.corners) corner.vertex = number_of(corner.vertex);
 }
 
+// Whether a face has three different targets.
+bool leave_a_face(const PolygonMesh& mesh, std::span<const std::int32_t> targets) {
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    std::array<std::int32_t, 2> others{-1, -1};
+    for (const std::int32_t vertex : mesh.face(f)) {
+      const std::int32_t target = targets[vertex];
+      if (target == others[0] || target == others[1]) continue;
+      if (others[1] >= 0) return true;
+      others[others[0] < 0 ? 0 : 1] = target;
+    }
+  }
+  return false;
+}
+
 // Each vertex becomes its target, which is no later one and stays.
 WeldedMesh with_targets(PolygonMesh&& mesh, std::vector<std::int32_t> numbers) {
   WeldedMesh result{.mesh = std::move(mesh), .source_vertices = {}};
@@ -193,7 +207,7 @@ WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction) {
 
 WeldedMesh weld_short_edges(PolygonMesh&& mesh) {
   std::vector<std::int32_t> targets = short_edge_targets(mesh);
-  if (targets.empty() || !can_be_welded(mesh))
+  if (targets.empty() || !can_be_welded(mesh) || !leave_a_face(mesh, targets))
     return {.mesh = std::move(mesh), .source_vertices = {}};
   return with_targets(std::move(mesh), std::move(targets));
 }

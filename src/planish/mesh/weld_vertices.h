@@ -31,7 +31,7 @@ struct WeldedMesh {
 [[nodiscard]] WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction);
 
 /// The same along edges that have no length to speak of, as boolean operations and bevels leave
-/// them (see short_edge_targets()).
+/// them (see short_edge_targets()); nowhere if no face would be left.
 [[nodiscard]] WeldedMesh weld_short_edges(PolygonMesh&& mesh);
 
 }  // namespace planish
