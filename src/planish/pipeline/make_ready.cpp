@@ -108,13 +108,8 @@ bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees) {
   PairedMesh paired =
       with_paired_triangles(ready.mesh, *ready.prepared, pair_options(crease_degrees));
   if (paired.pair_count == 0) return false;
-  std::vector<std::int32_t>& sources = ready.source_faces;
-  if (!sources.empty())
-    for (std::int32_t& face : paired.source_faces) face = sources[face];
-  sources = std::move(paired.source_faces);
   ready.paired_count = paired.pair_count;
-  ready.mesh = std::move(paired.mesh);
-  ready.prepared = prepare_if_sound(ready.mesh);
+  take_faces(ready, std::move(paired.mesh), std::move(paired.source_faces), {});
   return true;
 }
 
