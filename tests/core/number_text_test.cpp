@@ -60,6 +60,27 @@ TEST(NumberText, KnowsWordsForWhatIsNotFinite) {
     EXPECT_FALSE(is_non_finite_word(word)) << word;
 }
 
+TEST(NumberText, PercentsHaveNoExponent) {
+  EXPECT_EQ(percent(0), "0 %");
+  EXPECT_EQ(percent(1), "100 %");
+  EXPECT_EQ(percent(0.125), "12.5 %");
+  EXPECT_EQ(percent(0.997), "99.7 %");
+  EXPECT_EQ(percent(0.9996), "over 99.9 %");  // not all of it
+  EXPECT_EQ(percent(0.0000123), "0.00123 %");
+  EXPECT_EQ(percent(4.1e-7), "under 0.001 %");
+  EXPECT_EQ(percent(15), "1500 %");
+  EXPECT_EQ(percent(-0.5), "-50 %");
+}
+
+TEST(NumberText, LargeNumbersForPeopleAreWhole) {
+  EXPECT_EQ(short_number(999.4), "999");
+  EXPECT_EQ(short_number(999.6), "1000");
+  EXPECT_EQ(short_number(-12345.6), "-12346");
+  EXPECT_EQ(short_number(999999), "999999");
+  EXPECT_EQ(short_number(1e6), "1e+06");
+  EXPECT_EQ(short_number(4.123e-7), "4.12e-07");
+}
+
 TEST(NumberText, SaysWhatAWordMayMean) {
   EXPECT_EQ(no_finite_number("x"), "`x` is no finite number");
   EXPECT_EQ(no_finite_number("+-1"), "`+-1` is no finite number");

@@ -117,6 +117,7 @@ TEST(ChooseQuads, ByFiguresAlone) {
   };
   EXPECT_TRUE(takes({true, 9.9, 0}, good));
   EXPECT_FALSE(takes(good, good)) << "no less";
+  EXPECT_THAT(choose_quads(good, {true, 0.03, 0}).text, testing::HasSubstr("bends 99.7 % less"));
   EXPECT_TRUE(takes({true, 1e-9, 0}, {true, 0, 0})) << "both are flat";
   EXPECT_FALSE(takes({true, 10 - 1e-6, 0}, good)) << "rounding";
   EXPECT_FALSE(takes({true, 5, 1e-3}, good)) << "folds";

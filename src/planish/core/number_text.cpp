@@ -132,8 +132,17 @@ std::string shortest(double value) {
 
 std::string short_number(double number) {
   std::array<char, 32> digits;
-  std::snprintf(digits.data(), digits.size(), "%.3g", number);
+  const double magnitude = std::abs(number);
+  const bool is_whole = magnitude >= 999.5 && magnitude < 1e6;
+  std::snprintf(digits.data(), digits.size(), is_whole ? "%.0f" : "%.3g", number);
   return digits.data();
+}
+
+std::string percent(double share) {
+  constexpr double kLeast = 1e-5, kMost = 0.9995;
+  if (share > 0 && share < kLeast) return "under 0.001 %";
+  if (share >= kMost && share < 1) return "over 99.9 %";
+  return short_number(100 * share) + " %";
 }
 
 }  // namespace planish

@@ -24,7 +24,12 @@ namespace planish {
 /// The shortest text that is read back as the same number.
 [[nodiscard]] std::string shortest(double value);
 
-/// Three significant digits, as short as they go: 4.12e-07, 0.00123.
+/// For people: three significant digits, as short as they go; large numbers as whole ones up to a
+/// million: 4.12e-07, 0.00123, 12346.
 [[nodiscard]] std::string short_number(double number);
+
+/// For people, the sign included: 0.125 -> "12.5 %". None has an exponent: below 0.001 % and just
+/// below all stand as such: "under 0.001 %", "over 99.9 %".
+[[nodiscard]] std::string percent(double share);
 
 }  // namespace planish

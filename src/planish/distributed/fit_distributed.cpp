@@ -288,17 +288,18 @@ class DistributedJob {
     if (fit_.solution.converged && rounded > options_.tolerance)
       fit_.warnings.push_back(
           {.code = "rounded-output",
-           .message = formatted("{}: rounding for the file leaves an error of {}, above the "
-                                "tolerance {}; --cage keeps every digit",
-                                options_.tiles, shortest(rounded), shortest(options_.tolerance))});
+           .message =
+               formatted("{}: rounding for the file leaves an error of {}, above the "
+                         "tolerance {}; --cage keeps every digit",
+                         options_.tiles, short_number(rounded), short_number(options_.tolerance))});
     constexpr double kFoldedAreaLimit = 1e-4;  // as planish fit
     const SurfaceQuality& quality = tiles.quality;
     if (quality.folded_area > kFoldedAreaLimit)
       fit_.warnings.push_back(
           {.code = "folded-area",
-           .message = formatted("{} % of the surface is folded (turned by more than 90 degrees "
+           .message = formatted("{} of the surface is folded (turned by more than 90 degrees "
                                 "from its face), first at face {}",
-                                shortest(quality.folded_area * 100), tiles.folded_faces.front()),
+                                percent(quality.folded_area), tiles.folded_faces.front()),
            .count = 1,
            .first = tiles.folded_faces.front()});
   }

@@ -1,8 +1,9 @@
 #include "planish/pipeline/choose_quads.h"
 
 #include <cstdint>
-#include <cstdio>
 
+#include "planish/core/formatted.h"
+#include "planish/core/number_text.h"
 #include "planish/mesh/pair_triangles.h"
 #include "planish/pipeline/fit_best.h"
 #include "planish/pipeline/make_ready.h"
@@ -37,31 +38,27 @@ QuadReason choose_quads(const BendingFigures& triangles, const BendingFigures& q
   QuadReason reason{.triangles = triangles, .quads = quads};
   const bool fold_more =
       quads.folded_area >= kSoundFoldedArea && quads.folded_area > triangles.folded_area;
-  char text[200];
   if (!quads.converged) {
-    std::snprintf(text, sizeof text, "triangles: the surface of quads misses the tolerance");
+    reason.text = "triangles: the surface of quads misses the tolerance";
   } else if (!triangles.converged) {
     reason.are_better = true;
-    std::snprintf(text, sizeof text,
-                  "triangles joined to quads, without which it misses the "
-                  "tolerance (--quads off leaves them)");
+    reason.text =
+        "triangles joined to quads, without which it misses the tolerance (--quads off leaves "
+        "them)";
   } else if (fold_more) {
-    std::snprintf(text, sizeof text, "triangles: that of quads folds %.2g %% of the area",
-                  100 * quads.folded_area);
+    reason.text =
+        formatted("triangles: that of quads folds {} of the area", percent(quads.folded_area));
   } else if (quads.bending < triangles.bending - kSameBending * (1 + triangles.bending)) {
     reason.are_better = true;
-    std::snprintf(text, sizeof text,
-                  "triangles joined to quads: the surface bends %.2g %% less (--quads off leaves "
-                  "them)",
-                  100 * (1 - quads.bending / triangles.bending));
+    reason.text =
+        formatted("triangles joined to quads: the surface bends {} less (--quads off leaves them)",
+                  percent(1 - quads.bending / triangles.bending));
   } else if (quads.bending <= kSameBending) {
     reason.are_better = true;
-    std::snprintf(text, sizeof text,
-                  "triangles joined to quads: all is flat (--quads off leaves them)");
+    reason.text = "triangles joined to quads: all is flat (--quads off leaves them)";
   } else {
-    std::snprintf(text, sizeof text, "triangles: the surface of quads bends no less");
+    reason.text = "triangles: the surface of quads bends no less";
   }
-  reason.text = text;
   return reason;
 }
 

@@ -1,6 +1,5 @@
 #include "planish/pipeline/fit_best.h"
 
-#include <cstdio>
 #include <functional>
 #include <iterator>
 #include <optional>
@@ -8,7 +7,9 @@
 #include <vector>
 
 #include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/number_text.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
 #include "planish/mesh/folded_edges.h"
@@ -83,12 +84,6 @@ Candidate fair_candidate(FairMesh& made, Backend& backend, FitOptions options, B
   return result;
 }
 
-std::string text_of(const char* format, double first, double second = 0) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, first, second);
-  return text;
-}
-
 // `folded_at_two`: of the progressive surface at level 2, which tells needles and hubs that look
 // whole between the places of level 1.
 void choose_by_normals(const Candidate& progressive, const Candidate& fair,
@@ -101,7 +96,7 @@ void choose_by_normals(const Candidate& progressive, const Candidate& fair,
   }
   const double folded = folded_at_two();
   if (folded >= kSoundFoldedArea) {
-    best.reason = text_of("fair: progressive folds %.2g %% of the area at level 2", 100 * folded);
+    best.reason = formatted("fair: progressive folds {} of the area at level 2", percent(folded));
     return;
   }
   best.method = InterpolationMethod::Progressive;
@@ -112,8 +107,8 @@ void choose_by_normals(const Candidate& progressive, const Candidate& fair,
 // Takes the fair surface, or leaves the progressive one.
 void choose(const Candidate& progressive, const Candidate& fair,
             const std::function<double()>& folded_at_two, BestFit& best) {
-  const double folded = 100 * progressive.quality.folded_area_elsewhere;
-  const double fair_folded = 100 * fair.quality.folded_area_elsewhere;
+  const double folded = progressive.quality.folded_area_elsewhere;
+  const double fair_folded = fair.quality.folded_area_elsewhere;
   best.method = InterpolationMethod::Fair;
   if (!progressive.fit.interpolation.converged) {
     best.reason = "fair: progressive did not converge";
@@ -122,11 +117,11 @@ void choose(const Candidate& progressive, const Candidate& fair,
     best.reason = "progressive: fair misses the tolerance";
   } else if (fair.folds() && fair_folded > folded) {
     best.method = InterpolationMethod::Progressive;
-    best.reason =
-        text_of("progressive: it folds %.2g %% of the area, fair %.2g %%", folded, fair_folded);
+    best.reason = formatted("progressive: it folds {} of the area, fair {}", percent(folded),
+                            percent(fair_folded));
   } else if (progressive.folds()) {
-    best.reason =
-        text_of("fair: progressive folds %.2g %% of the area, fair %.2g %%", folded, fair_folded);
+    best.reason = formatted("fair: progressive folds {} of the area, fair {}", percent(folded),
+                            percent(fair_folded));
   } else {
     choose_by_normals(progressive, fair, folded_at_two, best);
   }

@@ -104,8 +104,8 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, d
   };
   if (folded >= kSoundFoldedArea)
     say("step-folds",
-        short_number(100 * folded) +
-            " % of the surface is folded, where its shell crosses itself and CAD programs may fail "
+        percent(folded) +
+            " of the surface is folded, where its shell crosses itself and CAD programs may fail "
             "to cut it; the fair method, or a finer mesh there, avoids that");
   const auto inside_out = std::ranges::count_if(
       brep.shells, [](const Brep::Shell& shell) { return shell.is_inside_out && shell.outer < 0; });

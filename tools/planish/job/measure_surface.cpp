@@ -137,11 +137,11 @@ void warn_of_folds(const JobInput& made, JobReport& report, Console& console) {
   add_warning(
       report, console,
       {"folded-area",
-       formatted("{} % of the surface is folded (turned by more than 90 degrees from {}){}{}; {}",
-                 short_number(quality.folded_area * 100), against_input ? "its face" : "the source",
-                 some_is_the_inputs ? ", " + short_number(quality.folded_area_elsewhere * 100) +
-                                          " % where the input is not"
-                                    : "",
+       formatted("{} of the surface is folded (turned by more than 90 degrees from {}){}{}; {}",
+                 percent(quality.folded_area), against_input ? "its face" : "the source",
+                 some_is_the_inputs
+                     ? ", " + percent(quality.folded_area_elsewhere) + " where the input is not"
+                     : "",
                  places_text(quality.folded_places, made),
                  remedy_for_folds(report, quality.folded_area_elsewhere <= kFoldedAreaLimit)),
        1, quality.folded_places.empty() ? -1 : file_face(quality.folded_places.front(), made)});

@@ -19,8 +19,8 @@ std::string row(const std::string& label, const std::string& value) {
   return formatted("<tr><th scope=\"row\">{}<td>{}", html_text(label), html_text(value));
 }
 
-std::string percent(const Json& share) {
-  return share.is_number() ? figure(100 * share.get<double>()) + " %" : "not finite";
+std::string share_text(const Json& share) {
+  return share.is_number() ? percent(share.get<double>()) : "not finite";
 }
 
 std::string histogram(const Json& counts) {
@@ -43,7 +43,7 @@ std::string surface_rows(const Json& surface) {
   if (surface.is_null()) return "";
   const std::string reference =
       surface["reference"] == "input" ? "the input\u2019s faces" : text_of(surface["reference"]);
-  std::string rows = row("folded area", percent(surface["folded_area"]));
+  std::string rows = row("folded area", share_text(surface["folded_area"]));
   rows += row("normals off " + reference + ", rms and largest",
               formatted("{}, {} degrees", figure(surface["rms_normal_deviation"]),
                         figure(surface["max_normal_deviation"])));
@@ -186,7 +186,7 @@ std::string summary_sentence(const Json& report) {
   if (surface.is_null()) return text;
   text += surface["folded_area"] == 0.0
               ? "Nothing is folded. "
-              : percent(surface["folded_area"]) + " of its area is folded. ";
+              : share_text(surface["folded_area"]) + " of its area is folded. ";
   return text + "Its normals are " + figure(surface["rms_normal_deviation"]) + " degrees rms off " +
          (surface["reference"] == "input" ? "the input\u2019s faces."
                                           : text_of(surface["reference"]) + ".");
@@ -225,7 +225,7 @@ std::string overview_row(const Json& report, std::size_t number) {
   html += cell(count_of(report["input"]["vertices"])) + "<td>" +
           html_text(text_of(solve["method"])) + cell(count_of(solve["iterations"])) +
           cell(figure(solve["error"]["max"]));
-  html += cell(surface.is_null() ? "" : percent(surface["folded_area"])) +
+  html += cell(surface.is_null() ? "" : share_text(surface["folded_area"])) +
           cell(surface.is_null() ? "" : figure(surface["rms_normal_deviation"]));
   if (report.contains("timing_ms"))
     html += cell(duration(report["timing_ms"]["total"].get<double>()));

@@ -148,8 +148,8 @@ std::string statistics_text(const MeshStatistics& statistics) {
 std::string folds_line(const FoldedEdges& folds) {
   return inspection_line(
       "folded edges",
-      formatted("{} turn by more than 120 degrees, beside {} % of the area; first at face {}",
-                with_separators(folds.count), short_number(100 * folds.area), folds.first_face));
+      formatted("{} turn by more than 120 degrees, beside {} of the area; first at face {}",
+                with_separators(folds.count), percent(folds.area), folds.first_face));
 }
 
 std::string problems_text(const Inspection& inspection) {

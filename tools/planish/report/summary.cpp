@@ -95,9 +95,9 @@ std::string chosen_lines(const JobReport& report) {
 std::string input_folds_line(const InputFacts& input) {
   if (input.folded_edges == 0) return "";
   return formatted(
-      "  folds       {} of the input {} by more than 120 degrees, beside {} % of its area\n",
+      "  folds       {} of the input {} by more than 120 degrees, beside {} of its area\n",
       counted(input.folded_edges, "edge"), input.folded_edges == 1 ? "turns" : "turn",
-      short_number(input.folded_edge_area * 100));
+      percent(input.folded_edge_area));
 }
 
 std::string mending_lines(const JobReport& report) {
@@ -113,10 +113,9 @@ std::string mending_lines(const JobReport& report) {
 }
 
 std::string folds_text(const SurfaceQuality& quality) {
-  std::string folds = short_number(quality.folded_area * 100) + " % folded";
+  std::string folds = percent(quality.folded_area) + " folded";
   if (quality.folded_area_elsewhere < quality.folded_area) {
-    folds +=
-        " (" + short_number(quality.folded_area_elsewhere * 100) + " % where the input is not)";
+    folds += " (" + percent(quality.folded_area_elsewhere) + " where the input is not)";
   }
   return folds;
 }

@@ -13,6 +13,7 @@ namespace planish::command {
 [[nodiscard]] std::string byte_size(std::uint64_t bytes);
 
 using planish::counted;
+using planish::percent;
 using planish::short_number;
 using planish::with_separators;
 
