@@ -41,6 +41,14 @@ TEST(VisibleText, LinesStayWhereSeveralAreMeant) {
   EXPECT_EQ(visible_lines("a\n  b\x1b\n"), "a\n  b\\x1b\n");
 }
 
+TEST(VisibleText, LinesOfFilesHoldNoLineEndsOfAnyReader) {
+  EXPECT_EQ(without_controls("a\u2028b\u2029c\u0085d\ne\x1b", '_'), "a_b_c_d_e_");
+  EXPECT_EQ(without_controls("\u202ab\u202e\u2066d\u2069", '?'), "?b??d?");
+  // A joiner, a mark, a dash, a space, a letter of Latin-1 by itself.
+  for (const char* text : {"\u200d", "\u200f", "\u2027 \u2013", "\u202f", "K\xE4se", ""})
+    EXPECT_EQ(without_controls(text, '_'), text);
+}
+
 // Messages quote what came from outside; Python can take them as text only if they are UTF-8.
 TEST(Error, SaysNothingUnseen) {
   const std::string seen =

@@ -75,5 +75,21 @@ TEST(WriteMtl, NamesAreThoseOfTheFaces) {
   EXPECT_NE(text_of_file(folder.path() / "a.obj").find("usemtl a _b_\n"), std::string::npos);
 }
 
+// Line ends of Unicode, which Python's readers split at, and overrides of the direction.
+TEST(WriteMtl, NamesEndNoLine) {
+  const test::TemporaryFolder folder;
+  PolygonMesh mesh = painted_cube();
+  mesh.groups[0] = {"li\u2028d", "re\u2029d\u0085"};
+  mesh.groups[1] = {"\u202etnorf", "pa\u2067int K\u00e4se"};
+  write_mesh(folder.path() / "a.obj", FileFormat::Obj, mesh);
+  const std::string obj = text_of_file(folder.path() / "a.obj");
+  for (const char* line :
+       {"\ng li_d\n", "\nusemtl re_d_\n", "\ng _tnorf\n", "\nusemtl pa_int K\u00e4se\n"})
+    EXPECT_NE(obj.find(line), std::string::npos) << line;
+  const std::string mtl = text_of_file(folder.path() / "a.mtl");
+  EXPECT_NE(mtl.find("newmtl re_d_\n"), std::string::npos);
+  EXPECT_NE(mtl.find("newmtl pa_int K\u00e4se\n"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace planish

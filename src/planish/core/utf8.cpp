@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 namespace planish {
 namespace {
@@ -19,6 +20,15 @@ constexpr std::array kInvisible{
     Range{0xFEFF, 0xFEFF},   Range{0xFFA0, 0xFFA0},   Range{0xFFF0, 0xFFFB},
     Range{0xFFFE, 0xFFFF},   Range{0x1BCA0, 0x1BCA3}, Range{0x1D173, 0x1D17A},
     Range{0xE0000, 0x10FFFF}};
+
+constexpr std::array kControls{Range{0x0000, 0x001F}, Range{0x007F, 0x009F}, Range{0x2028, 0x202E},
+                               Range{0x2066, 0x2069}};
+
+bool is_in(std::span<const Range> ranges, std::uint32_t code_point) {
+  return std::ranges::any_of(ranges, [&](const Range& range) {
+    return code_point >= range.first && code_point <= range.last;
+  });
+}
 
 }  // namespace
 
@@ -40,10 +50,8 @@ CodePoint decode_utf8(std::string_view text) {
   return {point, length};
 }
 
-bool is_invisible(std::uint32_t code_point) {
-  return std::ranges::any_of(kInvisible, [&](const Range& range) {
-    return code_point >= range.first && code_point <= range.last;
-  });
-}
+bool is_invisible(std::uint32_t code_point) { return is_in(kInvisible, code_point); }
+
+bool is_control(std::uint32_t code_point) { return is_in(kControls, code_point); }
 
 }  // namespace planish

@@ -19,4 +19,9 @@ struct CodePoint {
 /// characters, line and paragraph separators, fillers, variation selectors and non-characters.
 [[nodiscard]] bool is_invisible(std::uint32_t code_point);
 
+/// Of these, what ends a line for some reader or turns the direction of writing: controls, line
+/// and paragraph separators, embeddings, overrides and isolates. Joiners and marks, which names of
+/// many tongues need, are none.
+[[nodiscard]] bool is_control(std::uint32_t code_point);
+
 }  // namespace planish

@@ -48,6 +48,21 @@ std::size_t utf8_length(std::string_view text) { return decode_utf8(text).length
 
 std::string visible(std::string_view text) { return with_escapes(text, escaped); }
 
+std::string without_controls(std::string_view text, char other) {
+  std::string out;
+  while (!text.empty()) {
+    const CodePoint point = decode_utf8(text);
+    const std::size_t length = std::max<std::size_t>(point.length, 1);
+    if (point.length > 0 && is_control(point.value)) {
+      out += other;
+    } else {
+      out += text.substr(0, length);
+    }
+    text.remove_prefix(length);
+  }
+  return out;
+}
+
 std::string visible_lines(std::string_view text) {
   return with_escapes(
       text, [](std::uint32_t point) { return point == '\n' ? std::string("\n") : escaped(point); });

@@ -28,7 +28,11 @@ namespace planish {
   return visible(std::string_view(path.native()));
 }
 
-/// The same for a text of several lines: `\n` stays.
+/// Text as it may stand in a line of a file that others read: each control (utf8.h) is `other`.
+/// Bytes that are no UTF-8 stay: they are letters of an older encoding.
+[[nodiscard]] std::string without_controls(std::string_view text, char other);
+
+/// What visible() says for a text of several lines: `\n` stays.
 [[nodiscard]] std::string visible_lines(std::string_view text);
 
 }  // namespace planish

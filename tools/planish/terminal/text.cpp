@@ -52,17 +52,12 @@ std::string named_message(std::string_view name, const std::string& message) {
 }
 
 std::string plain_utf8(std::string_view text) {
+  const std::string plain = without_controls(text, '?');
   std::string out;
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    const bool control = static_cast<unsigned char>(text[0]) < 0x20 || text[0] == 0x7F;
-    if (length == 0 || control) {
-      out += '?';
-      text.remove_prefix(1);
-    } else {
-      out += text.substr(0, length);
-      text.remove_prefix(length);
-    }
+  for (std::string_view rest = plain; !rest.empty();) {
+    const std::size_t length = utf8_length(rest);
+    out += length == 0 ? std::string_view("?") : rest.substr(0, length);
+    rest.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return out;
 }

@@ -30,8 +30,8 @@ using planish::with_separators;
 /// A message that says whose it is: "bust.obj: what", the name once. No name: the message.
 [[nodiscard]] std::string named_message(std::string_view name, const std::string& message);
 
-/// Valid UTF-8 without control characters: what may stand in a file's header or in glTF. Each
-/// byte that does not fit becomes '?'.
+/// Valid UTF-8 without controls (without_controls()): what may stand in a file's header or in glTF.
+/// Each that does not fit becomes '?', and so does a byte that is no UTF-8.
 [[nodiscard]] std::string plain_utf8(std::string_view text);
 
 }  // namespace planish::command

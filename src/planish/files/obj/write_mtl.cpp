@@ -9,6 +9,7 @@
 
 #include "planish/core/output_file.h"
 #include "planish/core/raw_vector.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/obj/material_library.h"
 #include "planish/files/shared/write_numbers.h"
 
@@ -31,11 +32,9 @@ std::array<double, 3> color_of(std::size_t material) {
 }  // namespace
 
 std::string obj_line_name(const std::string& name) {
-  std::string line = " " + name;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const auto c = static_cast<unsigned char>(line[i]);
-    if (c < ' ' || c == 0x7f || (c == '#' && line[i - 1] == ' ')) line[i] = '_';
-  }
+  std::string line = " " + without_controls(name, '_');
+  for (std::size_t i = 1; i < line.size(); ++i)
+    if (line[i] == '#' && line[i - 1] == ' ') line[i] = '_';
   if (line.ends_with('\\')) line.back() = '_';
   return line;
 }
