@@ -124,6 +124,12 @@ std::vector<PartCase> part_cases() {
            }}};
 }
 
+// As --case names it.
+std::string case_name(const char* name, bool is_decimated, bool is_held_out) {
+  return std::string(name) + (is_decimated ? ", decimated" : "") +
+         (is_held_out ? ", held out" : "");
+}
+
 void print_part(const PartCase& part, double tolerance, std::vector<std::string>& wrong) {
   const PolygonMesh whole = part.make();
   const PolygonMesh mesh = tolerance > 0 ? simplified(whole, tolerance) : whole;
@@ -134,12 +140,10 @@ void print_part(const PartCase& part, double tolerance, std::vector<std::string>
     return of.empty() ? 1.0 : static_cast<double>(both.size()) / static_cast<double>(of.size());
   };
   const double precision = share(found), recall = share(model);
-  std::printf("| %s%s%s | %zu | %.3f | %.3f |\n", part.name, tolerance > 0 ? ", decimated" : "",
-              part.is_held_out ? "*" : "", model.size(), precision, recall);
-  if (std::min(precision, recall) < kPartAim) {
-    wrong.push_back(std::string(part.name) + (tolerance > 0 ? ", decimated" : "") +
-                    ": other edges than the model's");
-  }
+  const std::string name = case_name(part.name, tolerance > 0, part.is_held_out);
+  std::printf("| %s | %zu | %.3f | %.3f |\n", name.c_str(), model.size(), precision, recall);
+  if (std::min(precision, recall) < kPartAim)
+    wrong.push_back(name + ": other edges than the model's");
 }
 
 struct OrganicCase {
@@ -169,22 +173,25 @@ std::vector<OrganicCase> organic_cases() {
 
 }  // namespace
 
-std::vector<std::string> print_crease_table() {
+std::vector<std::string> print_crease_table(
+    const std::function<bool(const std::string& name)>& is_wanted) {
   std::vector<std::string> wrong;
   std::printf("| part | edges of the model | precision | recall |\n|---|--:|--:|--:|\n");
   for (const double tolerance : {0.0, 2e-3}) {
-    for (const PartCase& part : part_cases()) print_part(part, tolerance, wrong);
+    for (const PartCase& part : part_cases())
+      if (is_wanted(case_name(part.name, tolerance > 0, part.is_held_out)))
+        print_part(part, tolerance, wrong);
   }
   std::printf("\n| organic shape | edges | found |\n|---|--:|--:|\n");
   for (const OrganicCase& organic : organic_cases()) {
+    const std::string name = case_name(organic.name, false, organic.is_held_out);
+    if (!is_wanted(name)) continue;
     const PolygonMesh mesh = organic.make();
     const auto count = static_cast<double>(found_edges(mesh).size());
     const double edges = MeshTopology(mesh).edge_count();
-    std::printf("| %s%s | %.0f | %.0f |\n", organic.name, organic.is_held_out ? "*" : "", edges,
-                count);
-    if (count > kOrganicAim * edges && edges > kFewEdges) {
-      wrong.push_back(std::string(organic.name) + ": creases are found on an organic shape");
-    }
+    std::printf("| %s | %.0f | %.0f |\n", name.c_str(), edges, count);
+    if (count > kOrganicAim * edges && edges > kFewEdges)
+      wrong.push_back(name + ": creases are found on an organic shape");
   }
   return wrong;
 }

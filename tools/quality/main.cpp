@@ -90,9 +90,9 @@ std::vector<NamedCase> all_cases(const Arguments& arguments) {
   return cases;
 }
 
-bool is_wanted(const NamedCase& named, const Arguments& arguments) {
-  return arguments.only.empty() || std::find(arguments.only.begin(), arguments.only.end(),
-                                             named.name) != arguments.only.end();
+bool is_wanted(const std::string& name, const Arguments& arguments) {
+  return arguments.only.empty() ||
+         std::find(arguments.only.begin(), arguments.only.end(), name) != arguments.only.end();
 }
 
 std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
@@ -120,13 +120,15 @@ int run(const Arguments& arguments) {
     for (const NamedCase& named : cases) std::printf("%s\n", named.name.c_str());
     return 0;
   }
-  std::erase_if(cases, [&](const NamedCase& named) { return !is_wanted(named, arguments); });
+  std::erase_if(cases, [&](const NamedCase& named) { return !is_wanted(named.name, arguments); });
   if (!arguments.folder.empty()) {
     write_meshes(cases, arguments.folder);
     return 0;
   }
   const std::vector<std::string> wrong =
-      arguments.creases ? print_crease_table() : print_tables(cases, arguments);
+      arguments.creases
+          ? print_crease_table([&](const std::string& name) { return is_wanted(name, arguments); })
+          : print_tables(cases, arguments);
   if (arguments.animation) print_animation(arguments.smoke ? 8 : kFrames);
   if (!wrong.empty()) std::printf("\n");
   for (const std::string& text : wrong) std::printf("short of the aim: %s\n", text.c_str());
