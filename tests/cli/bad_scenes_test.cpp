@@ -1,56 +1,30 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
-#include <fstream>
-#include <map>
-#include <regex>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "make_scenes/scene_list.h"
 
 namespace planish::test {
 namespace {
 
-struct ExitCodes {
-  int repaired, refused;
-};
-
-// The table in scenes/README.md: what users are told is what is tested.
-std::map<std::string, ExitCodes> promised_exit_codes() {
-  std::ifstream readme(std::string(PLANISH_SCENES) + "/README.md");
-  const std::regex row("\\| `([^`]+)` \\| (\\d) \\| (\\d) \\|.*");
-  std::map<std::string, ExitCodes> promised;
-  std::smatch match;
-  for (std::string line; std::getline(readme, line);) {
-    if (std::regex_match(line, match, row)) {
-      promised[match[1]] = {std::stoi(match[2]), std::stoi(match[3])};
-    }
-  }
-  return promised;
-}
-
 class BadScenes : public FolderTest {};
 
-TEST_F(BadScenes, EndAsTheirReadmeSays) {
-  const auto promised = promised_exit_codes();
-  std::size_t count = 0;
-  for (const auto& file :
-       std::filesystem::directory_iterator(std::string(PLANISH_SCENES) + "/bad")) {
-    const std::string name = file.path().filename().string();
-    ++count;
-    ASSERT_TRUE(promised.contains(name)) << name << " is not in scenes/README.md";
-    const ProcessResult repaired =
-        run_planish({"fit", file.path().string(), "-o", path("a.glb"), "-f"});
-    EXPECT_EQ(repaired.exit_code, promised.at(name).repaired) << name << ": " << repaired.err;
-    EXPECT_FALSE(repaired.err.empty()) << name << " needs an error or a warning";
-    EXPECT_EQ(exists("a.glb"), repaired.exit_code == 0) << name;
+TEST_F(BadScenes, EndAsTheirListSays) {
+  for (const shapes::BadFile& bad : shapes::bad_files()) {
+    SCOPED_TRACE(bad.file);
+    const std::string file = std::string(PLANISH_SCENES) + "/bad/" + bad.file;
+    const ProcessResult repaired = run_planish({"fit", file, "-o", path("a.glb"), "-f"});
+    EXPECT_EQ(repaired.exit_code, bad.repaired) << repaired.err;
+    EXPECT_FALSE(repaired.err.empty()) << "needs an error or a warning";
+    EXPECT_EQ(exists("a.glb"), repaired.exit_code == 0);
     std::filesystem::remove(path("a.glb"));
     const ProcessResult refused =
-        run_planish({"fit", file.path().string(), "-o", path("a.glb"), "--repair", "none"});
-    EXPECT_EQ(refused.exit_code, promised.at(name).refused) << name << ": " << refused.err;
+        run_planish({"fit", file, "-o", path("a.glb"), "--repair", "none"});
+    EXPECT_EQ(refused.exit_code, bad.exit_code) << refused.err;
     std::filesystem::remove(path("a.glb"));
   }
-  EXPECT_EQ(count, promised.size());
 }
 
 class SharpScenes : public FolderTest {};

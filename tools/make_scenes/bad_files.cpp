@@ -76,7 +76,7 @@ std::string tetrahedron_ply(std::string_view comment) {
 
 void add_malformed(std::vector<BadFile>& files) {
   const auto add = [&](std::string file, std::string bytes) {
-    files.push_back({std::move(file), kMalformed, std::move(bytes)});
+    files.push_back({std::move(file), kMalformed, kMalformed, std::move(bytes)});
   };
   add("index_out_of_range.obj",
       obj("A face names vertex 9 of 4", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 9\n"));
@@ -119,11 +119,12 @@ void add_malformed(std::vector<BadFile>& files) {
 
 void add_unusable(std::vector<BadFile>& files) {
   const auto add = [&](std::string file, std::string_view comment, std::string_view body) {
-    files.push_back({std::move(file), kUnusable, obj(comment, body)});
+    files.push_back({std::move(file), kUnusable, kTaken, obj(comment, body)});
   };
   const std::string tetrahedron(kTetrahedron);
-  add("no_faces.obj", "Vertices, but no face", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
-  files.push_back({"empty.obj", kUnusable, ""});
+  files.push_back({"no_faces.obj", kUnusable, kUnusable,
+                   obj("Vertices, but no face", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")});
+  files.push_back({"empty.obj", kUnusable, kUnusable, ""});
   add("two_corners.obj", "The last face has two corners", tetrahedron + "f 1 2\n");
   add("repeated_corner.obj", "A face names vertex 2 twice",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 2 3\nf 1 3 4\n");
@@ -136,7 +137,7 @@ void add_unusable(std::vector<BadFile>& files) {
       "v 0 0 0\nv 1 1 0\nv 1 -1 0\nv -1 1 0\nv -1 -1 0\nf 1 3 2\nf 1 4 5\n");
   add("crease_without_edge.obj", "A crease between vertices 0 and 2 of a quad, its diagonal",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt crease 2/1/0 0 2 10\n");
-  files.push_back({"unused_vertices_are_legal.obj", kTaken,
+  files.push_back({"unused_vertices_are_legal.obj", kTaken, kTaken,
                    obj("The fifth vertex belongs to no face: taken, with a warning",
                        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 5 5\n"
                        "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")});

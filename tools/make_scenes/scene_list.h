@@ -28,6 +28,7 @@ struct Scene {
 struct BadFile {
   std::string file;   ///< in scenes/bad/
   int exit_code;      ///< without repair: 3 malformed, 4 mesh unusable, 0 taken with a warning
+  int repaired;       ///< the same with repair
   std::string bytes;  ///< all of it
 };
 
