@@ -24,7 +24,7 @@ using namespace planish;
 using namespace planish::quality;
 
 struct Arguments {
-  std::vector<std::string> only;
+  std::vector<std::string> only, except;
   std::string folder;  // where meshes are written instead of being measured
   bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
        defaults = false, creases = false;
@@ -91,8 +91,10 @@ std::vector<NamedCase> all_cases(const Arguments& arguments) {
 }
 
 bool is_wanted(const std::string& name, const Arguments& arguments) {
-  return arguments.only.empty() ||
-         std::find(arguments.only.begin(), arguments.only.end(), name) != arguments.only.end();
+  const auto holds = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return !holds(arguments.except) && (arguments.only.empty() || holds(arguments.only));
 }
 
 std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
@@ -141,6 +143,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app{"Measures surfaces against the shapes that their meshes were taken from."};
   app.add_option("--case", arguments.only, "cases to run, by name; all by default");
+  app.add_option("--except", arguments.except, "cases to leave out, by name");
   app.add_flag("--list", arguments.list, "name the cases");
   app.add_flag("--animation", arguments.animation, "and 8 s of a mesh that moves");
   app.add_flag("--smoke", arguments.smoke, "the small cases only");
