@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
+#include <string>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
@@ -66,6 +68,27 @@ TEST_F(ManyFiles, OneThatFailsDoesNotStopTheOthers) {
   EXPECT_EQ(report["jobs"][0]["exit_code"], 3);
   EXPECT_THAT(report["jobs"][0]["error"].get<std::string>(), HasSubstr("bad.obj:2"));
   EXPECT_EQ(report["jobs"][1]["exit_code"], 0);
+}
+
+TEST_F(ManyFiles, TheTableTellsTheBadOnes) {
+  write("a_name_that_is_longer_than_a_table_has_room_for.obj", cube_obj() + "v 9 9 9\n");
+  write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+  write("part.obj", cube_obj() + "t crease 2/1/0 0 1 10.0\nt crease 2/1/0 1 2 10.0\n");
+  const ProcessResult result = fit({"a_name_that_is_longer_than_a_table_has_room_for.obj",
+                                    "bad.obj", "part.obj", "scans/", "-o", "out/"});
+  EXPECT_THAT(
+      result.err,
+      AllOf(testing::ContainsRegex("name +vertices +method +creases +joined +normals +folded "
+                                   "+warnings +time\n"),
+            testing::ContainsRegex("\na_name_that_is_longer\\.\\.\\. +9 +[a-z]+ +0 +0 +[0-9.]+ "
+                                   "+[0-9.]+ % +1 +[0-9.]+ m?s\n"),
+            testing::ContainsRegex("\nbad +- +failed +- "),
+            testing::ContainsRegex("\npart +8 +[a-z]+ +2 +0 +[0-9.]+ +[0-9.]+ % +0 ")));
+  std::istringstream lines(result.err);
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_message = line.starts_with("planish: ");
+    EXPECT_TRUE(is_message || line.size() <= 100) << line;
+  }
 }
 
 TEST_F(ManyFiles, WarningsSayOfWhichTheyAre) {

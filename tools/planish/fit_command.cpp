@@ -148,7 +148,7 @@ ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& consol
                              .arguments = arguments,
                              .page = plan.page,
                              .wants_page = !flags.page.empty()});
-  console.info(batch_table(plan.jobs, outcomes));
+  console.info(files_table(plan.jobs, outcomes));
   if (!flags.report.empty())
     write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments), flags.force);
   if (!flags.page.empty()) write_batch_page(flags.page, outcomes, plan.page, console, flags.force);

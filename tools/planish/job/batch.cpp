@@ -17,6 +17,7 @@
 #include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_words.h"
 #include "terminal/interrupt.h"
 #include "terminal/table.h"
 #include "terminal/text.h"
@@ -195,6 +196,86 @@ std::string batch_table(const std::vector<PlannedJob>& jobs,
          "points: of a cloud, of which the vertices are a part\n"
          "error: largest vertex error over the diagonal; fit ms: check, stencils and solve; all "
          "ms: reading, evaluating and writing, too\n";
+}
+
+namespace {
+
+// What tells a bad surface from a good one; of an asset the sums and the worst of its meshes.
+struct SurfaceFigures {
+  std::int64_t creases = 0, joined = 0, warnings = 0;
+  double normals = 0, folded = 0;
+  bool is_measured = false, converged = true;
+
+  void add(const JobReport& report) {
+    creases += report.input.mesh.value("sharp_edges", std::int64_t{0});
+    joined += report.input.joined;
+    warnings += std::ssize(report.warnings);
+    converged &= report.interpolation.converged;
+    if (!report.surface) return;
+    is_measured = true;
+    normals = std::max(normals, report.surface->quality.rms_normal_deviation);
+    folded = std::max(folded, report.surface->quality.folded_area);
+  }
+};
+
+std::string method_of(const JobReport& report) {
+  if (report.meshes.empty())
+    return std::string(report.settings.scheme == Scheme::DooSabin
+                           ? word_of(kMethodWords, report.method)
+                           : word_of(kSchemeWords, report.settings.scheme));
+  const auto fair =
+      std::ranges::count(report.meshes, InterpolationMethod::Fair, &JobReport::method);
+  return formatted("{} of {} fair", fair, std::ssize(report.meshes));
+}
+
+std::vector<std::string> file_row(const JobReport& report, std::string name) {
+  SurfaceFigures figures;
+  if (report.meshes.empty()) figures.add(report);
+  for (const JobReport& mesh : report.meshes) figures.add(mesh);
+  if (!report.meshes.empty()) figures.warnings += std::ssize(report.warnings);
+  const std::int64_t vertices =
+      report.meshes.empty() ? report.input.statistics.vertex_count : report.input.file_vertices;
+  return {std::move(name),
+          with_separators(vertices),
+          figures.converged ? method_of(report) : "not converged",
+          with_separators(figures.creases),
+          with_separators(figures.joined),
+          figures.is_measured ? fixed(figures.normals, 1) : "-",
+          figures.is_measured ? percent(figures.folded) : "-",
+          with_separators(figures.warnings),
+          duration(report.timing.total)};
+}
+
+// Names of files as far as a line has room for them.
+std::string short_name(const std::string& name) {
+  constexpr std::size_t kMost = 24;
+  return name.size() <= kMost ? name : plain_utf8(name.substr(0, kMost - 3)) + "...";
+}
+
+}  // namespace
+
+std::string files_table(const std::vector<PlannedJob>& jobs,
+                        const std::vector<JobOutcome>& outcomes) {
+  Table table({{"name", Align::Left},
+               {"vertices", Align::Right},
+               {"method", Align::Left},
+               {"creases", Align::Right},
+               {"joined", Align::Right},
+               {"normals", Align::Right},
+               {"folded", Align::Right},
+               {"warnings", Align::Right},
+               {"time", Align::Right}});
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const std::string name = short_name(jobs[i].job.name);
+    table.add_row(outcomes[i].report ? file_row(*outcomes[i].report, name)
+                                     : std::vector<std::string>{name, "-", "failed", "-", "-", "-",
+                                                                "-", "-", "-"});
+  }
+  return table.text() +
+         "creases: edges kept sharp; joined: pairs of triangles that became quads; normals: "
+         "degrees rms off\nthe input's faces; folded: of the area; of a file's meshes the sums, "
+         "and "
+         "the worst\n";
 }
 
 std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes) {

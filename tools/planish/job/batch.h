@@ -56,6 +56,10 @@ struct JobOutcome {
 [[nodiscard]] std::string batch_table(const std::vector<PlannedJob>& jobs,
                                       const std::vector<JobOutcome>& outcomes);
 
+/// The same of many files: how good the surface of each is, in 100 columns.
+[[nodiscard]] std::string files_table(const std::vector<PlannedJob>& jobs,
+                                      const std::vector<JobOutcome>& outcomes);
+
 /// "2 of 5 jobs failed", or how many did not converge.
 [[nodiscard]] std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes);
 
