@@ -119,6 +119,7 @@ void describe_fit(CLI::App& fit) {
   says("--interpolation",
        "progressive: as in the paper; fair: without folds on uneven meshes; auto: progressive, for "
        "ranks do not measure both [auto]");
+  says("--levels", "quad splits, 1 to 6: tiles have all from 1 to it; auto is 2 [auto]");
   says("--precision", "of the solve; auto is double [auto]");
   says("--repair", "nothing is mended over ranks [none]");
   says("--scheme", "subdivision scheme [doo-sabin]");

@@ -57,7 +57,7 @@ std::vector<int> levels_in(const py::sequence& given) {
   return levels;
 }
 
-FitHandle fit_files(const py::object& input, const py::object& output, int level,
+FitHandle fit_files(const py::object& input, const py::object& output, const py::object& level,
                     const py::object& cage, const py::sequence& coarser_levels,
                     const py::kwargs& keywords) {
   const auto start = std::chrono::steady_clock::now();
@@ -67,7 +67,7 @@ FitHandle fit_files(const py::object& input, const py::object& output, int level
   });
   const std::filesystem::path from = path_of(input), to = path_of(output);
   FitFileOptions options;
-  options.level = level;
+  if (!level.is_none()) options.level = level.cast<int>();
   options.coarser_levels = levels_in(coarser_levels);
   if (!cage.is_none()) options.cage = path_of(cage);
   FitHandle made = new_fit(arguments);
@@ -273,14 +273,14 @@ void add_fit(py::module_& module) {
   const std::string file_text =
       std::string(
           "From file to file: reads a mesh, fits it, writes its surface and, where named, "
-          "its cage.\n\nfit_file(input, output, level=2, cage=None, *, coarser_levels=(), "
+          "its cage.\n\nfit_file(input, output, level=None, cage=None, *, coarser_levels=(), "
           "**options) -> Fit\n\n    coarser_levels: of a glTF that becomes one, further levels of "
           "detail in the "
           "same\n        file (MSFT_lod), from fine to coarse: [1, 0].\n") +
       fit_keywords() + step_keywords() + "\n\nRaises what read(), fit() and write() raise.";
-  module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"), py::arg("level") = 2,
-             py::arg("cage") = py::none(), py::kw_only(), py::arg("coarser_levels") = py::tuple(),
-             file_text.c_str());
+  module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"),
+             py::arg("level") = py::none(), py::arg("cage") = py::none(), py::kw_only(),
+             py::arg("coarser_levels") = py::tuple(), file_text.c_str());
 }
 
 }  // namespace planish::python

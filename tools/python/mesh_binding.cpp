@@ -258,15 +258,17 @@ std::string path_of(const py::object& path) {
   return py::cast<std::string>(bytes);
 }
 
-void write(const std::string& path, const py::object& what, int level, const py::kwargs& keywords) {
+void write(const std::string& path, const py::object& what, const py::object& level,
+           const py::kwargs& keywords) {
   const StepSettings step = step_arguments(keywords, "write");
   if (py::isinstance<PythonFit>(what)) {
     const auto fit = what.cast<FitHandle>();
+    const int splits = level.is_none() ? fit->fitted.density.level() : level.cast<int>();
     const auto backend =
         make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
     run_released({}, [&](const Callbacks& callbacks) {
       write_fitted_surface(path, fit->fitted, fit->name, *backend,
-                           {.level = level, .callbacks = callbacks, .step = step});
+                           {.level = splits, .callbacks = callbacks, .step = step});
     });
   } else if (py::isinstance<PythonSurface>(what)) {
     const auto surface = what.cast<SurfaceHandle>();
@@ -306,16 +308,17 @@ void add_mesh(py::module_& module) {
       "\"colors\": float32 (n, 4), \"attributes\": {name: float32 (n,)}}. UserWarning where "
       "something was passed over.");
   const std::string write_text =
-      "Writes the surface of a Fit (`level` splits) or a Surface as glTF, GLB, OBJ, PLY, OFF, STL "
+      "Writes the surface of a Fit (`level` splits; None: 2, of a dense mesh 1) or a Surface as "
+      "glTF, GLB, OBJ, PLY, OFF, STL "
       "or USD text, a Fit also as STEP, or a Mesh as OBJ, PLY, OFF or USD text, by extension. An "
       "old file stays until the new one is whole. Raises UnwritableOutput, InvalidArgument.\n" +
       step_keywords();
   module.def(
       "write",
-      [](const py::object& path, const py::object& what, int level, const py::kwargs& keywords) {
-        write(path_of(path), what, level, keywords);
-      },
-      py::arg("path"), py::arg("what"), py::kw_only(), py::arg("level") = 2, write_text.c_str());
+      [](const py::object& path, const py::object& what, const py::object& level,
+         const py::kwargs& keywords) { write(path_of(path), what, level, keywords); },
+      py::arg("path"), py::arg("what"), py::kw_only(), py::arg("level") = py::none(),
+      write_text.c_str());
   module.def(
       "reconstruct", &reconstruct_points, py::arg("points"), py::kw_only(),
       py::arg("tolerance") = 1e-4, py::arg("target_vertices") = 0, py::arg("quads") = true,

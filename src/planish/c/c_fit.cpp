@@ -249,8 +249,9 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
     require(path, "path");
     const auto backend = backend_of(fit->precision, fit->thread_count);
     planish::StepFigures figures;
+    const int splits = level == PLANISH_LEVEL_AUTO ? fit->fitted.density.level() : level;
     planish::write_fitted_surface(path, fit->fitted, "surface", *backend,
-                                  {.level = level, .step = fit->step, .step_figures = &figures});
+                                  {.level = splits, .step = fit->step, .step_figures = &figures});
     return written_status(fit->fitted, &figures);
   });
 }
@@ -267,7 +268,7 @@ planish_status planish_fit_file(const char* input, const char* output, int32_t l
     const planish::FitSettings settings = settings_of(own);
     how.mesh = mesh_options(settings, own);
     how.split_normals = settings.creases.split_normals;
-    how.level = level;
+    if (level != PLANISH_LEVEL_AUTO) how.level = level;
     if (own.coarser_level_count > 0) {
       require(own.coarser_levels, "options.coarser_levels");
       how.coarser_levels.assign(own.coarser_levels, own.coarser_levels + own.coarser_level_count);

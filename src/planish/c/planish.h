@@ -239,13 +239,19 @@ planish_status planish_fit_smoothed_vertices(const planish_fit* fit, const int32
                                              size_t* count);
 /** The control cage, a mesh of its own. Of the fair method it is the mesh of level 1. */
 planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
+/** A level that is not named: 2 splits, of a dense mesh 1: 20,000 vertices or more, and faces of
+ * 3/4 of its area turn by less than 20 degrees to each neighbour. */
+#define PLANISH_LEVEL_AUTO (-1)
+
 /** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL, USD text or STEP, which has
- * no level, by extension. PLANISH_NOT_CONVERGED also where STEP does not keep its limits. */
+ * no level, by extension. `level`: 0 to 6 splits, or PLANISH_LEVEL_AUTO. PLANISH_NOT_CONVERGED also
+ * where STEP does not keep its limits. */
 planish_status planish_fit_write(const planish_fit* fit, int32_t level, const char* path);
 void planish_fit_free(planish_fit* fit);
 
-/** From file to file, as `planish fit INPUT -o OUTPUT`; `options` and `info` may be NULL. An
- * existing output is replaced once the new one is whole. */
+/** From file to file, as `planish fit INPUT -o OUTPUT`; `options` and `info` may be NULL. `level`
+ * as planish_fit_write() has it, of a glTF's meshes each. An existing output is replaced once the
+ * new one is whole. */
 planish_status planish_fit_file(const char* input, const char* output, int32_t level,
                                 const planish_fit_options* options, planish_fit_info* info);
 

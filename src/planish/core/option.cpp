@@ -48,9 +48,14 @@ void check_number(const OptionInfo& option, double value, std::string_view where
   if (low || high) refuse(where, shortest(value) + " is out of range; " + wanted_of(option));
 }
 
+bool is_word_of_list(const OptionInfo& option, std::string_view text) {
+  return !option.word.empty() && text == option.word;
+}
+
 template <class Value, class Check, class Shown>
-void check_list(const OptionInfo& option, std::span<const Value> values, std::string_view where,
-                const Check& check, const Shown& shown) {
+void check_list(const OptionInfo& option, const OptionValue& value, std::span<const Value> values,
+                std::string_view where, const Check& check, const Shown& shown) {
+  if (is_word_of_list(option, value.text)) return;
   const std::string entry(option.entry);
   if (values.empty()) {
     const std::string_view good = option.initial.empty() ? option.example : option.initial;
@@ -119,9 +124,11 @@ OptionValue parse_option(const OptionInfo& option, std::string_view text, std::s
   OptionValue value;
   value.text = text;
   const auto no_list = [&] {
-    refuse(where, "{} is no list of {}s such as {}", in_double_quotes(text), option.entry,
-           option.example);
+    refuse(where, "{} is no list of {}s such as {}{}", in_double_quotes(text), option.entry,
+           option.example,
+           option.word.empty() ? std::string() : ", and not " + std::string(option.word));
   };
+  if (is_word_of_list(option, text)) return value;
   switch (option.kind) {
     case OptionKind::Word:
     case OptionKind::Words:
@@ -168,11 +175,12 @@ void check_option(const OptionInfo& option, OptionValue& value, std::string_view
       check_number(option, value.number, where);
       break;
     case OptionKind::Wholes:
-      check_list(option, std::span<const std::int64_t>(value.wholes), where, check_whole,
+      check_list(option, value, std::span<const std::int64_t>(value.wholes), where, check_whole,
                  shown_whole);
       break;
     case OptionKind::Numbers:
-      check_list(option, std::span<const double>(value.numbers), where, check_number, shortest);
+      check_list(option, value, std::span<const double>(value.numbers), where, check_number,
+                 shortest);
       break;
     case OptionKind::Text:
     case OptionKind::TextOrNumber:

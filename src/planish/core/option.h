@@ -83,6 +83,7 @@ struct OptionInfo {
   std::string_view flag{};     ///< where it is not "--name" with '-' for '_'
   std::string_view keyword{};  ///< of Python, where it is not the name
   std::string_view entry{};    ///< of lists: "level"
+  std::string_view word{};     ///< that may stand instead of a list
   std::string_view pattern{};  ///< of texts: all that is taken, as a regular expression
   RankRule ranks{};
 };
@@ -96,7 +97,7 @@ struct OptionInfo {
 
 /// A value, of which the member that belongs to the kind counts.
 struct OptionValue {
-  std::string_view text{};  ///< of Word, Words, Text, TextOrNumber
+  std::string_view text{};  ///< of Word, Words, Text, TextOrNumber; the word instead of a list
   std::int64_t whole = 0;   ///< and of Word, once checked, the word's index
   double number = 0;
   bool is_on = false;

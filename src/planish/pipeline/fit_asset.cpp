@@ -1,6 +1,7 @@
 #include "planish/pipeline/fit_asset.h"
 
 #include <cmath>
+#include <functional>
 #include <list>
 #include <memory>
 #include <string>
@@ -66,13 +67,15 @@ std::list<AssetPart> fitted_parts(const GltfAsset& asset, const MeshFitOptions& 
   return fit_meshes(asset, steps);
 }
 
-std::list<PartLevel> levels_of(std::list<AssetPart>& parts, int level, Backend& backend,
-                               const Callbacks& callbacks) {
+// `level_of` a part.
+std::list<PartLevel> levels_of(std::list<AssetPart>& parts,
+                               const std::function<int(const AssetPart&)>& level_of,
+                               Backend& backend, const Callbacks& callbacks) {
   std::list<PartLevel> levels;
   for (const AssetPart& part : parts) {
     PartLevel& one = levels.emplace_back();
-    one.level = level;
-    one.made = fitted_level(part.fitted, backend, {level, false, {}});
+    one.level = level_of(part);
+    one.made = fitted_level(part.fitted, backend, {one.level, false, {}});
     one.attributes =
         std::make_unique<const AssetAttributes>(part.mesh, part.fitted, *one.made.blocks, backend,
                                                 share_of_mesh(callbacks, part.share, 0, 1));
@@ -101,8 +104,11 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
   for (const int level : levels) {
     const double from = done / rows;
     done += std::ldexp(1.0, 2 * level);
+    const auto level_of = [&](const AssetPart& part) {
+      return details.empty() ? options.level_of(part.fitted.density) : level;
+    };
     details.push_back(levels_of(
-        parts, level, backend,
+        parts, level_of, backend,
         share_of(whole, std::lerp(fitted, made, from), std::lerp(fitted, made, done / rows))));
   }
   FileFit result;

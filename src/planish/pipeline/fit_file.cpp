@@ -138,7 +138,7 @@ bool may_keep_asset(const std::filesystem::path& input, const std::filesystem::p
 
 // Levels of detail go from fine to coarse.
 void require_falling(const FitFileOptions& options) {
-  int finer = options.level;
+  int finer = options.levels().front();
   for (const int level : options.coarser_levels) {
     if (level >= finer)
       throw Error(
@@ -186,7 +186,8 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
       input, file.format, to.format == FileFormat::Obj || cage_format == FileFormat::Obj, to_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   if (to.is_brep) {
-    SurfaceFileOptions step{options.level, options.z_up, share_of(callbacks, fit, 1), &materials};
+    SurfaceFileOptions step{
+        .z_up = options.z_up, .callbacks = share_of(callbacks, fit, 1), .materials = &materials};
     step.step = options.step;
     step.step.unit = settled_unit(options.step.unit, name_of(file.format));
     result.step = write_step_of(output, result.fitted, visible(input.stem()), step);
@@ -196,8 +197,8 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
     write_cage_of(result.fitted, cage_format, options, materials);
     return result;
   }
-  const SurfaceShares shares(
-      {options.level, options.z_up, share_of(callbacks, fit, 1), &materials});
+  const SurfaceShares shares({options.level_of(result.fitted.density), options.z_up,
+                              share_of(callbacks, fit, 1), &materials});
   const FittedLevel made = fitted_level(result.fitted, backend, shares.making);
   result.vertex_count = made.blocks->info().row_count;
   result.face_count = made.blocks->info().face_count;
@@ -232,9 +233,13 @@ std::uint64_t write_fitted_surface(const std::filesystem::path& path, const Fitt
 }
 
 std::vector<int> FitFileOptions::levels() const {
-  std::vector<int> all{level};
+  std::vector<int> all{level.value_or(MeshDensity{}.level())};
   all.insert(all.end(), coarser_levels.begin(), coarser_levels.end());
   return all;
+}
+
+int FitFileOptions::level_of(const MeshDensity& density) const {
+  return level || !coarser_levels.empty() ? levels().front() : density.level();
 }
 
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,

@@ -14,7 +14,9 @@ namespace planish {
 
 struct FitFileOptions {
   MeshFitOptions mesh;
-  int level = 2;  ///< 0 to kMaxLevel splits
+  /// 0 to kMaxLevel splits; empty: 2, but of each mesh that is dense (MeshDensity) and has no
+  /// coarser levels 1.
+  std::optional<int> level{};
   /// Levels of detail of the same file, each less than the one before: of a glTF that becomes one.
   /// Nodes name them by MSFT_lod.
   std::vector<int> coarser_levels{};
@@ -28,8 +30,10 @@ struct FitFileOptions {
   StepSettings step{};
   Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
 
-  /// `level`, then coarser_levels.
+  /// `level`, 2 where it is empty, then coarser_levels.
   [[nodiscard]] std::vector<int> levels() const;
+  /// That of a mesh in place of `level`.
+  [[nodiscard]] int level_of(const MeshDensity& density) const;
 };
 
 /// What became of a file.

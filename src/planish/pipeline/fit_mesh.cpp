@@ -329,6 +329,8 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   if (may_pair && (options.crease_degrees || options.method == InterpolationMethod::Fair))
     given = mesh;
   ReadyFit ready = prepare_one(std::move(mesh), name, options);
+  const MeshDensity density =
+      mesh_density(ready.fitted.mesh, *ready.fitted.options.prepared->topology);
   if (may_pair) {
     report(kOneReady);
     const Halves halves =
@@ -339,8 +341,11 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
       ready.paired = prepare_paired(ready, std::move(given));
     }
   }
-  for (ReadyFit* one : {&ready, ready.paired.get()})
-    if (one && one->chooses_creases) keep_outline_corners(one->fitted);
+  for (ReadyFit* one : {&ready, ready.paired.get()}) {
+    if (one == nullptr) continue;
+    one->fitted.density = density;
+    if (one->chooses_creases) keep_outline_corners(one->fitted);
+  }
   report(1);
   return ready;
 }

@@ -13,6 +13,7 @@
 #include "planish/backend/backend.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/callbacks.h"
+#include "planish/mesh/mesh_density.h"
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/choose_quads.h"
@@ -61,6 +62,7 @@ struct FittedMesh {
   std::optional<QuadReason> quad_reason;
   double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
   std::int64_t welded_count = 0;   ///< vertices that became another
+  MeshDensity density;             ///< before triangles are joined by measurement
   /// For each vertex and face of `mesh` the given one's; empty: the same.
   std::vector<std::int32_t> source_vertices, source_faces;
   std::vector<std::int32_t> changed_faces;      ///< the given mesh's that repair changed

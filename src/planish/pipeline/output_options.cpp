@@ -87,14 +87,18 @@ FitOption levels_option() {
            .kind = Kind::Wholes,
            .needs = Needs::Fineness,
            .limits = {.least = 0, .most = kMaxLevel, .wanted = "levels are 0 to 6"},
-           .choices = "L[,L2,...]",
-           .initial = "2",
+           .choices = "auto|L[,L2,...]",
+           .initial = "auto",
            .example = "3,1",
-           .help = "quad splits, 0 to 6; several write NAME_LOD0.glb, NAME_LOD1.glb, ...; 3D Tiles "
-                   "have all from 1 to it",
-           .entry = "level"},
+           .help = "quad splits, 0 to 6; several write NAME_LOD0.glb, ...; 3D Tiles have 1 to it; "
+                   "auto: 2, dense meshes 1",
+           .entry = "level",
+           .word = "auto"},
           [](FitSettings& settings, const OptionValue& value, Where) {
-            settings.levels.assign(value.wholes.begin(), value.wholes.end());
+            settings.levels_by_density = value.wholes.empty();
+            settings.levels = {2};
+            if (!settings.levels_by_density)
+              settings.levels.assign(value.wholes.begin(), value.wholes.end());
           },
           {}};
 }

@@ -76,6 +76,7 @@ struct FitSettings {
   StepSettings step;
   std::string device = "auto";
   std::vector<int> levels{2};
+  bool levels_by_density = true;  ///< then 2 is the most: see MeshDensity
   AdaptiveChoice adaptive;
 
   /// Of a mesh that make_ready() made, which has no tags but those that count.

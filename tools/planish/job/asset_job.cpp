@@ -27,6 +27,7 @@ namespace {
 struct AssetPart {
   AssetMesh mesh;
   MeshShare share;
+  std::vector<PlannedOutput> outputs;  // as this mesh has them
   JobInput made;
   ReadyFit ready;
   JobReport report;
@@ -43,7 +44,7 @@ struct PartLevel {
 };
 
 FittedJob job_of(const AssetJob& work, AssetPart& part) {
-  return {work.job,  work.outputs, work.backend, work.context,
+  return {work.job,  part.outputs, work.backend, work.context,
           part.made, part.report,  work.staged,  part.no_page};
 }
 
@@ -69,6 +70,7 @@ void prepare_part(const AssetJob& work, AssetPart& part, std::int64_t number) {
   part.ready = timed(part.report.timing.check, [&] {
     return prepare_input(part.made, work.outputs, part.report, work.context);
   });
+  part.outputs = settled(work.outputs, part.ready.fitted.density.level());
 }
 
 void fit_part(const AssetJob& work, AssetPart& part) {
@@ -123,7 +125,8 @@ std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts
     {
       const auto progress = part_of(work, {part.share.begin, made_at});
       made.level = std::make_unique<JobLevel>(
-          surface_of(job, *part.surface, fineness, made.fields, made.options));
+          surface_of(job, *part.surface, settled(fineness, part.report.density.level()),
+                     made.fields, made.options));
     }
     const auto progress = part_of(work, {made_at, part.share.end});
     made.attributes = timed(part.report.timing.evaluate, [&] {
@@ -171,7 +174,9 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
       surfaces_of(parts, details, left_out_of(planned.finenesses()), surface_of);
   written.path = planned.path.string();
   written.kind = planned.kind;
-  written.fineness = planned.fineness;
+  int finest = 0;
+  for (const AssetPart& part : parts) finest = std::max(finest, part.report.density.level());
+  written.fineness = settled(planned.fineness, finest);
   written.coarser = planned.coarser;
   GltfOptions common;
   common.name = work.report.input.path;

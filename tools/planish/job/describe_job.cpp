@@ -1,5 +1,7 @@
 #include "job/describe_job.h"
 
+#include <algorithm>
+
 #include "job/asset_job.h"
 #include "job/forecast.h"
 #include "job/input.h"
@@ -156,7 +158,9 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
       ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
                                                : "",
       subdivision_text(settings.scheme, settings.weights), short_number(settings.tolerance));
-  text += outputs_text(planned, format, mesh, forecast, claims);
+  PlannedJob shown = planned;
+  shown.outputs = settled(planned.outputs, ready.fitted.density.level());
+  text += outputs_text(shown, format, mesh, forecast, claims);
   return text + needs_text(forecast);
 }
 
@@ -167,6 +171,7 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
     ReadyFit ready;
   };
   std::int64_t vertices = 0, faces = 0;
+  int finest = 1;
   Forecast forecast;
   MeshSteps<Part> steps;
   steps.warn = [](const Warning&) {};
@@ -179,7 +184,10 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
   };
   steps.require = [&](std::list<Part>& parts) {
     std::vector<MeshNeed> needs;
-    for (const Part& part : parts) needs.push_back({&part.ready, &part.mesh.vertices});
+    for (const Part& part : parts) {
+      needs.push_back({&part.ready, &part.mesh.vertices});
+      finest = std::max(finest, part.ready.fitted.density.level());
+    }
     forecast = forecast_of(needs, planned.job.settings, planned.outputs, 0, asset.byte_count());
     require_memory_for(needs, planned.job.settings, planned.outputs);
   };
@@ -192,7 +200,9 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
                : "",
       counted(vertices, "vertex"), counted(faces, "face"), device_line(device),
       solve_text(planned.job.settings, planned.outputs));
-  text += outputs_text(planned, file.format, {}, forecast, claims);
+  PlannedJob shown = planned;
+  shown.outputs = settled(planned.outputs, finest);
+  text += outputs_text(shown, file.format, {}, forecast, claims);
   return text + needs_text(forecast);
 }
 

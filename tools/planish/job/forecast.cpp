@@ -154,11 +154,19 @@ double thread_count() { return std::max(1u, std::thread::hardware_concurrency())
 
 const FittedMesh& expected_mesh(const MeshNeed& mesh) { return expected_fit(*mesh.ready).fitted; }
 
+std::vector<PlannedOutput> settled_for(const MeshNeed& mesh,
+                                       const std::vector<PlannedOutput>& outputs) {
+  return settled(outputs, mesh.ready->fitted.density.level());
+}
+
+// With so many levels less, as far as there are any.
 std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& settings,
-                         const std::vector<int>& levels) {
+                         const std::vector<PlannedOutput>& outputs, int less = 0) {
   HeldBytes held(settings);
   for (const MeshNeed& mesh : meshes) {
     const FittedMesh& expected = expected_mesh(mesh);
+    std::vector<int> levels = held_levels(settled_for(mesh, outputs));
+    for (int& level : levels) level = std::max(0, level - less);
     held.add(RefinedAttributes::of(expected.mesh), mesh_counts_of(*expected.options.prepared),
              levels, solve_bytes(*mesh.ready, settings), mesh.vertices);
   }
@@ -230,9 +238,9 @@ Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
                      std::uint64_t asset_bytes) {
   Forecast all;
   all.outputs.resize(outputs.size());
-  all.peak_bytes = asset_bytes + held_bytes(meshes, settings, held_levels(outputs));
+  all.peak_bytes = asset_bytes + held_bytes(meshes, settings, outputs);
   for (const MeshNeed& mesh : meshes) {
-    const Forecast one = forecast_of_mesh(mesh, settings, outputs, page_bytes);
+    const Forecast one = forecast_of_mesh(mesh, settings, settled_for(mesh, outputs), page_bytes);
     all.peak_bytes += one.peak_bytes;
     all.making_bytes = std::max(all.making_bytes, one.making_bytes);
     all.seconds += one.seconds / thread_count();
@@ -278,16 +286,16 @@ Forecast forecast_of_points(const PointCloud& cloud, const Settings& settings,
 
 void require_memory_for(std::span<const MeshNeed> meshes, const Settings& settings,
                         const std::vector<PlannedOutput>& outputs) {
-  const std::vector<int> held = held_levels(outputs);
-  const int wanted = held.front();
-  for (const MeshNeed& mesh : meshes)
+  int wanted = 0;
+  for (const MeshNeed& mesh : meshes) {
+    const int finest = held_levels(settled_for(mesh, outputs)).front();
     require_indices(
-        levels_to(mesh_counts_of(*expected_mesh(mesh).options.prepared), settings.scheme, wanted));
+        levels_to(mesh_counts_of(*expected_mesh(mesh).options.prepared), settings.scheme, finest));
+    wanted = std::max(wanted, finest);
+  }
   const std::uint64_t free = available_memory_bytes();
   const auto need = [&](int level) {
-    std::vector<int> lower = held;
-    for (int& one : lower) one = std::max(0, one - (wanted - level));
-    return held_bytes(meshes, settings, lower);
+    return held_bytes(meshes, settings, outputs, wanted - level);
   };
   const std::uint64_t needed = need(wanted);
   if (needed <= free) return;

@@ -12,6 +12,7 @@
 #include "job/point_input.h"
 #include "job/timed.h"
 #include "output/job_outputs.h"
+#include "output/output_levels.h"
 #include "planish/core/json.h"
 #include "report/details.h"
 #include "terminal/interrupt.h"
@@ -123,6 +124,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
       stdout_bytes = staged.naming_targets([&] {
         return run_asset({job, outputs, backend, context, file, *asset, report, staged});
       });
+      warn_of_size(report, asset->byte_count(), context.console);
       return;
     }
     JobInput made =
@@ -134,12 +136,15 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
       require_memory_for({&need, 1}, job.settings, outputs);
       return prepared;
     });
+    const std::vector<PlannedOutput> written = settled(outputs, ready.fitted.density.level());
     const bool was_open = ready.chooses_method;
     fit_input(made, std::move(ready), backend, job.moves, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
     stdout_bytes = staged.naming_targets([&] {
-      return write_outputs({job, outputs, backend, context, made, report, staged, page});
+      return write_outputs({job, written, backend, context, made, report, staged, page});
     });
+    // A .gltf's numbers are beside it.
+    if (file.format != FileFormat::Gltf) warn_of_size(report, file.bytes.size(), context.console);
   });
   report.host_peak_bytes = peak_host_bytes();
   report.device_bytes = backend.peak_device_bytes();

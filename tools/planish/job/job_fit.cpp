@@ -22,6 +22,7 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   creases.chooses = false;
   creases.dihedral_degrees = fitted.crease_degrees;
   report.input.joined = fitted.paired_count;
+  report.density = fitted.density;
   report.settings.quads = fitted.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
   if (fitted.fit.within) {
     report.settings.within = {.of_diagonal = fitted.fit.within->within};

@@ -150,15 +150,16 @@ Job job_of(const FitFlags& flags, const Settings& settings, const std::string& i
   const FileFormat surface = output_format_of(flags, FormatUse::WriteSurface, FileFormat::Glb);
   const FileFormat cage = output_format_of(flags, FormatUse::WriteCage, FileFormat::Obj);
   for (const std::string& path : flags.outputs)
-    job.outputs.push_back({output_path(path, input, surface, "-o", one_of_several),
-                           OutputKind::Surface, settings.levels, settings.adaptive, "-o",
-                           settings.lods == LodChoice::Msft});
+    job.outputs.push_back({.path = output_path(path, input, surface, "-o", one_of_several),
+                           .levels = settings.levels,
+                           .by_density = settings.levels_by_density,
+                           .adaptive = settings.adaptive,
+                           .where = "-o",
+                           .lods_in_one = settings.lods == LodChoice::Msft});
   if (!flags.cage.empty())
-    job.outputs.push_back({output_path(flags.cage, input, cage, "--cage", one_of_several),
-                           OutputKind::Cage,
-                           {},
-                           {},
-                           "--cage"});
+    job.outputs.push_back({.path = output_path(flags.cage, input, cage, "--cage", one_of_several),
+                           .kind = OutputKind::Cage,
+                           .where = "--cage"});
   return job;
 }
 

@@ -142,6 +142,7 @@ class JobParser {
     FitSettings fineness = settings;
     apply_fineness(json, where, fineness);
     request.levels = fineness.levels;
+    request.by_density = fineness.levels_by_density;
     request.adaptive = fineness.adaptive;
     request.lods_in_one = settings.lods == LodChoice::Msft;
     if (request.adaptive.any() && settings.scheme != Scheme::DooSabin)

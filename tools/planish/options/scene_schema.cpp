@@ -113,6 +113,11 @@ Json several_json(const Json& items) {
   return json;
 }
 
+Json list_or_word_json(const OptionInfo& option, const Json& list) {
+  if (option.word.empty()) return list;
+  return {{"anyOf", {list, {{"const", option.word}}}}};
+}
+
 Json text_json(const OptionInfo& option) {
   if (option.pattern.empty()) return {{"type", "string"}, {"minLength", 1}};
   return {{"type", "string"}, {"pattern", option.pattern}};
@@ -144,7 +149,7 @@ Json type_json(const OptionInfo& option) {
     case OptionKind::Switch:
       return {{"type", "boolean"}};
     case OptionKind::Wholes:
-      return several_json(number_json(option, "integer"));
+      return list_or_word_json(option, several_json(number_json(option, "integer")));
     case OptionKind::Numbers:
       return several_json(number_json(option, "number"));
     case OptionKind::Vertices:
@@ -168,6 +173,7 @@ Json value_json(const OptionInfo& option, std::string_view text) {
       return text;
     case OptionKind::Wholes:
     case OptionKind::Numbers:
+      if (!option.word.empty() && text == option.word) return text;
       return Json::parse("[" + std::string(text) + "]");
     default:
       return Json::parse(text);

@@ -70,6 +70,10 @@ void with_value(const OptionInfo& option, const Json& json, const std::string& w
       value.is_on = json.get<bool>();
       break;
     case OptionKind::Wholes:
+      if (json.is_string() && json.get_ref<const std::string&>() == option.word) {
+        value.text = option.word;
+        break;
+      }
       value.wholes = list_of<std::int64_t>(option, json, where, integer_of);
       break;
     case OptionKind::Numbers:

@@ -36,4 +36,7 @@ void measure_rest(const FittedJob& work, JobSurface& all, const SurfaceOutputOpt
 /// A tolerance finer than float32 holds in the solve but not in a glTF file.
 void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& output);
 
+/// Files of a level that nobody named that are large, and many times as large as the input.
+void warn_of_size(JobReport& report, std::uint64_t input_bytes, Console& console);
+
 }  // namespace planish::command

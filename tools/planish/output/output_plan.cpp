@@ -61,7 +61,7 @@ std::vector<Fineness> finenesses_of(const OutputRequest& request) {
   for (const double error : adaptive.chord_errors) all.push_back({1, error, adaptive.angle});
   if (all.empty() && adaptive.any()) all.push_back({1, 0, adaptive.angle});
   if (!all.empty()) return all;
-  for (const int level : request.levels) all.push_back({level, 0, 0});
+  for (const int level : request.levels) all.push_back({level, 0, 0, request.by_density});
   return all;
 }
 
@@ -80,6 +80,16 @@ void require_chord_error(const OutputRequest& request, FileFormat format, double
 }
 
 }  // namespace
+
+Fineness settled(Fineness fineness, int level) {
+  if (fineness.by_density) fineness.level = level;
+  return fineness;
+}
+
+std::vector<PlannedOutput> settled(std::vector<PlannedOutput> outputs, int level) {
+  for (PlannedOutput& output : outputs) output.fineness = settled(output.fineness, level);
+  return outputs;
+}
 
 std::string finenesses_text(const Fineness& finest, const std::vector<Fineness>& coarser) {
   std::string text = fineness_text(finest);
@@ -260,8 +270,10 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
       refuse(request.where,
              visible(request.path) + ": 3D Tiles have levels, not a chord error or an angle");
     // All levels up to the finest are in one set.
-    planned.push_back(
-        {request.path, request.kind, format, {std::ranges::max(request.levels), 0, 0}});
+    planned.push_back({request.path,
+                       request.kind,
+                       format,
+                       {std::ranges::max(request.levels), 0, 0, request.by_density}});
   } else if (info_of(format).is_brep) {
     planned.push_back({request.path, request.kind, format, {}});
   } else {

@@ -19,6 +19,7 @@ struct OutputRequest {
   std::string path;  ///< "-": a GLB to stdout
   OutputKind kind = OutputKind::Surface;
   std::vector<int> levels;   ///< of a surface
+  bool by_density = false;   ///< less where the mesh is dense
   AdaptiveChoice adaptive;   ///< instead of levels, where there is any
   std::string where;         ///< for messages: "-o" or "scene.json: jobs[0].outputs[1]"
   bool lods_in_one = false;  ///< levels of detail are in one file
@@ -28,10 +29,16 @@ struct OutputRequest {
 struct Fineness {
   int level = 0;                      ///< 1 where one of the others is given
   double chord_error = 0, angle = 0;  ///< see AdaptiveOptions
+  bool by_density = false;            ///< a level that nobody named
 
   [[nodiscard]] bool is_adaptive() const { return chord_error > 0 || angle > 0; }
-  friend bool operator==(const Fineness&, const Fineness&) = default;
+  friend bool operator==(const Fineness& a, const Fineness& b) {
+    return a.level == b.level && a.chord_error == b.chord_error && a.angle == b.angle;
+  }
 };
+
+/// With a level that a mesh's density settles: MeshDensity::level().
+[[nodiscard]] Fineness settled(Fineness fineness, int level);
 
 /// "level 2", "chord error 0.001", "angle 10", "chord error 0.001 and angle 10".
 [[nodiscard]] std::string fineness_text(const Fineness& fineness);
@@ -101,6 +108,9 @@ class PathClaims {
 /// stdout or bytes to a terminal.
 [[nodiscard]] std::vector<PlannedOutput> plan_output(const OutputRequest& request,
                                                      PathClaims& claims);
+
+/// The same of outputs.
+[[nodiscard]] std::vector<PlannedOutput> settled(std::vector<PlannedOutput> outputs, int level);
 
 /// Refuses tile sets of what they are not made of (schemes but Doo-Sabin, level 0) with
 /// Error{InvalidArgument}.

@@ -135,6 +135,10 @@ void add_fit(const JobReport& report, OrderedJson& json) {
                      {"farthest", report.moved->farthest}};
   }
   json["surface"] = surface_json(report);
+  if (report.density.is_dense())
+    json["density"] = {{"vertices", report.density.vertex_count},
+                       {"even_area", report.density.even_share},
+                       {"level", report.density.level()}};
 }
 
 OrderedJson meshes_json(const std::vector<JobReport>& meshes) {

@@ -104,6 +104,7 @@ struct JobReport {
   std::optional<MethodReason> choice;     ///< where the settings leave the method open
   bool tried_creases = false;             ///< and found creases
   std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
+  MeshDensity density;                    ///< which settles the level where nobody named one
   std::optional<FairFigures> fair;
   std::optional<MovedFigures> moved;            ///< where the job has moves
   std::optional<WithinFit> within;              ///< where vertices were left to bend less

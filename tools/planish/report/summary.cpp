@@ -211,6 +211,33 @@ std::string output_lines(const JobReport& report) {
 
 }  // namespace
 
+namespace {
+
+bool has_level_by_density(const JobReport& report) {
+  return std::ranges::any_of(report.outputs, [](const WrittenOutput& output) {
+    return output.kind == OutputKind::Surface && output.fineness.by_density;
+  });
+}
+
+std::string density_line(const JobReport& report) {
+  if (!has_level_by_density(report) || !report.density.is_dense()) return "";
+  return formatted(
+      "  level       {}: the mesh is dense, faces of {} of its area turn by less than {} degrees "
+      "(--levels 2 is finer)\n",
+      report.density.level(), percent(report.density.even_share), short_number(kEvenDegrees));
+}
+
+// Of an asset.
+std::string dense_meshes_line(const JobReport& report) {
+  const auto dense = std::ranges::count_if(
+      report.meshes, [](const JobReport& mesh) { return mesh.density.is_dense(); });
+  if (!has_level_by_density(report) || dense == 0) return "";
+  return formatted("  level       1 of {}, which {} (--levels 2 is finer)\n",
+                   counted(dense, "mesh"), dense == 1 ? "is dense" : "are dense");
+}
+
+}  // namespace
+
 std::string within_text(const WithinFit& within) {
   std::string text = short_number(within.within) + " of the diagonal";
   if (within.noise) text += " (the noise is " + short_number(*within.noise) + ")";
@@ -256,7 +283,7 @@ std::string asset_summary(const JobReport& report, bool is_full) {
                                     mesh.input.statistics.vertex_count,
                                     mesh.input.statistics.face_count, mesh.input.joined),
                         surface_line(mesh));
-  return text + output_lines(report);
+  return text + dense_meshes_line(report) + output_lines(report);
 }
 
 }  // namespace
@@ -281,7 +308,7 @@ std::string summary(const JobReport& report, bool is_full) {
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
   text += moved_line(report);
   text += is_full ? computing_lines(report) : within_line(report) + surface_line(report);
-  text += output_lines(report);
+  text += density_line(report) + output_lines(report);
   text.pop_back();
   return text;
 }

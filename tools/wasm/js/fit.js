@@ -4,7 +4,7 @@ import { whole } from './error.js';
 import { Handle, check, isDone } from './handle.js';
 import { Memory } from './memory.js';
 import { Mesh } from './mesh.js';
-import { CHOICES, FitOptions } from './options.js';
+import { CHOICES, FitOptions, LEVEL_AUTO } from './options.js';
 import { queriesOf } from './queries.js';
 import { surfaceOf } from './surface.js';
 
@@ -81,7 +81,7 @@ export class Fit extends Handle {
   }
 
   /** A file's bytes; `name` tells the format: glb, gltf, obj, ply, off, stl, usda, step. */
-  write(name, level = 2) {
+  write(name, level = LEVEL_AUTO) {
     const path = `/${String(name).replace(/.*\//, '')}`;
     whole([level], 'level');
     const { module } = this;
@@ -94,7 +94,7 @@ export class Fit extends Handle {
     }
   }
 
-  glb(level = 2) {
+  glb(level = LEVEL_AUTO) {
     return this.write('surface.glb', level);
   }
 

@@ -69,6 +69,7 @@ export interface FitOptions {
 /** `output` tells the format by its ending: 'surface.glb'; no .gltf, which has files beside it. */
 export interface FitFileOptions extends FitOptions {
   output?: string;
+  /** Splits, 0 to 6; without it 2, of a dense mesh 1. */
   level?: number;
   /** Of a glTF that becomes one: levels of detail in the same file (MSFT_lod), each less than the one before. */
   coarserLevels?: number[];
@@ -148,7 +149,7 @@ export interface Fit extends Questions {
   readonly warnings: { code: string; message: string }[];
   evaluate(level?: number, placing?: Placing): Surface;
   tessellate(options: { chordError?: number; angle?: number } & Placing): Surface;
-  /** glb, gltf, obj, ply, off, stl, usda or step, by the name's ending. */
+  /** glb, gltf, obj, ply, off, stl, usda or step, by the name's ending; without a level 2, of a dense mesh 1. */
   write(name: string, level?: number): Uint8Array;
   glb(level?: number): Uint8Array;
   cage(): Mesh;

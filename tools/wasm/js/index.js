@@ -5,7 +5,7 @@ import { fitted, infoOf } from './fit.js';
 import { check } from './handle.js';
 import { Memory } from './memory.js';
 import { Mesh } from './mesh.js';
-import { FitOptions, coarserLevels } from './options.js';
+import { FitOptions, LEVEL_AUTO, coarserLevels } from './options.js';
 
 export { PlanishError };
 
@@ -67,7 +67,7 @@ class Planish {
 
   /** A file's bytes become another's, as `planish fit` makes them: of a glTF all that is no triangle comes along.
    * `output` tells the format by its ending; `coarserLevels`: levels of detail in the same glTF (MSFT_lod). */
-  fitFile(bytes, name, { output = 'surface.glb', level = 2, coarserLevels: coarser, ...options } = {}) {
+  fitFile(bytes, name, { output = 'surface.glb', level = LEVEL_AUTO, coarserLevels: coarser, ...options } = {}) {
     const module = this.#module;
     whole([level], 'level');
     const ending = (file) => String(file).split('.').pop().toLowerCase();

@@ -12,6 +12,8 @@ export const CHOICES = {
   quads: ['auto', 'on', 'off'],
   stepUnit: ['mm', 'cm', 'm', 'in', 'auto'],
 };
+/** PLANISH_LEVEL_AUTO: 2, of a dense mesh 1. */
+export const LEVEL_AUTO = -1;
 const NUMBERS = {
   tolerance: 'tolerance', maxIterations: 'max_iterations', weld: 'weld', polish: 'polish', stepAngle: 'step_angle',
   stepTolerance: 'step_tolerance', stepFaceSize: 'step_face_size',
