@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -457,6 +458,36 @@ static int file_has(const char* path, const char* text) {
   return 0;
 }
 
+static void put_file(const char* path, const char* text) {
+  FILE* file = fopen(path, "w");
+  EXPECT(file != NULL && fputs(text, file) >= 0 && fclose(file) == 0);
+}
+
+static void test_named_files(void) {
+  planish_fit_options options;
+  planish_fit_options_init(&options, sizeof options);
+  EXPECT(options.textures == PLANISH_TEXTURES_BESIDE);
+  put_file("y.mtl", "newmtl wood\n# mine\nKd 0.5 0 0\n");
+  put_file("x.obj", "mtllib y.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n");
+  EXPECT_REFUSED(planish_fit_file("x.obj", "y.obj", 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
+                 "y.mtl is read with the input x.obj");
+  EXPECT(file_has("y.mtl", "# mine"));
+  EXPECT_REFUSED(planish_fit_file("x.obj", "o.json", 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
+                 "3D Tiles are written by the command");
+  EXPECT(mkdir("model", 0700) == 0);
+  put_file("model/x.obj",
+           "mtllib ../y.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n");
+  EXPECT(planish_fit_file("model/x.obj", "beside.glb", 1, &options, NULL) == PLANISH_OK);
+  EXPECT(!file_has("beside.glb", "0.5,0.0,0.0"));
+  options.textures = PLANISH_TEXTURES_ANYWHERE;
+  EXPECT(planish_fit_file("model/x.obj", "anywhere.glb", 1, &options, NULL) == PLANISH_OK);
+  EXPECT(file_has("anywhere.glb", "0.5,0.0,0.0"));
+  options.textures = 2;
+  EXPECT_REFUSED(planish_fit_file("model/x.obj", "anywhere.glb", 1, &options, NULL),
+                 PLANISH_INVALID_ARGUMENT, "options.textures is 2");
+  EXPECT(unlink("model/x.obj") == 0 && rmdir("model") == 0);
+}
+
 static void test_levels_of_detail(const char* input) {
   static const int32_t coarser[] = {0};
   planish_fit_options options;
@@ -833,6 +864,7 @@ int main(int argc, char** argv) {
   test_verify_shapes();
   test_weld();
   test_reader_warnings();
+  test_named_files();
   test_levels_of_detail(argv[1]);
   test_files(argv[1]);
   test_step(argv[1]);

@@ -44,9 +44,9 @@ TEST_F(OutputPaths, AFailedRunLeavesTheOldFile) {
 }
 
 TEST_F(OutputPaths, TheInputIsNeverWritten) {
-  expect_refused({"-o", cube_, "-f"}, 2, "is the input as well");
+  expect_refused({"-o", cube_, "-f"}, 2, "is the input itself");
   std::filesystem::create_symlink(cube_, path("link.obj"));
-  expect_refused({"--cage", path("link.obj"), "-f"}, 2, "is the input as well");
+  expect_refused({"--cage", path("link.obj"), "-f"}, 2, "is the input itself");
 }
 
 TEST_F(OutputPaths, NothingIsWrittenTwice) {

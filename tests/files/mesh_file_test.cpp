@@ -304,16 +304,6 @@ TEST(ReadFile, NamesTheReason) {
             "/tmp: cannot read: Is a directory");
 }
 
-TEST(ReadFile, ReadsTheBeginningOfWhatAnotherFileNames) {
-  EXPECT_FALSE(read_beside("/no/such"));
-  EXPECT_FALSE(read_beside("/tmp"));
-  EXPECT_EQ(read_beside("/dev/null")->size(), 0u);
-  EXPECT_EQ(read_beside("/dev/zero", 10)->size(), 10u);
-  const auto whole = read_file("/proc/self/exe"), start = *read_beside("/proc/self/exe", 1000);
-  ASSERT_EQ(start.size(), 1000u);
-  EXPECT_TRUE(std::equal(start.begin(), start.end(), whole.begin()));
-}
-
 TEST(ReadFile, ReadsFilesOfUnknownSize) {
   EXPECT_GT(read_file("/proc/self/maps").size(), 100u);
   EXPECT_EQ(read_file("/dev/null").size(), 0u);

@@ -5,9 +5,13 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <sstream>
 
+#include "files/gltf/asset_sample.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/files/file_materials.h"
 #include "planish/files/mesh_file.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
@@ -51,6 +55,88 @@ TEST_F(FitFilePlaces, TheInputIsNeverWritten) {
   }
   EXPECT_EQ(bytes_of(input_), before);
   EXPECT_FALSE(fs::exists(folder_ / "b.glb"));
+}
+
+// Nor is what it names, by whatever name.
+TEST_F(FitFilePlaces, WhatTheInputNamesIsNeverWritten) {
+  (void)fit_file(input_, folder_ / "s.gltf", {.level = 1});
+  fs::rename(folder_ / "s.bin", folder_ / "b.bin");
+  std::string text = bytes_of(folder_ / "s.gltf");
+  text.replace(text.find("s.bin"), 5, "b.bin");
+  std::ofstream(folder_ / "s.gltf") << text;
+  fs::create_hard_link(folder_ / "b.bin", folder_ / "hard.bin");
+  std::ofstream(folder_ / "y.mtl") << "newmtl wood\n# mine\nmap_Kd oak.png\n";
+  std::ifstream given(input_);
+  std::ofstream(folder_ / "x.obj") << "mtllib y.mtl\nusemtl wood\n" << given.rdbuf();
+  const std::string buffer = bytes_of(folder_ / "b.bin"), library = bytes_of(folder_ / "y.mtl");
+  const auto refused = [](const std::function<void()>& work) {
+    EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument, work),
+                HasSubstr("is read with the input"));
+  };
+  int told = 0;
+  FitFileOptions options;
+  options.mesh.fit.callbacks.progress = [&](std::string_view, double) { ++told; };
+  for (const char* name : {"b.gltf", "hard.gltf"})
+    refused([&] { (void)fit_file(folder_ / "s.gltf", folder_ / name, options); });
+  refused([&] { (void)fit_file(folder_ / "x.obj", folder_ / "y.obj", options); });
+  options.cage = folder_ / "y.obj";
+  refused([&] { (void)fit_file(folder_ / "x.obj", folder_ / "z.glb", options); });
+  EXPECT_EQ(told, 0) << "before the work";
+  // Nor where only the writer knows what was read.
+  const FileMaterials materials = read_materials(
+      {.bytes = {}, .name = "x.obj", .path = folder_ / "x.obj"}, FileFormat::Obj, true, true);
+  refused([&] {
+    write_mesh(folder_ / "y.obj", FileFormat::Obj, read_mesh(folder_ / "x.obj").mesh,
+               {.header = {},
+                .subdivision = {},
+                .is_z_up = false,
+                .materials = {&materials.library, folder_}});
+  });
+  fs::create_hard_link(folder_ / "y.mtl", folder_ / "w.glb");
+  const FittedMesh fitted = fit_mesh(test::cube(), "cube", *make_cpu_backend());
+  refused([&] {
+    (void)write_fitted_surface(folder_ / "w.glb", fitted, "cube", *make_cpu_backend(),
+                               {.materials = &materials});
+  });
+  EXPECT_EQ(bytes_of(folder_ / "b.bin"), buffer);
+  EXPECT_EQ(bytes_of(folder_ / "y.mtl"), library);
+}
+
+TEST_F(FitFilePlaces, FormatsThatAreNotWrittenAreRefusedBeforeTheWork) {
+  int told = 0;
+  FitFileOptions options;
+  options.mesh.fit.callbacks.progress = [&](std::string_view, double) { ++told; };
+  const auto message = [&](const char* name) {
+    return test::message_of(ErrorCode::InvalidArgument,
+                            [&] { (void)fit_file(input_, folder_ / name, options); });
+  };
+  EXPECT_THAT(message("o.json"),
+              HasSubstr("o.json: 3D Tiles are written by the command, planish fit, and by "
+                        "write_tiles(); here take .glb, .gltf, .obj, .ply, .off, .stl, .usda or "
+                        ".step"));
+  EXPECT_THAT(message("o.foo"), testing::Not(HasSubstr(".json")));
+  EXPECT_EQ(told, 0);
+}
+
+TEST_F(FitFilePlaces, TexturesOfOtherFoldersComeWhereTheyAreWanted) {
+  fs::create_directory(folder_ / "model");
+  std::ofstream(folder_ / "oak.png") << test::AssetSample::image();
+  std::ofstream(folder_ / "model/box.mtl") << "newmtl wood\nmap_Kd ../oak.png\n";
+  std::ifstream given(input_);
+  std::ofstream(folder_ / "model/box.obj") << "mtllib box.mtl\nusemtl wood\n" << given.rdbuf();
+  std::vector<std::string> codes;
+  FitFileOptions options;
+  options.mesh.fit.callbacks.warning = [&](const Warning& warning) {
+    codes.push_back(warning.code);
+    EXPECT_THAT(warning.message, HasSubstr("--textures anywhere"));
+  };
+  (void)fit_file(folder_ / "model/box.obj", folder_ / "b.glb", options);
+  EXPECT_EQ(codes, std::vector<std::string>{"left-out-textures"});
+  EXPECT_THAT(bytes_of(folder_ / "b.glb"), testing::Not(HasSubstr("image/png")));
+  options.textures = FileReach::Anywhere;
+  (void)fit_file(folder_ / "model/box.obj", folder_ / "b.glb", options);
+  EXPECT_EQ(codes.size(), 1u);
+  EXPECT_THAT(bytes_of(folder_ / "b.glb"), HasSubstr("image/png"));
 }
 
 TEST_F(FitFilePlaces, SurfaceAndCageAreTwoFiles) {

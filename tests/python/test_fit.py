@@ -250,3 +250,47 @@ def test_none_is_refused(cube):
     ):
         with pytest.raises(TypeError):
             call()
+
+
+def named_by(tmp_path, cube_obj):
+    """An OBJ with materials and a glTF with a buffer, whose names an output may have."""
+    (tmp_path / "y.mtl").write_text("newmtl wood\n# mine\nmap_Kd ../oak.png\n")
+    (tmp_path / "x.obj").write_text("mtllib y.mtl\nusemtl wood\n" + cube_obj)
+    planish.fit_file(tmp_path / "x.obj", tmp_path / "a.gltf", 1)
+    (tmp_path / "a.bin").rename(tmp_path / "b.bin")
+    text = (tmp_path / "a.gltf").read_text().replace("a.bin", "b.bin")
+    (tmp_path / "a.gltf").write_text(text)
+
+
+CUBE = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+"""
+
+
+def test_what_an_input_names_is_not_written(tmp_path):
+    named_by(tmp_path, CUBE)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    for name, output, cage in [("a.gltf", "b.gltf", None), ("x.obj", "y.obj", None),
+                               ("x.obj", "z.ply", tmp_path / "y.obj")]:
+        with pytest.raises(planish.InvalidArgument, match=f"is read with the input .*{name}"):
+            planish.fit_file(tmp_path / name, tmp_path / output, 1, cage)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    with pytest.raises(planish.InvalidArgument, match="3D Tiles are written by the command"):
+        planish.fit_file(tmp_path / "x.obj", tmp_path / "o.json")
+
+
+def test_files_of_other_folders_are_read_where_they_are_wanted(tmp_path):
+    (tmp_path / "model").mkdir()
+    named_by(tmp_path / "model", CUBE)
+    (tmp_path / "model" / "b.bin").rename(tmp_path / "b.bin")
+    (tmp_path / "model" / "b.bin").symlink_to("../b.bin")
+    asset, made = tmp_path / "model" / "a.gltf", tmp_path / "made.ply"
+    for call in [lambda **more: planish.read(asset, **more),
+                 lambda **more: planish.fit_file(asset, made, 1, **more)]:
+        with pytest.raises(planish.UnreadableInput, match="leads away from the folder of the file"):
+            call()
+        call(textures="anywhere")
+    with pytest.raises(planish.InvalidArgument, match="textures: \"elsewhere\""):
+        planish.read(asset, textures="elsewhere")
+    with pytest.raises(TypeError, match="textures"):
+        planish.fit([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], textures="anywhere")

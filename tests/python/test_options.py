@@ -79,7 +79,7 @@ class FitOptions(ctypes.Structure):
         ("quads", ctypes.c_int32), ("step_angle", ctypes.c_double),
         ("step_tolerance", ctypes.c_double), ("step_unit", ctypes.c_int32),
         ("step_face_size", ctypes.c_int32), ("coarser_levels", ctypes.c_void_p),
-        ("coarser_level_count", ctypes.c_size_t),
+        ("coarser_level_count", ctypes.c_size_t), ("textures", ctypes.c_int32),
     ]
 
 

@@ -101,10 +101,11 @@ FitPlan plan_fit(const FitFlags& flags) {
   if (!slipped && flags.outputs.empty() && flags.cage.empty() && flags.report.empty() &&
       flags.page.empty())
     faults.note([&] { throw Error(ErrorCode::InvalidArgument, nothing_to_write(plan)); });
-  for (const std::string& path : plan.inputs.paths) claims.add_input(path);
+  for (const std::string& path : plan.inputs.paths)
+    claims.add_input(path, format, settings.textures);
   if (!flags.source.empty()) {
     faults.note([&] { require_readable(flags.source, {}); });
-    claims.add_input(flags.source);
+    claims.add_input(flags.source, {}, settings.textures);
   }
   for (const std::string& path : plan.inputs.paths) {
     PlannedJob planned;

@@ -3,8 +3,10 @@
 
 #include "commands.h"
 #include "job/input_path.h"
+#include "options/option_flags.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
+#include "planish/pipeline/option_table.h"
 #include "report/inspection.h"
 #include "report/report.h"
 #include "terminal/faults.h"
@@ -15,6 +17,7 @@ namespace {
 struct InspectFlags {
   std::vector<std::string> files;
   std::string input_format;
+  OptionTexts options;
   bool json = false;
   MessageFlags messages;
 };
@@ -25,13 +28,17 @@ ExitCode inspect_all(const InspectFlags& flags) {
   std::optional<FileFormat> format;
   if (!flags.input_format.empty())
     format = parse_input_format(flags.input_format, "--input-format");
+  FitSettings settings;
+  apply_flags(flags.options, option_table(), settings);
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   ExitCode exit_code = ExitCode::Done;
   Faults faults;
   for (const std::string& path : flags.files) {
     faults.note([&] {
       require_input(path, format);
-      const Inspection inspection = inspect(load_input(path, format));
+      InputFile file = load_input(path, format);
+      file.reach = settings.textures;
+      const Inspection inspection = inspect(file);
       if (is_refused(inspection)) exit_code = ExitCode::UnusableMesh;
       if (flags.json) {
         all.push_back(inspection_json(inspection));
@@ -61,6 +68,7 @@ void add_inspect_command(CLI::App& app, Invocation& invocation) {
                    "of stdin, or against the extension [what the content looks like]")
       ->type_name(names_of(FormatUse::Read, "|"))
       ->group(group);
+  add_option_flag(*command, flags->options, fit_option("textures"), group);
   command->add_flag("--json", flags->json, "as JSON; of several files a list")->group(group);
   flags->messages.add_to(*command, false);
   invocation.texts["inspect"] = {

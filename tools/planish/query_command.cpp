@@ -112,7 +112,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   faults.note([&] { job.settings = settings_of_query(flags); });
   if (!flags.direction.empty()) faults.note([&] { (void)parse_direction(flags.direction); });
   PathClaims claims({.overwrite = flags.force});
-  claims.add_input(flags.input);
+  claims.add_input(flags.input, {}, job.settings.textures);
   claims.add_input(flags.points);
   faults.note([&] {
     const std::filesystem::path output(flags.output);
@@ -170,6 +170,7 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
   command->add_flag("-f,--force", flags->force, "overwrite an existing file")->group("Files");
   for (const FitOption& shape : option_table())
     if (shapes_surface(shape)) add_option_flag(*command, flags->options, shape, "Surface");
+  add_option_flag(*command, flags->options, fit_option("textures"), "Files");
   flags->messages.add_to(*command, true);
   invocation.texts["query"] = {
       .examples = {"planish query bunny.obj --points probes.xyz",

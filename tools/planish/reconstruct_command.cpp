@@ -96,7 +96,7 @@ void check_files(const ReconstructFlags& flags) {
                             visible(flags.input), job_name_of(flags.input)));
     });
   PathClaims claims({.overwrite = flags.force});
-  claims.add_input(flags.input);
+  claims.add_input(flags.input, input_format_of(flags));
   for (const std::string& path : flags.outputs) {
     faults.note([&] {
       (void)output_format(path);

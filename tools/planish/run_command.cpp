@@ -54,8 +54,9 @@ void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaim
   Faults faults;
   claims.add_input(flags.scene);
   for (const PlannedJob& planned : jobs) {
-    claims.add_input(planned.job.input);
-    if (!planned.job.source.empty()) claims.add_input(planned.job.source);
+    const FileReach reach = planned.job.settings.textures;
+    claims.add_input(planned.job.input, planned.job.input_format, reach);
+    if (!planned.job.source.empty()) claims.add_input(planned.job.source, {}, reach);
   }
   for (PlannedJob& planned : jobs) {
     const Job& job = planned.job;

@@ -71,11 +71,12 @@ ExitCode run_verify(const VerifyFlags& flags) {
   faults.note([&] { require_input(flags.input, {}); });
   faults.note([&] { (void)with_flags({}, flags); });
   faults.throw_if_any();
-  const Input cage = read_input(flags.cage, std::nullopt);
+  const Input cage = read_input(flags.cage, FileReach::Beside);
   const CageHeader made = with_flags(parse_cage_header(cage.file.header, cage.name), flags);
   InputFile input = load_input(flags.input, std::nullopt);
   input.split_normals_crease = made.settings.creases.split_normals;
   input.is_strict = made.settings.repair == RepairChoice::None;
+  input.reach = made.settings.textures;
   const Input given = mesh_of(input);
   VerifyOptions options = verify_options(made.settings);
   options.smoothed_vertices = made.smoothed_vertices;
@@ -114,11 +115,13 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
   command->get_option("--interpolation")
       ->type_name("progressive|fair")
       ->description("how the mesh was fitted");
+  add_option_flag(*command, flags->options, fit_option("textures"), "Flags");
   command->add_flag("--json", flags->json, "as JSON")->group("Flags");
   invocation.texts["verify"] = {
       .examples = {"planish verify cage.obj bunny.obj",
                    "planish verify cage.obj bunny.obj --tolerance 1e-9 --json"},
-      .first_flags = {},
+      .first_flags = {"--interpolation", "--scheme", "--weights", "--boundary", "--creases",
+                      "--repair", "--tolerance", "--within", "--weld", "--json", "-h", "--help"},
       .notes =
           "Recomputed in double on the CPU, whatever device fitted the cage.\n"
           "Exit code 5 above the tolerance."};

@@ -5,6 +5,7 @@
 #include "attributes.h"
 #include "bindings.h"
 #include "errors.h"
+#include "keywords.h"
 #include "planish/core/counted.h"
 #include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
@@ -74,6 +75,7 @@ FitHandle fit_files(const py::object& input, const py::object& output, const py:
   const auto backend = arguments.make_backend();
   options.backend = backend.get();
   options.split_normals = arguments.settings.creases.split_normals;
+  options.textures = arguments.settings.textures;
   options.step = arguments.settings.step;
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
     options.mesh = mesh_fit_options(arguments.settings);
@@ -277,7 +279,8 @@ void add_fit(py::module_& module) {
           "**options) -> Fit\n\n    coarser_levels: of a glTF that becomes one, further levels of "
           "detail in the "
           "same\n        file (MSFT_lod), from fine to coarse: [1, 0].\n") +
-      fit_keywords() + step_keywords() + "\n\nRaises what read(), fit() and write() raise.";
+      fit_keywords() + keywords_text(is_input_keyword) + keywords_text(is_step_keyword) +
+      "\n\nRaises what read(), fit() and write() raise.";
   module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"),
              py::arg("level") = py::none(), py::arg("cage") = py::none(), py::kw_only(),
              py::arg("coarser_levels") = py::tuple(), file_text.c_str());

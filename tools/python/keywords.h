@@ -22,4 +22,9 @@ namespace planish::python {
   return option.needs == OptionNeeds::Step;
 }
 
+/// What only functions that read files take, of what these name.
+[[nodiscard]] inline bool is_input_keyword(const OptionInfo& option) {
+  return option.stage == OptionStage::Input;
+}
+
 }  // namespace planish::python

@@ -5,6 +5,7 @@
 #include "attributes.h"
 #include "bindings.h"
 #include "errors.h"
+#include "keywords.h"
 #include "options.h"
 #include "planish/core/counted.h"
 #include "planish/core/formatted.h"
@@ -37,7 +38,7 @@ void write_the_mesh(const std::string& path, const PolygonMesh& mesh) {
 }
 
 void write_the_surface(const std::string& path, const SurfaceMesh& surface) {
-  const FileFormat format = require_format(path, FormatUse::WriteSurface);
+  const FileFormat format = require_format(path, FormatUse::WriteSurfaceFile);
   GltfOptions options;
   const auto attributes = add_attributes(*blocks_of(surface, {}), options.fields, {});
   if (info_of(format).is_gltf) {
@@ -57,12 +58,14 @@ py::array points_array(PointCloud&& cloud) {
                              owner);
 }
 
-MeshHandle read_the_mesh(const py::object& path, bool split_normals) {
+MeshHandle read_the_mesh(const py::object& path, bool split_normals, const std::string& textures) {
   const std::string file = path_of(path);
+  const FileReach reach = reach_argument(textures);
   auto made = std::make_shared<PythonMesh>();
   MeshFile read;
   run_released({}, [&](const Callbacks&) {
-    read = planish::read_mesh(std::filesystem::path(file), {.split_normals_crease = split_normals});
+    read = planish::read_mesh(std::filesystem::path(file),
+                              {.split_normals_crease = split_normals, .reach = reach});
   });
   warn(read.warnings);
   made->mesh = std::move(read.mesh);
@@ -286,8 +289,11 @@ void add_mesh(py::module_& module) {
   add_verification(module);
   module.def(
       "read", &read_the_mesh, py::arg("path"), py::kw_only(), py::arg("split_normals") = false,
+      py::arg("textures") = "beside",
       "The mesh in an OBJ, PLY, OFF, STL, glTF or GLB file, by extension. With split_normals "
-      "edges where the file splits its normals are creases. UserWarning where something was passed "
+      "edges where the file splits its normals are creases. textures: \"anywhere\" follows what "
+      "the file names out of its folder. UserWarning "
+      "where something was passed "
       "over or mended. Raises UnreadableInput, InvalidArgument for an extension.");
   module.def(
       "read_points",
@@ -312,7 +318,7 @@ void add_mesh(py::module_& module) {
       "glTF, GLB, OBJ, PLY, OFF, STL "
       "or USD text, a Fit also as STEP, or a Mesh as OBJ, PLY, OFF or USD text, by extension. An "
       "old file stays until the new one is whole. Raises UnwritableOutput, InvalidArgument.\n" +
-      step_keywords();
+      keywords_text(is_step_keyword);
   module.def(
       "write",
       [](const py::object& path, const py::object& what, const py::object& level,

@@ -96,10 +96,12 @@ std::unique_ptr<Backend> FitArguments::make_backend() const {
 FitArguments fit_arguments(py::kwargs given, const char* function) {
   Keywords keywords(std::move(given), function);
   FitArguments result;
+  const bool is_of_files = std::string_view(function) == "fit_file";
   for (const FitOption& option : option_table())
-    if (is_keyword(option) || (is_step_keyword(option) && std::string_view(function) == "fit_file"))
+    if (is_keyword(option) ||
+        (is_of_files && (is_step_keyword(option) || is_input_keyword(option))))
       take_option(keywords, option, result.settings);
-  if (result.settings.creases.split_normals && std::string_view(function) != "fit_file")
+  if (result.settings.creases.split_normals && !is_of_files)
     refuse("creases: normals are a file's; take fit_file(), or read() with split_normals");
   check_consistent(result.settings, keyword_of_name);
   constexpr int kMostThreads = 4096;
@@ -122,10 +124,17 @@ StepSettings step_arguments(py::kwargs given, const char* function) {
   return settings.step;
 }
 
-std::string step_keywords() {
+FileReach reach_argument(const std::string& textures) {
+  FitSettings settings;
+  const FitOption& option = fit_option("textures");
+  set_option(option, settings, {.text = textures}, keyword_of(option));
+  return settings.textures;
+}
+
+std::string keywords_text(bool (*is_wanted)(const OptionInfo&)) {
   std::string text;
   for (const FitOption& option : option_table()) {
-    if (!is_step_keyword(option)) continue;
+    if (!is_wanted(option)) continue;
     const std::string values = option.words.empty() ? std::string() : choices_of(option) + "; ";
     text += formatted("\n    {}: {}{}", keyword_of(option), values, help_of(option));
   }

@@ -7,6 +7,7 @@
 
 #include "attributes.h"
 #include "planish/backend/backend.h"
+#include "planish/core/option.h"
 #include "planish/pipeline/settings.h"
 #include "work.h"
 
@@ -29,8 +30,11 @@ struct FitArguments {
 /// Takes what write() knows. Throws as fit_arguments().
 [[nodiscard]] StepSettings step_arguments(pybind11::kwargs keywords, const char* function);
 
-/// What the keywords about STEP mean, for docstrings.
-[[nodiscard]] std::string step_keywords();
+/// What read() is told of files that its own names. Throws as fit_arguments().
+[[nodiscard]] FileReach reach_argument(const std::string& textures);
+
+/// What such keywords mean, see keywords.h, for docstrings.
+[[nodiscard]] std::string keywords_text(bool (*is_wanted)(const OptionInfo&));
 /// What the fit's keywords mean, for docstrings.
 [[nodiscard]] std::string fit_keywords();
 

@@ -44,11 +44,12 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   std::ifstream form(argv[1]);
   std::ofstream stub(argv[2]);
+  using namespace planish::python;
   for (std::string line; std::getline(form, line);)
-    stub << (line == "    @FIT_KEYWORDS@" ? planish::python::fit_lines()
-             : line == "    @STEP_KEYWORDS@"
-                 ? planish::python::keyword_lines(planish::python::is_step_keyword)
-                 : line + "\n");
+    stub << (line == "    @FIT_KEYWORDS@"     ? fit_lines()
+             : line == "    @INPUT_KEYWORDS@" ? keyword_lines(is_input_keyword)
+             : line == "    @STEP_KEYWORDS@"  ? keyword_lines(is_step_keyword)
+                                              : line + "\n");
   stub.close();
   return form.eof() && stub ? 0 : 1;
 }

@@ -6,7 +6,6 @@
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -98,7 +97,7 @@ RenderMesh read_glb(const std::filesystem::path& path, const std::string& attrib
   const GlbParts parts = split_glb(bytes, name);
   const nlohmann::json document = parse_json(parts.json, name);
   const JsonPlace root(document, name, "");
-  GltfSource source(root, parts.chunk, std::nullopt);
+  GltfSource source(root, parts.chunk, FileBytes{});
   return SceneDrawing(root, source, name, attribute).read();
 }
 

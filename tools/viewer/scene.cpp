@@ -47,6 +47,7 @@ Scene load_scene(const std::string& path, const std::string& name,
   command::InputFile file = command::load_input(job.input, job.input_format);
   file.split_normals_crease = job.settings.creases.split_normals;
   file.is_strict = job.settings.repair == RepairChoice::None;
+  file.reach = job.settings.textures;
   command::Input input = command::mesh_of(file);
   if (settings.up == UpAxis::Z)
     for (glm::dvec3& p : input.file.mesh.positions) p = {p.x, p.z, -p.y};

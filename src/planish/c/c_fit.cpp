@@ -134,6 +134,7 @@ FitSettings settings_of(const planish_fit_options& options) {
   set_choice(settings, "boundary", options.boundary, "a planish_boundary is wanted");
   set_choice(settings, "precision", options.precision, "a planish_precision is wanted");
   set_choice(settings, "quads", options.quads, "a planish_quads is wanted");
+  set_choice(settings, "textures", options.textures, "a planish_textures is wanted");
   set_choice(settings, "step_unit", options.step_unit, "a planish_step_unit is wanted");
   set_number(settings, "step_angle", options.step_angle);
   set_number(settings, "step_tolerance", options.step_tolerance);
@@ -273,6 +274,7 @@ planish_status planish_fit_file(const char* input, const char* output, int32_t l
       require(own.coarser_levels, "options.coarser_levels");
       how.coarser_levels.assign(own.coarser_levels, own.coarser_levels + own.coarser_level_count);
     }
+    how.textures = settings.textures;
     how.step = settings.step;
     const auto backend = backend_of(solve_precision(settings), own.thread_count);
     how.backend = backend.get();

@@ -87,6 +87,12 @@ typedef enum planish_step_unit {
   PLANISH_STEP_AUTO = 4 /**< of planish_fit_file(), metres of a glTF; else millimetres */
 } planish_step_unit;
 
+/** Where files may lie that an input of planish_fit_file() names: textures, materials, buffers. */
+typedef enum planish_textures {
+  PLANISH_TEXTURES_BESIDE = 0, /**< in its folder or below, links resolved */
+  PLANISH_TEXTURES_ANYWHERE = 1
+} planish_textures;
+
 typedef struct planish_mesh planish_mesh;
 typedef struct planish_fit planish_fit;
 typedef struct planish_surface planish_surface;
@@ -208,6 +214,7 @@ typedef struct planish_fit_options {
    * (MSFT_lod), each less than the one before, the first less than its level. NULL: none. */
   const int32_t* coarser_levels;
   size_t coarser_level_count;
+  int32_t textures; /**< a planish_textures, of planish_fit_file() */
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);

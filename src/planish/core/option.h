@@ -35,6 +35,7 @@ enum class OptionKind {
 
 /// What an option decides.
 enum class OptionStage {
+  Input,     ///< what is read
   Shape,     ///< which surface a cage has: who verifies it has to know
   Solve,     ///< how it is found
   Points,    ///< how points become a mesh

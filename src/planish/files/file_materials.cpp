@@ -15,8 +15,10 @@ std::vector<Warning> FileMaterials::warnings() const {
 FileMaterials read_materials(const FileBytes& file, FileFormat format, bool to_obj, bool to_gltf) {
   FileMaterials made;
   if (format == FileFormat::Obj && !file.path.empty() && (to_obj || to_gltf)) {
-    made.library = MaterialLibrary(file.path);
+    made.library =
+        file.bytes.empty() ? MaterialLibrary(file.path, file.reach) : MaterialLibrary(file);
     if (to_gltf) made.gltf = materials_of(made.library);
+    made.gltf.input = file.path;
   }
   if (!to_gltf || !info_of(format).is_gltf) return made;
   try {
@@ -26,6 +28,7 @@ FileMaterials read_materials(const FileBytes& file, FileFormat format, bool to_o
     made.gltf.warnings.push_back(
         {"missing-materials", std::string(error.what()) + "; materials are left out"});
   }
+  made.gltf.input = file.path;
   return made;
 }
 

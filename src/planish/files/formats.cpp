@@ -5,9 +5,11 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/lower_case.h"
+#include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/read_gltf.h"
 #include "planish/files/las/read_las.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/obj/material_library.h"
 #include "planish/files/obj/read_obj.h"
 #include "planish/files/obj/write_obj.h"
 #include "planish/files/off/read_off.h"
@@ -40,11 +42,21 @@ PointCloud vertices_of(const FileBytes& file) {
   return cloud;
 }
 
+std::vector<std::filesystem::path> named_by_gltf(const std::filesystem::path& path, FileReach) {
+  return gltf_named_files(path);
+}
+
+std::vector<std::filesystem::path> named_by_obj(const std::filesystem::path& path,
+                                                FileReach reach) {
+  return MaterialLibrary(path, reach).named_files();
+}
+
 constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .name = "glb",
                                          .title = "binary glTF 2.0",
                                          .read_mesh = read_gltf,
                                          .read_points = vertices_of<read_gltf>,
+                                         .named_files = named_by_gltf,
                                          .is_gltf = true,
                                          .keeps_uvs = true,
                                          .keeps_colors = true,
@@ -55,6 +67,7 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .title = "glTF 2.0",
                                          .read_mesh = read_gltf,
                                          .read_points = vertices_of<read_gltf>,
+                                         .named_files = named_by_gltf,
                                          .companion = "bin",
                                          .is_gltf = true,
                                          .keeps_uvs = true,
@@ -66,6 +79,7 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .title = "Wavefront OBJ",
                                          .read_mesh = in_parts<read_obj>,
                                          .read_points = vertices_of<in_parts<read_obj>>,
+                                         .named_files = named_by_obj,
                                          .write_polygons = write_obj,
                                          .parts = kObjParts,
                                          .companion = "mtl",
@@ -204,7 +218,9 @@ bool serves(FileFormat format, FormatUse use) {
     case FormatUse::ReadPoints:
       return info.read_points;
     case FormatUse::WriteSurface:
-      return info.is_gltf || info.is_tiles || info.is_brep || info.write_polygons;
+      return info.is_tiles || serves(format, FormatUse::WriteSurfaceFile);
+    case FormatUse::WriteSurfaceFile:
+      return info.is_gltf || info.is_brep || info.write_polygons;
     case FormatUse::WriteCage:
       return info.write_polygons && info.has_polygons;
   }

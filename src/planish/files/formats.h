@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace planish {
 
@@ -36,6 +37,12 @@ enum class FileFormat : std::uint8_t {
   Step
 };
 
+/// Where files are read from that an input names: buffers, materials, textures.
+enum class FileReach : std::uint8_t {
+  Beside,   ///< its folder and what lies below, links resolved
+  Anywhere  ///< wherever it says
+};
+
 /// A file in memory.
 struct FileBytes {
   std::span<const std::byte> bytes;
@@ -47,7 +54,8 @@ struct FileBytes {
   /// Refuses what other programs write and the format does not have, and which is otherwise read
   /// with a warning: it concerns neither positions nor faces.
   bool is_strict = false;
-  ReadProgress* progress = nullptr;  ///< counts the bytes that are read; null: nobody asks
+  FileReach reach = FileReach::Beside;  ///< of files that it names
+  ReadProgress* progress = nullptr;     ///< counts the bytes that are read; null: nobody asks
 };
 
 /// One format of the table. A reader or writer that is missing is null; the readers and the writer
@@ -58,6 +66,9 @@ struct FormatInfo {
   std::string_view title;  ///< "Wavefront OBJ"
   MeshFile (*read_mesh)(const FileBytes&) = nullptr;
   PointCloud (*read_points)(const FileBytes&) = nullptr;
+  /// Of a format whose files name others: all that the file at a path names, there or not.
+  std::vector<std::filesystem::path> (*named_files)(const std::filesystem::path&,
+                                                    FileReach) = nullptr;
   /// Of a scanner's format: what it says besides its points.
   ScanContents (*scan_contents)(const FileBytes&) = nullptr;
   void (*write_polygons)(const PolygonStream&) = nullptr;
@@ -94,8 +105,15 @@ struct FormatInfo {
 [[nodiscard]] std::filesystem::path companion_of(const std::filesystem::path& path,
                                                  FileFormat format);
 
-/// What a format may be wanted for.
-enum class FormatUse : std::uint8_t { Read, ReadMesh, ReadPoints, WriteSurface, WriteCage };
+/// What a format may be wanted for. WriteSurfaceFile: without folders of tiles.
+enum class FormatUse : std::uint8_t {
+  Read,
+  ReadMesh,
+  ReadPoints,
+  WriteSurface,
+  WriteSurfaceFile,
+  WriteCage
+};
 [[nodiscard]] bool serves(FileFormat format, FormatUse use);
 /// Points only: what a mesh is not read from.
 [[nodiscard]] bool holds_points_only(FileFormat format);

@@ -39,7 +39,8 @@ MeshFile read_mesh(const std::filesystem::path& path, const MeshReadOptions& opt
                              .name = name,
                              .path = path,
                              .split_normals_crease = options.split_normals_crease,
-                             .is_strict = options.is_strict},
+                             .is_strict = options.is_strict,
+                             .reach = options.reach},
                    *format, share_of(options.callbacks, kFileLoaded, 1));
 }
 

@@ -41,19 +41,20 @@ struct MeshFile {
 [[nodiscard]] MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name,
                                  FileFormat format);
 
-/// The same, with what a glTF names beside it where `file` has a path. Progress is the share of
-/// bytes that are read, as the step "read"; warnings stand in the result.
+/// The same, with what a glTF names where `file` has a path, as its reach allows. Progress is the
+/// share of bytes that are read, as the step "read"; warnings stand in the result.
 [[nodiscard]] MeshFile read_mesh(const FileBytes& file, FileFormat format,
                                  const Callbacks& callbacks = {});
 
 struct MeshReadOptions {
-  std::optional<FileFormat> format;   ///< empty: by the extension
-  bool split_normals_crease = false;  ///< as FileBytes has it
-  bool is_strict = false;             ///< the same
-  Callbacks callbacks = {};           ///< as above
+  std::optional<FileFormat> format;     ///< empty: by the extension
+  bool split_normals_crease = false;    ///< as FileBytes has it
+  bool is_strict = false;               ///< the same
+  FileReach reach = FileReach::Beside;  ///< the same
+  Callbacks callbacks = {};             ///< as above
 };
 
-/// Reads a file, and what a glTF names beside it. Throws as above, and Error{InvalidArgument} for
+/// Reads a file, and what a glTF names. Throws as above, and Error{InvalidArgument} for
 /// an extension that is not read.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path,
                                  const MeshReadOptions& options = {});

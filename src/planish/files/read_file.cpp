@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,12 +18,19 @@
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/shared/read_progress.h"
+#include "planish/surface/memory_need.h"
 
 namespace planish {
 namespace {
 
-[[noreturn]] void fail_to_read(const std::filesystem::path& path, int error) {
-  throw Error(ErrorCode::UnreadableInput, visible(path) + ": cannot read: " + std::strerror(error));
+namespace fs = std::filesystem;
+
+std::string cannot_read(const std::string& name, int error) {
+  return name + ": cannot read: " + std::strerror(error);
+}
+
+[[noreturn]] void fail_to_read(const std::string& name, int error) {
+  throw Error(ErrorCode::UnreadableInput, cannot_read(name, error));
 }
 
 struct Descriptor {
@@ -34,12 +40,23 @@ struct Descriptor {
   }
 };
 
-// Pipes have no places.
-ssize_t read_at(int file, std::span<std::byte> bytes, std::size_t place, bool has_places) {
+// What is asked of the machine below that is not worth a question.
+constexpr std::uint64_t kAlwaysThere = std::uint64_t{64} << 20;
+
+void require_free(std::uint64_t bytes, const std::string& name) {
+  if (bytes <= kAlwaysThere) return;
+  const std::uint64_t free = available_memory_bytes();
+  if (bytes > free)
+    throw Error(ErrorCode::OutOfMemory,
+                formatted("{}: {} bytes are to be read, and {} bytes of memory are free; take a "
+                          "machine with more, or a smaller file",
+                          name, bytes, free));
+}
+
+ssize_t read_at(int file, std::span<std::byte> bytes, std::size_t place) {
   ssize_t got = 0;
   do {
-    got = has_places ? ::pread(file, bytes.data(), bytes.size(), static_cast<off_t>(place))
-                     : ::read(file, bytes.data(), bytes.size());
+    got = ::pread(file, bytes.data(), bytes.size(), static_cast<off_t>(place));
   } while (got < 0 && errno == EINTR);
   return got;
 }
@@ -51,8 +68,7 @@ std::size_t read_pieces(int file, std::span<std::byte> bytes, ReadProgress& prog
   parallel_each(filled.size(), 1, [&](std::size_t p) {
     const auto piece = bytes.subspan(p * kPiece, std::min(kPiece, bytes.size() - p * kPiece));
     while (filled[p] < piece.size()) {
-      const ssize_t got =
-          read_at(file, piece.subspan(filled[p]), p * kPiece + filled[p], /*has_places=*/true);
+      const ssize_t got = read_at(file, piece.subspan(filled[p]), p * kPiece + filled[p]);
       if (got <= 0) break;
       filled[p] += static_cast<std::size_t>(got);
     }
@@ -66,48 +82,148 @@ std::size_t read_pieces(int file, std::span<std::byte> bytes, ReadProgress& prog
   return used;
 }
 
-RawVector<std::byte> read_start(const std::filesystem::path& path, std::uint64_t most,
-                                const Callbacks& callbacks) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.number < 0) fail_to_read(path, errno);
-  struct stat status {};
-  if (::fstat(file.number, &status) != 0) fail_to_read(path, errno);
-  if (S_ISDIR(status.st_mode)) fail_to_read(path, EISDIR);
-  // Pipes and /proc say 0 bytes, and files may grow: the size is only a first guess. One byte more
-  // tells the end.
-  constexpr std::size_t kPiece = std::size_t{1} << 16;
-  const std::size_t size = memory_size(
-      std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), most), visible(path));
-  RawVector<std::byte> bytes(size > 0 ? size + 1 : kPiece);
-  ReadProgress progress(callbacks, size);
-  std::size_t used = read_pieces(file.number, std::span(bytes).first(size), progress);
-  while (used < most) {
+// So many bytes of a regular file, fewer where it is cut short meanwhile.
+RawVector<std::byte> read_regular(int file, std::uint64_t count, const std::string& name,
+                                  const Callbacks& callbacks) {
+  require_free(count, name);
+  RawVector<std::byte> bytes(memory_size(count, name));
+  ReadProgress progress(callbacks, bytes.size());
+  std::size_t used = read_pieces(file, bytes, progress);
+  while (used < bytes.size()) {
     check_stop();
-    if (used == bytes.size()) bytes.resize(2 * bytes.size());
-    const ssize_t got = read_at(file.number, std::span(bytes).subspan(used), used, size > 0);
-    if (got < 0) fail_to_read(path, errno);
+    const ssize_t got = read_at(file, std::span(bytes).subspan(used), used);
+    if (got < 0) fail_to_read(name, errno);
     if (got == 0) break;
     used += static_cast<std::size_t>(got);
   }
-  bytes.resize(static_cast<std::size_t>(std::min<std::uint64_t>(used, most)));
+  bytes.resize(used);
   progress.finish();
   return bytes;
 }
 
-}  // namespace
+// Some devices have no end; more than this comes of none that has.
+constexpr std::size_t kMostOfDevice = std::size_t{64} << 20;
 
-RawVector<std::byte> read_file(const std::filesystem::path& path, const Callbacks& callbacks) {
-  return read_start(path, std::numeric_limits<std::uint64_t>::max(), callbacks);
+bool lies_below(const fs::path& place, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), place.begin(), place.end()).first ==
+         folder.end();
 }
 
-std::optional<RawVector<std::byte>> read_beside(const std::filesystem::path& path,
-                                                std::uint64_t most) {
-  try {
-    return read_start(path, most, {});
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::UnreadableInput) throw;
-    return std::nullopt;
+// An input that is a link has two folders: where it stands, and where it leads to.
+bool lies_beside(const fs::path& place, const fs::path& input) {
+  std::error_code error;
+  const fs::path folder = input.has_parent_path() ? input.parent_path() : fs::path(".");
+  const fs::path stands = fs::canonical(folder, error);
+  if (!error && lies_below(place, stands)) return true;
+  const fs::path leads_to = fs::canonical(input, error);
+  return !error && lies_below(place, leads_to.parent_path());
+}
+
+// `is_whole`: a longer file than `most` is trouble.
+NamedFile read_within(const fs::path& path, const fs::path& input, FileReach reach,
+                      std::uint64_t most, bool is_whole) {
+  const std::string name = visible(path);
+  NamedFile found;
+  std::error_code error;
+  // Also of what is not there: nobody is told what there is elsewhere.
+  fs::path place = fs::absolute(path, error);
+  if (!error) place = fs::weakly_canonical(place, error);
+  if (error) {
+    found.trouble = cannot_read(name, error.value());
+    return found;
   }
+  if (reach == FileReach::Beside && !lies_beside(place, input)) {
+    found.trouble =
+        name + ": leads away from the folder of the file (--textures anywhere follows it there)";
+    return found;
+  }
+  // Opening a pipe would let go on who waits at its other end.
+  const fs::file_status kind = fs::status(place, error);
+  if (!fs::exists(kind)) {
+    found.trouble = cannot_read(name, error ? error.value() : ENOENT);
+    return found;
+  }
+  constexpr const char* kOther = ": is a pipe, a device or a folder, where a file is wanted";
+  if (!fs::is_regular_file(kind)) {
+    found.trouble = name + kOther;
+    return found;
+  }
+  const Descriptor file{
+      ::open(place.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW | O_NOCTTY)};
+  struct stat status {};
+  if (file.number < 0 || ::fstat(file.number, &status) != 0) {
+    found.trouble = cannot_read(name, errno);
+  } else if (!S_ISREG(status.st_mode)) {
+    found.trouble = name + kOther;
+  } else {
+    found.size = static_cast<std::uint64_t>(status.st_size);
+    if (is_whole && found.size > most) {
+      found.trouble =
+          formatted("{}: has {} bytes, and no more than {} are read", name, found.size, most);
+      return found;
+    }
+    try {
+      found.bytes = read_regular(file.number, std::min(found.size, most), name, {});
+    } catch (const Error& failure) {
+      if (failure.code() != ErrorCode::UnreadableInput) throw;
+      found.trouble = failure.what();
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+RawVector<std::byte> read_stream(int file, const std::string& name) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  struct stat status {};
+  if (::fstat(file, &status) != 0) fail_to_read(name, errno);
+  RawVector<std::byte> bytes(kPiece);
+  std::size_t used = 0;
+  for (;;) {
+    check_stop();
+    if (used == bytes.size()) {
+      if (S_ISCHR(status.st_mode) && used >= kMostOfDevice)
+        throw Error(ErrorCode::UnreadableInput,
+                    formatted("{}: is a device, and does not end after {} bytes; name a file, or "
+                              "send a pipe",
+                              name, kMostOfDevice));
+      require_free(2 * static_cast<std::uint64_t>(used), name);
+      bytes.resize(2 * bytes.size());
+    }
+    const ssize_t got = ::read(file, bytes.data() + used, bytes.size() - used);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail_to_read(name, errno);
+    if (got == 0) break;
+    used += static_cast<std::size_t>(got);
+  }
+  bytes.resize(used);
+  return bytes;
+}
+
+RawVector<std::byte> read_file(const fs::path& path, const Callbacks& callbacks) {
+  const std::string name = visible(path);
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.number < 0) fail_to_read(name, errno);
+  struct stat status {};
+  if (::fstat(file.number, &status) != 0) fail_to_read(name, errno);
+  if (S_ISDIR(status.st_mode)) fail_to_read(name, EISDIR);
+  // Pipes, and files of /proc, say 0 bytes.
+  if (S_ISREG(status.st_mode) && status.st_size > 0)
+    return read_regular(file.number, static_cast<std::uint64_t>(status.st_size), name, callbacks);
+  ReadProgress progress(callbacks, 0);
+  RawVector<std::byte> bytes = read_stream(file.number, name);
+  progress.finish();
+  return bytes;
+}
+
+NamedFile read_named_start(const fs::path& path, const fs::path& input, FileReach reach,
+                           std::uint64_t most) {
+  return read_within(path, input, reach, most, false);
+}
+
+NamedFile read_named(const fs::path& path, const fs::path& input, FileReach reach) {
+  return read_within(path, input, reach, kMostNamedBytes, true);
 }
 
 }  // namespace planish

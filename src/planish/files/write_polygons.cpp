@@ -11,6 +11,8 @@
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/triangulate.h"
+#include "planish/files/input_files.h"
+#include "planish/files/obj/material_library.h"
 #include "planish/files/obj/write_mtl.h"
 #include "planish/files/polygon_stream.h"
 #include "planish/files/shared/file_buffer.h"
@@ -300,6 +302,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
                 formatted("{}: polygons are written as {}, not as .{}", name,
                           extensions_in_words(FormatUse::WriteCage), info.name));
   require_lines(header, name);
+  if (materials.library != nullptr) require_apart(materials.library->obj(), path, format);
   std::optional<OutputFile> library;
   std::string companion;
   if (format == FileFormat::Obj && !source.totals().materials.empty()) {

@@ -12,6 +12,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/file_materials.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/input_files.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
 #include "planish/files/write_surface.h"
@@ -27,6 +28,11 @@ namespace {
 FileFormat output_format(const std::filesystem::path& path, FormatUse use) {
   const auto format = format_of(path);
   if (format && serves(*format, use)) return *format;
+  if (format && info_of(*format).is_tiles)
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: 3D Tiles are written by the command, planish fit, and by "
+                          "write_tiles(); here take {}",
+                          visible(path), extensions_in_words(use)));
   throw Error(ErrorCode::InvalidArgument,
               formatted("{}: the extension \"{}\" names no format that is written; take {}",
                         visible(path), visible(path.extension()), extensions_in_words(use)));
@@ -39,24 +45,18 @@ std::filesystem::path place_of(const std::filesystem::path& path) {
   return error ? path : place;
 }
 
-void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output) {
-  std::error_code error;
-  if (!std::filesystem::equivalent(input, output, error)) return;
-  throw Error(ErrorCode::InvalidArgument,
-              visible(output) + ": is the input itself; name another output");
-}
-
-MeshFile read_faces(const std::filesystem::path& input, bool split_normals, bool is_strict,
+MeshFile read_faces(const std::filesystem::path& input, const FitFileOptions& options,
                     const Callbacks& callbacks) {
-  MeshFile file = read_mesh(
-      input,
-      {.split_normals_crease = split_normals, .is_strict = is_strict, .callbacks = callbacks});
+  MeshFile file = read_mesh(input, {.split_normals_crease = options.split_normals,
+                                    .is_strict = !options.mesh.repairs,
+                                    .reach = options.textures,
+                                    .callbacks = callbacks});
   if (file.mesh.face_count() == 0 && file.mesh.vertex_count() > 0) {
     throw Error(
         ErrorCode::UnusableMesh,
         visible(input) + ": holds points without faces; reconstruct() makes a mesh of them");
   }
-  if (split_normals && file.mesh.creases.empty()) {
+  if (options.split_normals && file.mesh.creases.empty()) {
     file.warnings.push_back(
         {"no-split-normals", visible(input) + ": no edge where normals are split was found"});
   }
@@ -94,7 +94,7 @@ struct SurfaceShares {
 std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& fitted,
                           const SurfaceBlocks& surface, std::string_view name,
                           const SurfaceFileOptions& options) {
-  const FileFormat format = output_format(path, FormatUse::WriteSurface);
+  const FileFormat format = output_format(path, FormatUse::WriteSurfaceFile);
   std::vector<NamedField> fields;
   std::vector<VertexAttribute> attributes;
   if (info_of(format).keeps_fields) attributes = add_attributes(surface, fields, options.callbacks);
@@ -121,19 +121,20 @@ void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
               .materials = {&materials.library, options.cage.parent_path()}});
 }
 
-FileMaterials read_materials_of(const std::filesystem::path& input, FileFormat from, bool to_obj,
-                                bool to_gltf) {
+FileMaterials read_materials_of(const std::filesystem::path& input, FileFormat from,
+                                FileReach reach, bool to_obj, bool to_gltf) {
   RawVector<std::byte> bytes;
   if (info_of(from).is_gltf && to_gltf) bytes = read_file(input, {});
   const std::string name = visible(input);
-  return read_materials({.bytes = bytes, .name = name, .path = input}, from, to_obj, to_gltf);
+  return read_materials({.bytes = bytes, .name = name, .path = input, .reach = reach}, from, to_obj,
+                        to_gltf);
 }
 
-bool may_keep_asset(const std::filesystem::path& input, const std::filesystem::path& output,
-                    const FitFileOptions& options) {
+// A glTF that becomes one.
+bool wants_asset(const std::filesystem::path& input, const std::filesystem::path& output,
+                 const FitFileOptions& options) {
   const auto from = format_of(input), to = format_of(output);
-  return options.keeps_asset && options.cage.empty() && from && info_of(*from).is_gltf && to &&
-         info_of(*to).is_gltf && !info_of(*to).is_tiles;
+  return options.keeps_asset && from && info_of(*from).is_gltf && to && info_of(*to).is_gltf;
 }
 
 // Levels of detail go from fine to coarse.
@@ -157,22 +158,22 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   const Callbacks callbacks = how.fit.callbacks;
   // Of the time when the file is read, and when the mesh is fitted.
   const double fit = share_before_rows(options.levels()), read = 0.2 * fit;
-  if (may_keep_asset(input, output, options)) {
+  if (wants_asset(input, output, options) && options.cage.empty()) {
     const RawVector<std::byte> bytes = read_file(input, share_of(callbacks, 0, read));
     const std::string name = visible(input);
     const auto asset = asset_of({.bytes = bytes,
                                  .name = name,
                                  .path = input,
                                  .split_normals_crease = options.split_normals,
-                                 .is_strict = !options.mesh.repairs},
+                                 .is_strict = !options.mesh.repairs,
+                                 .reach = options.textures},
                                 *format_of(input));
     if (asset) return fit_asset(*asset, output, how, backend, options);
   }
   if (!options.coarser_levels.empty())
     refuse_levels_of_detail(visible(output), "; take a file for each level");
   how.fit.callbacks = share_of(callbacks, read, fit);
-  MeshFile file =
-      read_faces(input, options.split_normals, !options.mesh.repairs, share_of(callbacks, 0, read));
+  MeshFile file = read_faces(input, options, share_of(callbacks, 0, read));
   for (const Warning& warning : file.warnings) callbacks.warn(warning);
   FileFit result;
   result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);
@@ -180,10 +181,11 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   auto& warnings = result.fitted.warnings;
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
 
-  const FormatInfo& to = info_of(output_format(output, FormatUse::WriteSurface));
+  const FormatInfo& to = info_of(output_format(output, FormatUse::WriteSurfaceFile));
   const bool to_gltf = to.is_gltf || to.is_brep || to.format == FileFormat::Usda;
-  const FileMaterials materials = read_materials_of(
-      input, file.format, to.format == FileFormat::Obj || cage_format == FileFormat::Obj, to_gltf);
+  const FileMaterials materials =
+      read_materials_of(input, file.format, options.textures,
+                        to.format == FileFormat::Obj || cage_format == FileFormat::Obj, to_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   if (to.is_brep) {
     SurfaceFileOptions step{
@@ -213,7 +215,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
 std::uint64_t write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
                                    std::string_view name, Backend& backend,
                                    const SurfaceFileOptions& options) {
-  const FileFormat format = output_format(path, FormatUse::WriteSurface);
+  const FileFormat format = output_format(path, FormatUse::WriteSurfaceFile);
   require_writable(path, format, fitted.options.scheme);  // before the work
   const HostScope host(options.callbacks);
   const SurfaceShares shares(options);
@@ -244,16 +246,18 @@ int FitFileOptions::level_of(const MeshDensity& density) const {
 
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options) {
-  const FileFormat format = output_format(output, FormatUse::WriteSurface);
+  const FileFormat format = output_format(output, FormatUse::WriteSurfaceFile);
   for (const int level : options.levels()) require_level(level);
   require_falling(options);
-  require_other_file(input, output);
+  InputFiles inputs;
+  inputs.add(input, {}, options.textures);
+  require_apart(inputs, output, format);
   MeshFitOptions how = options.mesh;
   require_writable(output, format, how.fit.scheme);
   std::optional<FileFormat> cage_format;
   if (!options.cage.empty()) {
     cage_format = output_format(options.cage, FormatUse::WriteCage);
-    require_other_file(input, options.cage);
+    require_apart(inputs, options.cage, *cage_format);
     if (place_of(output) == place_of(options.cage))
       throw Error(ErrorCode::InvalidArgument,
                   visible(options.cage) + ": surface and cage cannot be one file; name another");

@@ -7,6 +7,7 @@
 
 #include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
+#include "planish/files/formats.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/write_fitted_step.h"
 
@@ -27,6 +28,7 @@ struct FitFileOptions {
   /// A glTF that becomes one, without a cage, keeps nodes, materials, textures, skins, morphs and
   /// animations; each of its meshes is fitted by itself. Else its scene becomes one mesh.
   bool keeps_asset = true;
+  FileReach textures = FileReach::Beside;  ///< of files that the input names
   StepSettings step{};
   Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
 
@@ -51,8 +53,9 @@ struct FileFit {
 /// is a STEP file that does not keep its limits; the file is written and says so. An existing file
 /// is replaced, once the new one is whole. Throws Error{UnreadableInput}, Error{UnusableMesh} with
 /// the remedy, Error{InvalidArgument} for extensions, options, an output or a cage that is the
-/// input or one another, coarser levels of what keeps no asset, and a file of points, which
-/// reconstruct() makes a mesh of; Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
+/// input, a file that this names (see InputFiles) or one another, coarser levels of what keeps no
+/// asset, and a file of points, which reconstruct() makes a mesh of; Error{UnwritableOutput},
+/// Error{OutOfMemory}, Error{Cancelled}.
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
 

@@ -23,6 +23,8 @@ constexpr std::array kAssetWords{OptionWord<AssetChoice>{"keep", AssetChoice::Ke
                                  OptionWord<AssetChoice>{"merge", AssetChoice::Merge}};
 constexpr std::array kLodWords{OptionWord<LodChoice>{"files", LodChoice::Files},
                                OptionWord<LodChoice>{"msft", LodChoice::Msft}};
+constexpr std::array kReachWords{OptionWord<FileReach>{"beside", FileReach::Beside},
+                                 OptionWord<FileReach>{"anywhere", FileReach::Anywhere}};
 constexpr std::array kCompressionWords{
     OptionWord<GltfCompression>{"none", GltfCompression::None},
     OptionWord<GltfCompression>{"quantize", GltfCompression::Quantize},
@@ -147,6 +149,13 @@ std::vector<FitOption> file_options() {
                    .help = "several levels are a file each, or levels of detail of a glTF that "
                            "becomes a glTF, in one file (MSFT_lod)"},
                   kLodWords, &FitSettings::lods),
+      word_option({.name = "textures",
+                   .stage = Stage::Input,
+                   .initial = "beside",
+                   .help = "textures, materials and buffers that the input names: those in its "
+                           "folder or below, or anywhere",
+                   .ranks = {"beside", "ranks read no textures; take beside"}},
+                  kReachWords, &FitSettings::textures),
       word_option({.name = "compress",
                    .stage = Stage::Output,
                    .initial = "none",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/files/formats.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
@@ -70,6 +71,7 @@ struct FitSettings {
   FieldChoice attributes;  ///< that surfaces carry as data
   AssetChoice asset = AssetChoice::Keep;
   LodChoice lods = LodChoice::Files;
+  FileReach textures = FileReach::Beside;  ///< of files that the input names
   GltfCompression compression = GltfCompression::None;
   std::int64_t tile_vertices = 262'144;  ///< about so many has a file of 3D Tiles
   bool skirts = false;                   ///< along the boundaries of tiles

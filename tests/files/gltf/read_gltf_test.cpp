@@ -233,8 +233,8 @@ TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
         std::string("..\\\\outside.bin"), std::string("%2")}) {
     const std::string message =
         test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with(uri); });
-    EXPECT_TRUE(message.starts_with(name + ": buffers[0].uri: `") &&
-                message.ends_with("leads away from the folder of the file"))
+    EXPECT_TRUE(message.starts_with(name + ": buffers[0].uri: ") &&
+                message.find("leads away from the folder of the file") != std::string::npos)
         << message;
   }
   EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with("no.bin"); }),

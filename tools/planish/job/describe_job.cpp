@@ -211,6 +211,7 @@ std::string describe(const PlannedJob& planned, const DeviceDescription& device,
   InputFile file = load_input(planned.job.input, planned.job.input_format);
   file.split_normals_crease = planned.job.settings.creases.split_normals;
   file.is_strict = planned.job.settings.repair == RepairChoice::None;
+  file.reach = planned.job.settings.textures;
   if (holds_points_only(file.format))
     return describe_points(planned, points_of(file), device, claims, page_bytes);
   if (!reason_to_merge(planned.job, planned.outputs, page_bytes > 0))

@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <future>
 #include <span>
 #include <string>
@@ -17,30 +15,10 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
 #include "planish/files/sniff_format.h"
-#include "terminal/interrupt.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
-
-RawVector<std::byte> read_stdin() {
-  constexpr std::size_t kChunk = 1 << 20;
-  RawVector<std::byte> bytes;
-  std::size_t size = 0;
-  while (true) {
-    check_interrupt();
-    bytes.resize(size + kChunk);
-    const ssize_t count = ::read(STDIN_FILENO, bytes.data() + size, kChunk);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      throw Error(ErrorCode::UnreadableInput, std::string("stdin: ") + std::strerror(errno));
-    }
-    size += static_cast<std::size_t>(count);
-    if (count == 0) break;
-  }
-  bytes.resize(size);
-  return bytes;
-}
 
 FileFormat settled_format(const InputFile& file, std::optional<FileFormat> format) {
   if (format) return *format;
@@ -60,7 +38,7 @@ InputFile load_input(const std::string& path, std::optional<FileFormat> format,
   file.name = input_name(path);
   if (path == "-") {
     callbacks.report("read", 0);
-    file.bytes = read_stdin();
+    file.bytes = read_stream(STDIN_FILENO, file.name);
   } else {
     file.path = path;
     file.bytes = read_file(path, share_of(callbacks, 0, kFileLoaded));
@@ -90,9 +68,10 @@ Input mesh_of(const InputFile& file, const Callbacks& callbacks) {
   return input;
 }
 
-Input read_input(const std::string& path, std::optional<FileFormat> format,
-                 const Callbacks& callbacks) {
-  return mesh_of(load_input(path, format, callbacks), callbacks);
+Input read_input(const std::string& path, FileReach reach, const Callbacks& callbacks) {
+  InputFile file = load_input(path, std::nullopt, callbacks);
+  file.reach = reach;
+  return mesh_of(file, callbacks);
 }
 
 FileFormat parse_input_format(std::string_view value, std::string_view where) {

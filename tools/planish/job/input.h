@@ -19,8 +19,9 @@ struct InputFile {
   std::filesystem::path path;  ///< empty: stdin
   RawVector<std::byte> bytes;
   FileFormat format = FileFormat::Obj;
-  bool split_normals_crease = false;  ///< as FileBytes has it
-  bool is_strict = false;             ///< the same
+  bool split_normals_crease = false;    ///< as FileBytes has it
+  bool is_strict = false;               ///< the same
+  FileReach reach = FileReach::Beside;  ///< the same
   /// Is taken while the bytes are read: last, for its destructor waits for who still reads them.
   std::shared_future<std::string> digest;
 
@@ -31,7 +32,8 @@ struct InputFile {
             .name = name,
             .path = path,
             .split_normals_crease = split_normals_crease,
-            .is_strict = is_strict};
+            .is_strict = is_strict,
+            .reach = reach};
   }
 };
 
@@ -53,7 +55,7 @@ struct Input {
 [[nodiscard]] Input mesh_of(const InputFile& file, const Callbacks& callbacks = {});
 
 /// load_input() and mesh_of().
-[[nodiscard]] Input read_input(const std::string& path, std::optional<FileFormat> format,
+[[nodiscard]] Input read_input(const std::string& path, FileReach reach,
                                const Callbacks& callbacks = {});
 
 /// The name of a format that is read, "obj" or "xyz" say. Throws Error{InvalidArgument} naming

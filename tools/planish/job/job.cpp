@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "job/asset_job.h"
 #include "job/forecast.h"
@@ -14,6 +15,7 @@
 #include "output/job_outputs.h"
 #include "output/output_levels.h"
 #include "planish/core/json.h"
+#include "planish/files/read_file.h"
 #include "report/details.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
@@ -46,14 +48,12 @@ bool may_be_points(const Job& job) {
   if (is_point_path(job.input, job.input_format)) return true;
   if (job.input == "-" || job.input_format.value_or(FileFormat::Ply) != FileFormat::Ply)
     return false;
-  std::ifstream file(job.input, std::ios::binary);
-  std::string line;
-  if (!std::getline(file, line) || !line.starts_with("ply")) return false;
-  constexpr int kMostLines = 1000;
-  for (int i = 0; i < kMostLines && std::getline(file, line) && !line.starts_with("end_header");
-       ++i)
-    if (line.starts_with("element face")) return false;
-  return true;
+  // What a pipe gives comes once.
+  constexpr std::uint64_t kHead = std::uint64_t{1} << 16;
+  const NamedFile head = read_named_start(job.input, job.input, FileReach::Anywhere, kHead);
+  std::string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.bytes.size());
+  text = text.substr(0, text.find("\nend_header"));
+  return text.starts_with("ply") && text.find("\nelement face") == std::string_view::npos;
 }
 
 }  // namespace

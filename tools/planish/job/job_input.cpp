@@ -63,8 +63,8 @@ void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& repo
   made.input.file.mesh = std::move(result.mesh);
 }
 
-Input read_source(const std::string& path, const Callbacks& callbacks) {
-  Input source = read_input(path, std::nullopt, callbacks);
+Input read_source(const std::string& path, FileReach reach, const Callbacks& callbacks) {
+  Input source = read_input(path, reach, callbacks);
   if (source.file.mesh.face_count() == 0) {
     throw Error(ErrorCode::UnusableMesh,
                 source.name + ": a source has to be a mesh, and this has no faces");
@@ -139,6 +139,7 @@ InputFile load_job_input(const Job& job, JobReport& report, const JobContext& co
   InputFile file = load_input(job.input, job.input_format, callbacks_for(report, context));
   file.split_normals_crease = report.settings.creases.split_normals;
   file.is_strict = report.settings.repair == RepairChoice::None;
+  file.reach = report.settings.textures;
   return file;
 }
 
@@ -171,7 +172,7 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
     add_warning(report, console,
                 {"no-split-normals",
                  file.name + ": --creases normals found no edge where normals are split"});
-  if (!job.source.empty()) made.source = read_source(job.source, callbacks);
+  if (!job.source.empty()) made.source = read_source(job.source, file.reach, callbacks);
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.sha256 = file.sha256();
   report.input.dropped = input.file.dropped_element_count;

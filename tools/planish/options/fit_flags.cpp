@@ -28,6 +28,10 @@ FileFormat output_format_of(const FitFlags& flags, FormatUse use, FileFormat ini
          names_of(FormatUse::WriteSurface));
 }
 
+bool is_of_files(const FitOption& option) {
+  return option.stage == OptionStage::Fineness || option.stage == OptionStage::Input;
+}
+
 // Where an output of that input goes: the path itself, or the input's name in a folder.
 std::string output_path(const std::string& path, const std::string& input, FileFormat format,
                         const char* flag, bool one_of_several) {
@@ -61,8 +65,7 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
          "control cage (" + extensions_of(FormatUse::WriteCage) + "), or a folder", "FILE");
   option("--report", flags.report, "JSON report; - for stdout", "FILE");
   for (const FitOption& fineness : option_table())
-    if (fineness.stage == OptionStage::Fineness)
-      add_option_flag(command, flags.options, fineness, kFiles);
+    if (is_of_files(fineness)) add_option_flag(command, flags.options, fineness, kFiles);
   option("--source", flags.source,
          "mesh that the surface stands for: the report compares with it, not the input", "FILE");
   option("--input-format", flags.input_format,
@@ -90,7 +93,7 @@ void add_fit_flags(CLI::App& command, FitFlags& flags) {
   add_file_flags(command, flags);
   add_page_flags(command, {flags.page, flags.page_limit, flags.page_no_times});
   for (const FitOption& option : option_table())
-    if (option.stage != OptionStage::Fineness && has_flag(option))
+    if (!is_of_files(option) && has_flag(option))
       add_option_flag(command, flags.options, option, kSurface);
   for (const PointOption& option : point_option_table())
     add_option_flag(command, flags.options, option, kPoints);

@@ -124,18 +124,21 @@ void PathClaims::check_folder(const fs::path& path, std::string_view where) {
   }
 }
 
-void PathClaims::add_input(const fs::path& path) {
-  if (path != "-") inputs_.insert(resolved(path));
+void PathClaims::add_input(const fs::path& path, std::optional<FileFormat> format,
+                           FileReach reach) {
+  if (path != "-") inputs_.add(path, format, reach);
 }
 
-void PathClaims::add_output(const fs::path& path, std::string_view where) {
+void PathClaims::add_output(const fs::path& path, std::string_view where,
+                            std::optional<FileFormat> format) {
   if (path == "-") {
     if (!outputs_.insert("-").second) refuse(where, "stdout can take one thing only");
     return;
   }
   if (path.empty()) refuse(where, "the path is empty");
   const fs::path target = resolved(path);
-  if (inputs_.contains(target)) refuse(where, visible(path) + " is the input as well");
+  const std::string harm = format ? inputs_.objection(path, *format) : inputs_.objection(path);
+  if (!harm.empty()) refuse(where, harm);
   if (!outputs_.insert(target).second) refuse(where, visible(path) + " is written twice");
   if (outputs_.contains(target.parent_path()))
     refuse(where, visible(path) + " lies in the folder of tiles; choose another");
@@ -162,12 +165,10 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
 void PathClaims::add_tile_folder(const fs::path& folder, std::string_view where) {
   const fs::path target = resolved(folder);
   if (!outputs_.insert(target).second) refuse(where, visible(folder) + " is written twice");
-  for (const auto* others : {&inputs_, &outputs_}) {
-    for (const fs::path& other : *others) {
-      if (other.parent_path() == target)
-        refuse(where, "{}, the folder of the tiles, has {} in it; choose another name",
-               visible(folder), visible(other));
-    }
+  for (const fs::path& other : outputs_) {
+    if (other.parent_path() == target)
+      refuse(where, "{}, the folder of the tiles, has {} in it; choose another name",
+             visible(folder), visible(other));
   }
   std::error_code error;
   const fs::file_status status = fs::symlink_status(folder, error);
@@ -289,7 +290,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
   for (PlannedOutput& output : planned) {
     for (const Fineness& fineness : output.finenesses())
       require_chord_error(request, format, fineness.chord_error);
-    claims.add_output(output.path, request.where);
+    claims.add_output(output.path, request.where, format);
     const fs::path companion = companion_of(output.path, format);
     if (!companion.empty()) claims.add_output(companion, request.where);
     if (info_of(format).is_tiles) claims.add_tile_folder(tile_folder(output.path), request.where);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "options/settings.h"
 #include "planish/files/formats.h"
+#include "planish/files/input_files.h"
 
 namespace planish::command {
 
@@ -68,7 +70,8 @@ struct PathRules {
   bool only_note = false;       ///< what cannot be written is noted, not thrown: for a dry run
 };
 
-/// All paths of a process, so that no file is written twice or over an input. One rule for what an
+/// All paths of a process, so that no file is written twice, or over an input or what that names:
+/// whatever flags say, nobody wants that. One rule for what an
 /// output meets on the disk: a file that exists, a folder in its place, a folder that is missing or
 /// not writable are all Error{UnwritableOutput}. What is wrong with the request itself (written
 /// twice, over the input) is Error{InvalidArgument}.
@@ -78,10 +81,14 @@ class PathClaims {
 
   [[nodiscard]] bool overwrites() const { return rules_.overwrite; }
 
-  void add_input(const std::filesystem::path& path);
+  /// See InputFiles.
+  void add_input(const std::filesystem::path& path, std::optional<FileFormat> format = {},
+                 FileReach reach = FileReach::Beside);
   /// "-" claims stdout, which may be a terminal only for text. Throws as above. Only looks, creates
   /// nothing.
-  void add_output(const std::filesystem::path& path, std::string_view where);
+  /// `format`: of a surface or cage, with all that goes beside it.
+  void add_output(const std::filesystem::path& path, std::string_view where,
+                  std::optional<FileFormat> format = {});
   /// The folder of a tile set. One that exists may only be replaced where it holds nothing but
   /// what a tile set does. Throws as above.
   void add_tile_folder(const std::filesystem::path& folder, std::string_view where);
@@ -98,7 +105,8 @@ class PathClaims {
   void check_folder(const std::filesystem::path& path, std::string_view where);
 
   PathRules rules_;
-  std::set<std::filesystem::path> inputs_, outputs_;
+  InputFiles inputs_;
+  std::set<std::filesystem::path> outputs_;
   std::map<std::filesystem::path, std::string> refusals_;
 };
 

@@ -78,7 +78,7 @@ GltfMaterials made_of(const GltfAsset& asset) {
         uri ? asset.source().fetch(*uri) : asset.source().view(place["bufferView"].integer());
     const std::string type = image_type(bytes, uri ? uri->text() : "");
     made.images.push_back({image.value("mimeType", type), {}, {}});
-    const auto file = uri ? decode_relative_uri(uri->text()) : std::nullopt;
+    const auto file = uri ? decode_uri_path(uri->text()) : std::nullopt;
     if (file && !uri->text().starts_with("data:"))
       made.images.back().path = asset.file().path.parent_path() / *file;
     made.images.back().bytes.assign(bytes.begin(), bytes.end());

@@ -34,6 +34,7 @@ struct GltfMaterials {
   std::vector<GltfImage> images;  ///< one for each of the list
   bool has_sides = true;  ///< false: "doubleSided" is that of the material whose place they take
   std::vector<Warning> warnings;
+  std::filesystem::path input{};  ///< the file that they are of: nothing is written over it
 
   /// By the name as a document has it, see valid_utf8().
   [[nodiscard]] bool has(const std::string& name) const;

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
+#include <limits>
 
 #include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/number_text.h"
 #include "planish/files/gltf/meshopt_stream.h"
 #include "planish/files/mesh_file.h"
@@ -19,6 +22,35 @@ int base64_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0' + 52;
   if (c == '+') return 62;
   return c == '/' ? 63 : -1;
+}
+
+// Whatever has a URI: buffers, images, what extensions add.
+void add_uris(const nlohmann::json& value, const std::filesystem::path& folder,
+              std::vector<std::filesystem::path>& files) {
+  if (!value.is_structured()) return;
+  if (const auto uri = value.is_object() ? value.find("uri") : value.end();
+      uri != value.end() && uri->is_string()) {
+    const auto& text = uri->get_ref<const std::string&>();
+    const auto name = text.starts_with("data:") ? std::nullopt : decode_uri_path(text);
+    if (name) files.push_back(folder / *name);
+  }
+  for (const nlohmann::json& member : value) add_uris(member, folder, files);
+}
+
+// The document of a file: of a GLB without its buffer.
+RawVector<std::byte> document_bytes(const std::filesystem::path& path) {
+  constexpr std::size_t kJsonAt = 20;
+  const auto start_of = [&](std::uint64_t most) {
+    return read_named_start(path, path, FileReach::Anywhere, most).bytes;
+  };
+  const RawVector<std::byte> head = start_of(kJsonAt);
+  const bool is_glb = head.size() == kJsonAt && std::memcmp(head.data(), "glTF", 4) == 0;
+  if (!is_glb) return start_of(std::numeric_limits<std::uint64_t>::max());
+  std::uint32_t length = 0;
+  std::memcpy(&length, head.data() + 12, sizeof length);
+  RawVector<std::byte> bytes = start_of(kJsonAt + std::uint64_t{length});
+  bytes.erase(bytes.begin(), bytes.begin() + kJsonAt);
+  return bytes;
 }
 
 }  // namespace
@@ -42,7 +74,7 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
   return bytes;
 }
 
-std::optional<std::string> decode_relative_uri(std::string_view uri) {
+std::optional<std::string> decode_uri_path(std::string_view uri) {
   std::string decoded;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     if (uri[i] != '%') {
@@ -59,36 +91,39 @@ std::optional<std::string> decode_relative_uri(std::string_view uri) {
   }
   if (decoded.empty() || decoded.find('\0') != std::string::npos) return std::nullopt;
   if (decoded.find_first_of("\\:") != std::string::npos) return std::nullopt;
-  const std::filesystem::path path(decoded);
-  const bool leads_up = std::ranges::any_of(path, [](const auto& part) { return part == ".."; });
-  if (path.is_absolute() || leads_up) return std::nullopt;
   return decoded;
 }
 
-std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri) {
+std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri) { return fetch(uri, {}); }
+
+std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri,
+                                             std::optional<std::uint64_t> wanted) {
   const std::string& text = uri.text();
-  if (const auto found = fetched_.find(text); found != fetched_.end()) return found->second;
+  if (text.starts_with("data:")) return decoded(uri);
+  const std::pair key(text, wanted);
+  if (const auto found = files_.find(key); found != files_.end()) return found->second;
+  const std::optional<std::string> name = decode_uri_path(text);
+  if (!name) uri.fail(quote(text) + " leads away from the folder of the file");
+  if (path_.empty()) uri.fail(quote(text) + " is another file, but only embedded data can be read");
+  const std::filesystem::path path = path_.parent_path() / *name;
+  NamedFile file =
+      wanted ? read_named_start(path, path_, reach_, *wanted) : read_named(path, path_, reach_);
+  if (!file.trouble.empty()) uri.fail(file.trouble + "; it belongs to this file, copy it along");
+  return files_.emplace(key, std::move(file.bytes)).first->second;
+}
+
+std::span<const std::byte> GltfSource::decoded(const JsonPlace& uri) {
+  const std::string& text = uri.text();
+  if (const auto found = decoded_.find(text); found != decoded_.end()) return found->second;
+  constexpr std::string_view kMark = ";base64,";
+  const std::size_t mark = text.find(kMark);
+  const auto made = mark == std::string::npos
+                        ? std::nullopt
+                        : decode_base64(std::string_view(text).substr(mark + kMark.size()));
+  if (!made) uri.fail(quote(text) + " is no base64 data URI");
   RawVector<std::byte> bytes;
-  if (text.starts_with("data:")) {
-    constexpr std::string_view kMark = ";base64,";
-    const std::size_t mark = text.find(kMark);
-    auto decoded = mark == std::string::npos
-                       ? std::nullopt
-                       : decode_base64(std::string_view(text).substr(mark + kMark.size()));
-    if (!decoded) uri.fail(quote(text) + " is no base64 data URI");
-    bytes.assign(decoded->begin(), decoded->end());
-  } else {
-    const std::optional<std::string> file = decode_relative_uri(text);
-    if (!file) uri.fail(quote(text) + " leads away from the folder of the file");
-    if (!folder_) uri.fail(quote(text) + " is another file, but only embedded data can be read");
-    try {
-      bytes = read_file(*folder_ / *file);
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::UnreadableInput) throw;
-      uri.fail(std::string(error.what()) + "; it belongs to this file, copy it along");
-    }
-  }
-  return fetched_.emplace(text, std::move(bytes)).first->second;
+  bytes.assign(made->begin(), made->end());
+  return decoded_.emplace(text, std::move(bytes)).first->second;
 }
 
 std::span<const std::byte> GltfSource::buffer(std::int64_t index) {
@@ -97,7 +132,7 @@ std::span<const std::byte> GltfSource::buffer(std::int64_t index) {
   const std::optional<JsonPlace> uri = place.find("uri");
   const bool is_chunk = !uri && index == 0 && !glb_chunk_.empty();
   if (!uri && !is_chunk) place.fail("has no `uri`, and there is no binary chunk for it");
-  const std::span<const std::byte> bytes = is_chunk ? glb_chunk_ : fetch(*uri);
+  const std::span<const std::byte> bytes = is_chunk ? glb_chunk_ : fetch(*uri, length);
   if (length > bytes.size())
     place["byteLength"].fail("promises {} bytes, but there are only {}", length, bytes.size());
   return bytes.first(length);
@@ -124,6 +159,18 @@ std::span<const std::byte> GltfSource::part(const JsonPlace& place) {
         "bytes {} to {} are asked of a buffer of {}; fetch the file anew, it may be cut short",
         offset, offset + length, bytes.size());
   return bytes.subspan(offset, length);
+}
+
+std::vector<std::filesystem::path> gltf_named_files(const std::filesystem::path& path) {
+  const RawVector<std::byte> bytes = document_bytes(path);
+  std::vector<std::filesystem::path> files;
+  try {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    add_uris(parse_json(text, ""), path.parent_path(), files);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) throw;  // who reads it says what is wrong
+  }
+  return files;
 }
 
 }  // namespace planish

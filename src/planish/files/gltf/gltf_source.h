@@ -8,26 +8,27 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planish/core/raw_vector.h"
+#include "planish/files/formats.h"
 #include "planish/files/gltf/json_place.h"
 
 namespace planish {
 
 /// Binary data of a glTF document, fetched when first asked for: a GLB's chunk, data URIs, and
-/// files beside the document where `folder` is given.
+/// files that the document names, where `file` has a path.
 class GltfSource {
  public:
-  GltfSource(JsonPlace root, std::span<const std::byte> glb_chunk,
-             std::optional<std::filesystem::path> folder)
-      : root_(std::move(root)), glb_chunk_(glb_chunk), folder_(std::move(folder)) {}
+  GltfSource(JsonPlace root, std::span<const std::byte> glb_chunk, const FileBytes& file)
+      : root_(std::move(root)), glb_chunk_(glb_chunk), path_(file.path), reach_(file.reach) {}
 
   /// The bytes of buffer `index`: exactly its byteLength. Throws Error{UnreadableInput}.
   [[nodiscard]] std::span<const std::byte> buffer(std::int64_t index);
   /// The bytes of a buffer view, which lie within its buffer; unpacked where they are packed.
   [[nodiscard]] std::span<const std::byte> view(std::int64_t index);
-  /// The bytes that a URI stands for: data, or a file beside the document.
+  /// The bytes that a URI stands for: data, or a file as read_named() gives it.
   [[nodiscard]] std::span<const std::byte> fetch(const JsonPlace& uri);
   /// True the first time that it is asked of an accessor: what is looked at once for all its uses.
   [[nodiscard]] bool is_new_sparse(std::int64_t accessor) {
@@ -35,13 +36,21 @@ class GltfSource {
   }
 
  private:
+  // Of a file the first bytes, as many as are wanted; empty: all, which are not too many.
+  [[nodiscard]] std::span<const std::byte> fetch(const JsonPlace& uri,
+                                                 std::optional<std::uint64_t> wanted);
+  // Of a data URI.
+  [[nodiscard]] std::span<const std::byte> decoded(const JsonPlace& uri);
   // Of a buffer view, or of its packed stream.
   [[nodiscard]] std::span<const std::byte> part(const JsonPlace& place);
 
   JsonPlace root_;
   std::span<const std::byte> glb_chunk_;
-  std::optional<std::filesystem::path> folder_;
-  std::map<std::string, RawVector<std::byte>> fetched_;    // by URI, so that none is read twice
+  std::filesystem::path path_;
+  FileReach reach_;
+  // By URI, and of files by what was wanted of them, so that none is read twice.
+  std::map<std::string, RawVector<std::byte>> decoded_;
+  std::map<std::pair<std::string, std::optional<std::uint64_t>>, RawVector<std::byte>> files_;
   std::map<std::int64_t, RawVector<std::byte>> unpacked_;  // by buffer view
   std::set<std::int64_t> sparse_accessors_;
 };
@@ -49,8 +58,11 @@ class GltfSource {
 /// Decodes base64 (RFC 4648) with or without its padding; empty if `text` is none.
 [[nodiscard]] std::optional<std::vector<std::byte>> decode_base64(std::string_view text);
 
-/// The file name that a relative URI stands for; empty where it is absolute, has a scheme, leads
-/// to a parent folder or is badly encoded.
-[[nodiscard]] std::optional<std::string> decode_relative_uri(std::string_view uri);
+/// The path that a URI without a scheme stands for; empty where it has one or is badly encoded.
+[[nodiscard]] std::optional<std::string> decode_uri_path(std::string_view uri);
+
+/// All files that the glTF at `path` names, there or not. Of a file that is none: nothing.
+[[nodiscard]] std::vector<std::filesystem::path> gltf_named_files(
+    const std::filesystem::path& path);
 
 }  // namespace planish

@@ -20,13 +20,15 @@ constexpr int kClampToEdge = 33071;
 
 class Converter {
  public:
-  GltfMaterials convert(const MaterialLibrary& library) {
+  explicit Converter(const MaterialLibrary& library) : library_(library) {}
+
+  GltfMaterials convert() {
     made_.has_sides = false;
-    for (const std::string& name : library.names()) add(name, library.parsed(name));
+    for (const std::string& name : library_.names()) add(name, library_.parsed(name));
     if (left_out_ > 0)
       made_.warnings.push_back(
           {"left-out-textures",
-           first_ + (left_out_ > 1 ? ", and others" : "") + "; glTF takes PNG and JPEG files",
+           first_ + "; the texture is left out" + (left_out_ > 1 ? ", and others" : ""),
            left_out_});
     return std::move(made_);
   }
@@ -120,20 +122,21 @@ class Converter {
   std::optional<std::size_t> image_of(const std::filesystem::path& path) {
     const auto [known, is_new] = images_.try_emplace(path.lexically_normal());
     if (!is_new) return known->second;
-    RawVector<std::byte> bytes = read_beside(path).value_or(RawVector<std::byte>());
-    const std::string type = image_type(bytes, "");
+    NamedFile file = read_named(path, library_.obj(), library_.reach());
+    const std::string type = image_type(file.bytes, "");
     if (type != "image/png" && type != "image/jpeg") {
       if (left_out_++ == 0)
-        first_ = visible(path) + (bytes.empty() ? ": the texture is not there or empty"
-                                                : ": the texture is left out");
+        first_ =
+            file.trouble.empty() ? visible(path) + ": glTF takes PNG and JPEG files" : file.trouble;
       return std::nullopt;
     }
-    made_.images.push_back({type, std::move(bytes), path});
+    made_.images.push_back({type, std::move(file.bytes), path});
     made_.lists["images"].push_back({{"name", visible(path.filename())}});
     known->second = made_.images.size() - 1;
     return known->second;
   }
 
+  const MaterialLibrary& library_;
   GltfMaterials made_;
   std::map<std::filesystem::path, std::optional<std::size_t>> images_;
   std::string first_;
@@ -142,6 +145,6 @@ class Converter {
 
 }  // namespace
 
-GltfMaterials materials_of(const MaterialLibrary& library) { return Converter().convert(library); }
+GltfMaterials materials_of(const MaterialLibrary& library) { return Converter(library).convert(); }
 
 }  // namespace planish

@@ -22,6 +22,7 @@
 #include "planish/files/gltf/gltf_materials.h"
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/stored_position.h"
+#include "planish/files/input_files.h"
 
 namespace planish {
 namespace {
@@ -140,6 +141,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
     throw Error(ErrorCode::InvalidArgument,
                 visible(path) + ": extension is neither .glb nor .gltf");
   }
+  if (options.materials != nullptr) require_apart(options.materials->input, path, *format_of(path));
   const HostScope host(options.callbacks);
   const std::uint64_t bytes = least_buffer_bytes(surface.info(), options);
   GltfFile written;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "planish/core/lower_case.h"
 #include "planish/core/visible_text.h"
@@ -16,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kObjHead = std::size_t{1} << 20;  // where libraries are named
 constexpr std::string_view kBetweenWords = " \t\r";
 
 std::string_view without_blanks(std::string_view text) {
@@ -24,7 +26,7 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBetweenWords) - first + 1);
 }
 
-std::string_view library_text(const RawVector<std::byte>& bytes) {
+std::string_view library_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -104,29 +106,37 @@ fs::path named_folder(const fs::path& folder) { return folder.empty() ? fs::path
 
 }  // namespace
 
-MaterialLibrary::MaterialLibrary(const fs::path& path) {
-  constexpr std::size_t kHead = std::size_t{1} << 20;
-  const std::optional<RawVector<std::byte>> head = read_beside(path, kHead);
-  std::string_view text = head ? library_text(*head) : "";
+MaterialLibrary::MaterialLibrary(const fs::path& path, FileReach reach)
+    : obj_(path), reach_(reach) {
+  // Its own bytes lie wherever it does.
+  read_libraries(library_text(read_named_start(path, path, FileReach::Anywhere, kObjHead).bytes));
+}
+
+MaterialLibrary::MaterialLibrary(const FileBytes& obj) : obj_(obj.path), reach_(obj.reach) {
+  read_libraries(library_text(obj.bytes.first(std::min(obj.bytes.size(), kObjHead))));
+}
+
+void MaterialLibrary::read_libraries(std::string_view text) {
   while (!text.empty()) {
     std::string_view line = take_line(text);
-    if (take_word(line) == "mtllib" && !line.empty()) read(path, std::string(line));
+    if (take_word(line) == "mtllib" && !line.empty()) read(std::string(line));
   }
 }
 
-void MaterialLibrary::read(const fs::path& obj, const std::string& name) {
+void MaterialLibrary::read(const std::string& name) {
   std::string file_name = name;
   std::ranges::replace(file_name, '\\', '/');
-  const fs::path path = obj.parent_path() / file_name;
-  const std::optional<RawVector<std::byte>> file = read_beside(path);
-  if (!file) {
+  const fs::path path = obj_.parent_path() / file_name;
+  files_.push_back(path);
+  const NamedFile file = read_named(path, obj_, reach_);
+  if (!file.trouble.empty()) {
     warnings_.push_back(
-        {"missing-materials", visible(obj) + ": its materials are not there: " + visible(path) +
+        {"missing-materials", visible(obj_) + ": its materials are not there: " + file.trouble +
                                   "; copy that along, or its colours and textures are lost"});
     return;
   }
   Material* material = nullptr;
-  std::string_view text = library_text(*file);
+  std::string_view text = library_text(file.bytes);
   while (!text.empty()) {
     std::string_view line = take_line(text);
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -141,6 +151,14 @@ void MaterialLibrary::read(const fs::path& obj, const std::string& name) {
       material->lines.emplace_back(line);
     }
   }
+}
+
+std::vector<fs::path> MaterialLibrary::named_files() const {
+  std::vector<fs::path> all = files_;
+  for (const std::string& name : names())
+    for (const MaterialStatement& statement : parsed(name))
+      if (!statement.texture.path.empty()) all.push_back(statement.texture.path);
+  return all;
 }
 
 std::vector<std::string> MaterialLibrary::names() const {

@@ -4,9 +4,11 @@
 #include <glm/vec2.hpp>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/files/formats.h"
 
 namespace planish {
 
@@ -30,8 +32,10 @@ class MaterialLibrary {
  public:
   MaterialLibrary() = default;
   /// Of the OBJ at `path`: all that `mtllib` lines in its first MiB name, relative to it. What is
-  /// missing is a warning, "missing-materials".
-  explicit MaterialLibrary(const std::filesystem::path& path);
+  /// missing, or read_named() does not give, is a warning, "missing-materials".
+  explicit MaterialLibrary(const std::filesystem::path& path, FileReach reach = FileReach::Beside);
+  /// The same of an OBJ in memory, which has a path.
+  explicit MaterialLibrary(const FileBytes& obj);
 
   /// The statements of a material as they stand there, with names of textures relative to `folder`;
   /// empty: it is not known.
@@ -42,13 +46,23 @@ class MaterialLibrary {
   [[nodiscard]] std::vector<MaterialStatement> parsed(const std::string& material) const;
   [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
 
+  /// The OBJ, and how far its textures may lie, for read_named(); empty: of none.
+  [[nodiscard]] const std::filesystem::path& obj() const { return obj_; }
+  [[nodiscard]] FileReach reach() const { return reach_; }
+  /// All that the OBJ names, and what these files name, there or not.
+  [[nodiscard]] std::vector<std::filesystem::path> named_files() const;
+
  private:
   struct Material {
     std::filesystem::path folder;  ///< that names of textures are relative to
     std::vector<std::string> lines;
   };
-  void read(const std::filesystem::path& obj, const std::string& name);
+  void read_libraries(std::string_view text);
+  void read(const std::string& name);
 
+  std::filesystem::path obj_;
+  FileReach reach_ = FileReach::Beside;
+  std::vector<std::filesystem::path> files_;  // that it names
   std::map<std::string, Material> materials_;
   std::vector<Warning> warnings_;
 };

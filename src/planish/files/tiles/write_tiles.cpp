@@ -13,6 +13,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/gltf_materials.h"
+#include "planish/files/input_files.h"
 #include "planish/files/tiles/curve_order.h"
 #include "planish/files/tiles/tile_mesh.h"
 #include "planish/files/tiles/tileset.h"
@@ -206,6 +207,8 @@ fs::path tile_folder(const fs::path& document) { return fs::path(document).repla
 TilesFile write_tiles(const fs::path& path, const DooSabinSurface& surface,
                       const TilesOptions& options) {
   require_options(surface, options);
+  if (options.gltf.materials != nullptr)
+    require_apart(options.gltf.materials->input, path, FileFormat::Tiles);
   const HostScope host(options.gltf.callbacks);
   NewFolder folder(tile_folder(path));
   TilesWriter writer(surface, options, folder);

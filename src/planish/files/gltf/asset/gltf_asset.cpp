@@ -13,15 +13,6 @@
 #include "planish/files/gltf/scene_reader.h"
 
 namespace planish {
-namespace {
-
-std::optional<std::filesystem::path> folder_of(const FileBytes& file) {
-  if (file.path.empty()) return std::nullopt;
-  return file.path.parent_path();
-}
-
-}  // namespace
-
 GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
     : file_(file),
       limits_(limits),
@@ -29,7 +20,7 @@ GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
       document_(std::make_shared<nlohmann::json>(
           parse_json(split_glb(file.bytes, file.name).json, file.name))),
       root_(*document_, file_.name, ""),
-      source_(root_, split_glb(file.bytes, file.name).chunk, folder_of(file)) {
+      source_(root_, split_glb(file.bytes, file.name).chunk, file) {
   file_.progress = nullptr;  // which counts the bytes of a scene
   require_asset_version(root_);
   require_sound_asset(root_);
@@ -71,7 +62,7 @@ std::uint64_t GltfAsset::byte_count() const {
     const auto uri = (*images)[i].find("uri");
     if (!uri || file_.path.empty()) continue;
     std::error_code error;
-    if (const auto name = decode_relative_uri(uri->text())) {
+    if (const auto name = decode_uri_path(uri->text())) {
       const auto size = std::filesystem::file_size(file_.path.parent_path() / *name, error);
       if (!error) bytes += size;
     }

@@ -14,6 +14,7 @@
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/gltf_survey.h"
+#include "planish/files/input_files.h"
 
 namespace planish {
 namespace {
@@ -115,6 +116,7 @@ GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::p
                      const GltfAsset& asset, std::span<const AssetSurface> surfaces,
                      const GltfOptions& common) {
   const HostScope host(common.callbacks);
+  require_apart(asset.file().path, path, *format_of(path));
   const bool is_glb = info_of(*format_of(path)).format == FileFormat::Glb;
   const bool keeps_files = !is_glb && !asset.file().path.empty() &&
                            is_same_folder(asset.file().path.parent_path(), folder);
