@@ -139,6 +139,64 @@ TEST_F(FitFilePlaces, TexturesOfOtherFoldersComeWhereTheyAreWanted) {
   EXPECT_THAT(bytes_of(folder_ / "b.glb"), HasSubstr("image/png"));
 }
 
+// Who reads files by the library is told what the command tells.
+TEST_F(FitFilePlaces, WhatIsOddAboutTheMeshIsTold) {
+  const PolygonMesh cube = test::cube();
+  PolygonMesh turned;
+  turned.positions = cube.positions;
+  for (std::int32_t f = 0; f < cube.face_count(); ++f) {
+    std::vector<std::int32_t> face(cube.face(f).begin(), cube.face(f).end());
+    std::ranges::reverse(face);
+    turned.add_face(face);
+  }
+  turned.positions.insert(turned.positions.begin(), glm::dvec3(5, 5, 5));
+  for (std::int32_t& vertex : turned.face_vertices) ++vertex;
+  write_mesh(input_, FileFormat::Obj, turned);
+  const auto warnings_of = [&](const FitFileOptions& options) {
+    std::vector<std::pair<std::string, std::int64_t>> found;
+    FitFileOptions own = options;
+    std::size_t told = 0;
+    own.mesh.fit.callbacks.warning = [&](const Warning&) { ++told; };
+    const FileFit done = fit_file(input_, folder_ / "b.ply", own);
+    for (const Warning& warning : done.fitted.warnings)
+      found.emplace_back(warning.code, warning.first);
+    EXPECT_EQ(told, found.size());
+    return found;
+  };
+  using Found = std::vector<std::pair<std::string, std::int64_t>>;
+  EXPECT_EQ(warnings_of({}), (Found{{"unused-vertices", 0}, {"inside-out", 0}}));
+  // Each face has corners of its own, and a vertex that none has comes first.
+  PolygonMesh torn;
+  torn.positions.emplace_back(5, 5, 5);
+  for (std::int32_t f = 0; f < cube.face_count(); ++f) {
+    std::vector<std::int32_t> face;
+    for (const std::int32_t v : cube.face(f)) {
+      face.push_back(torn.vertex_count());
+      torn.positions.push_back(cube.positions[v]);
+    }
+    torn.add_face(face);
+  }
+  write_mesh(input_, FileFormat::Obj, torn);
+  const Found found = warnings_of({});
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].first, "torn-vertices");
+  EXPECT_GT(found[0].second, 0);
+  EXPECT_EQ(found[1].first, "unused-vertices");
+  FitFileOptions welded;
+  welded.mesh.weld = 0;
+  EXPECT_EQ(warnings_of(welded), (Found{{"unused-vertices", 0}}));
+}
+
+TEST_F(FitFilePlaces, AnAssetThatBecomesOneMeshForItsCageIsTold) {
+  (void)fit_file(input_, folder_ / "s.glb", {.level = 1});
+  FitFileOptions options;
+  options.cage = folder_ / "c.obj";
+  const FileFit done = fit_file(folder_ / "s.glb", folder_ / "b.glb", options);
+  ASSERT_FALSE(done.fitted.warnings.empty());
+  EXPECT_EQ(done.fitted.warnings[0].code, "merged-asset");
+  EXPECT_THAT(done.fitted.warnings[0].message, HasSubstr("c.obj holds one mesh"));
+}
+
 TEST_F(FitFilePlaces, SurfaceAndCageAreTwoFiles) {
   EXPECT_THAT(refusal(folder_ / "b.ply", folder_ / "b.ply"), HasSubstr("cannot be one file"));
   EXPECT_THAT(refusal(folder_ / "b.ply", folder_ / "." / "b.ply"), HasSubstr("cannot be one file"));

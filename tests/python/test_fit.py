@@ -294,3 +294,23 @@ def test_files_of_other_folders_are_read_where_they_are_wanted(tmp_path):
         planish.read(asset, textures="elsewhere")
     with pytest.raises(TypeError, match="textures"):
         planish.fit([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], textures="anywhere")
+
+
+def test_what_is_odd_about_a_mesh_is_told(cube, tmp_path):
+    def codes(fit):
+        return [warning["code"] for warning in fit.report["warnings"]]
+
+    vertices, faces = cube
+    assert codes(planish.fit(vertices, faces)) == []
+    assert codes(planish.fit(vertices, faces[:, ::-1])) == ["inside-out"]
+    # The same with a vertex more.
+    more = planish.fit(np.vstack([vertices, [[5, 5, 5]]]), faces[:, ::-1])
+    assert codes(more) == ["unused-vertices", "inside-out"]
+    assert "1 of 9 vertices belongs to no face (8)" in more.report["warnings"][0]["message"]
+    corners = vertices[faces.reshape(-1)]
+    torn = tmp_path / "torn.obj"
+    torn.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+                    + "".join(f"f {i} {i + 1} {i + 2} {i + 3}\n" for i in range(1, 24, 4)))
+    told = planish.fit_file(torn, tmp_path / "torn.ply", 1).report["warnings"]
+    assert [warning["code"] for warning in told] == ["torn-vertices"]
+    assert "16 vertices at open edges lie exactly where another one does" in told[0]["message"]

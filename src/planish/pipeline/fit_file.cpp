@@ -137,6 +137,13 @@ bool wants_asset(const std::filesystem::path& input, const std::filesystem::path
   return options.keeps_asset && from && info_of(*from).is_gltf && to && info_of(*to).is_gltf;
 }
 
+Warning merged_asset(const std::filesystem::path& input, const std::filesystem::path& cage) {
+  return {"merged-asset",
+          formatted("{}: the scene becomes one mesh without nodes, skins and animations, since {} "
+                    "holds one mesh; write the glTF by itself to keep them",
+                    visible(input), visible(cage))};
+}
+
 // Levels of detail go from fine to coarse.
 void require_falling(const FitFileOptions& options) {
   int finer = options.levels().front();
@@ -158,7 +165,8 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   const Callbacks callbacks = how.fit.callbacks;
   // Of the time when the file is read, and when the mesh is fitted.
   const double fit = share_before_rows(options.levels()), read = 0.2 * fit;
-  if (wants_asset(input, output, options) && options.cage.empty()) {
+  const bool is_asset = wants_asset(input, output, options);
+  if (is_asset && options.cage.empty()) {
     const RawVector<std::byte> bytes = read_file(input, share_of(callbacks, 0, read));
     const std::string name = visible(input);
     const auto asset = asset_of({.bytes = bytes,
@@ -174,6 +182,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
     refuse_levels_of_detail(visible(output), "; take a file for each level");
   how.fit.callbacks = share_of(callbacks, read, fit);
   MeshFile file = read_faces(input, options, share_of(callbacks, 0, read));
+  if (is_asset && !options.cage.empty()) file.warnings.push_back(merged_asset(input, options.cage));
   for (const Warning& warning : file.warnings) callbacks.warn(warning);
   FileFit result;
   result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);

@@ -12,6 +12,7 @@
 #include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/make_ready.h"
+#include "planish/pipeline/mesh_warnings.h"
 #include "planish/pipeline/option_words.h"
 #include "planish/surface/block_quality.h"
 
@@ -331,6 +332,9 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   ReadyFit ready = prepare_one(std::move(mesh), name, options);
   const MeshDensity density =
       mesh_density(ready.fitted.mesh, *ready.fitted.options.prepared->topology);
+  if (options.faces_are_given)
+    if (const auto torn = torn_warning(ready.fitted, name))
+      WarningList(ready.fitted.warnings, options.fit.callbacks).add(*torn);
   if (may_pair) {
     report(kOneReady);
     const Halves halves =
@@ -351,7 +355,14 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
 }
 
 FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
-  return ready.paired ? fit_both(std::move(ready), backend) : fit_one(std::move(ready), backend);
+  const Callbacks caller = ready.options.fit.callbacks;
+  const bool faces_are_given = ready.options.faces_are_given;
+  const std::string name = ready.name;
+  FittedMesh fitted =
+      ready.paired ? fit_both(std::move(ready), backend) : fit_one(std::move(ready), backend);
+  const WarningList warnings(fitted.warnings, caller);
+  for (const Warning& warning : mesh_warnings(fitted, name, faces_are_given)) warnings.add(warning);
+  return fitted;
 }
 
 FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,

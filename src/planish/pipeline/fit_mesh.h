@@ -31,6 +31,9 @@ struct MeshFitOptions {
   /// Nothing else is kept by the mesh's vertices and texture coordinates: where it is, none is
   /// welded or added.
   bool stands_alone = true;
+  /// Else faces were made of points, and nobody is told of what is odd about them: see
+  /// mesh_warnings.h.
+  bool faces_are_given = true;
   std::optional<double> crease_degrees;  ///< edges whose faces turn by more are sharp, too
   /// Where method and crease_degrees are empty and the mesh has no tags: found creases, too, where
   /// the surface is better for them (see fit_best()).

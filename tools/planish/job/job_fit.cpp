@@ -6,7 +6,6 @@
 #include "job/timed.h"
 #include "planish/core/formatted.h"
 #include "planish/core/refuse.h"
-#include "planish/mesh/inside_out.h"
 #include "planish/pipeline/fit_report.h"
 #include "terminal/text.h"
 
@@ -75,40 +74,6 @@ void warn_of_the_solve(JobReport& report, Console& console) {
                1, result.worst_vertex});
 }
 
-void warn_of_unused(JobReport& report, const PreparedMesh& mesh, Console& console) {
-  const std::int64_t count = report.input.statistics.unused_vertex_count;
-  if (count == 0) return;
-  std::int64_t first = 0;
-  while (first < std::ssize(mesh.vertices) && mesh.vertices[first] == first) ++first;
-  add_warning(report, console,
-              {"unused-vertices",
-               formatted("{}: {} of {}{}{}); {} in the cage", input_name(report.input.path),
-                         with_separators(count), counted(mesh.given_vertex_count, "vertex"),
-                         count == 1 ? " belongs to no face (" : " belong to no face (the first is ",
-                         first, count == 1 ? "it stays where it is" : "they stay where they are"),
-               count, first});
-}
-
-// Whoever draws front faces alone shows nothing of such parts from outside, or their far sides.
-void warn_of_inside_out_parts(const FittedMesh& made, JobReport& report, Console& console) {
-  const PreparedMesh& prepared = *made.fit.prepared;
-  if (!prepared.uses_all()) return;
-  const InsideOutParts found =
-      inside_out_parts(made.mesh, *prepared.topology, report.input.statistics.component_count);
-  if (found.count == 0) return;
-  const std::int64_t face = made.source_faces.empty()
-                                ? found.first_face
-                                : made.source_faces[static_cast<std::size_t>(found.first_face)];
-  add_warning(
-      report, console,
-      {"inside-out",
-       formatted("{}: closed parts whose faces look inward: {}, first at face {}; renderers "
-                 "that draw front faces alone show them from inside; turn the faces over "
-                 "where that is not meant",
-                 input_name(report.input.path), with_separators(found.count), face),
-       found.count, face});
-}
-
 }  // namespace
 
 void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
@@ -131,9 +96,6 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
   report.input.folded_edge_area = made.folds.area;
   report.input.mesh = input_json(made.fitted, report.input.statistics, made.folds);
   note_fit(report, made.fitted);
-  warn_of_unused(report, prepared, context.console);
-  if (report.reconstruction.is_null())
-    warn_of_inside_out_parts(made.fitted, report, context.console);
   warn_of_the_solve(report, context.console);
 }
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "job/point_input.h"
-#include "job/torn_vertices.h"
 #include "planish/core/error.h"
 #include "planish/files/formats.h"
 #include "planish/mesh/check.h"
@@ -120,19 +119,6 @@ bool writes_gltf(const Job& job) {
   });
 }
 
-// Whoever has welded, or had sheets separated, knows of vertices at one place.
-void warn_of_torn_vertices(const ReadyFit& ready, JobReport& report, Console& console) {
-  const FittedMesh& made = ready.fitted;
-  const PreparedMesh& prepared = *made.options.prepared;
-  if (!prepared.uses_all() || made.weld || !made.separated_edges.empty()) return;
-  const TornVertices torn = torn_vertices(made.mesh, *prepared.topology);
-  if (torn.count == 0) return;
-  const auto first = static_cast<std::size_t>(torn.first);
-  add_warning(report, console,
-              {"torn-vertices", ready.name + ": " + torn_text(torn), torn.count,
-               made.source_vertices.empty() ? torn.first : made.source_vertices[first]});
-}
-
 }  // namespace
 
 InputFile load_job_input(const Job& job, JobReport& report, const JobContext& context) {
@@ -201,6 +187,7 @@ ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs
   MeshFitOptions options = mesh_fit_options(report.settings);
   options.fit.callbacks = callbacks_for(report, context);
   if (!chooses) options.method = method_for(report.settings, made);
+  options.faces_are_given = is_mesh;
   if (!is_mesh) options.quads = QuadChoice::Off;  // which it has already
   ReadyFit ready = prepare_mesh(std::move(made.input), options, report.settings);
   report.method = ready.fitted.options.method;
@@ -209,7 +196,6 @@ ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs
         "progressive: the control cage has the mesh's faces, as that of --interpolation fair "
         "does not";
   }
-  if (is_mesh) warn_of_torn_vertices(ready, report, context.console);
   return ready;
 }
 

@@ -329,8 +329,10 @@ Inspection inspect(const InputFile& file) {
     inspection.folds = folded_edges(mesh);
     inspection.diagonal = placement_of(mesh).diagonal;
     const auto prepared = prepare_if_sound(mesh);
-    if (prepared && prepared->uses_all())
-      inspection.torn = torn_vertices(mesh, *prepared->topology);
+    if (prepared) {
+      const UsedPart used = used_part(mesh, prepared);
+      inspection.torn = torn_vertices(used.mesh, *prepared->topology);
+    }
   }
   return inspection;
 }

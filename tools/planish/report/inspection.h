@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "job/point_input.h"
-#include "job/torn_vertices.h"
 #include "planish/core/json_fwd.h"
 #include "planish/files/gltf/asset/asset_contents.h"
 #include "planish/files/scan_contents.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
+#include "planish/mesh/torn_vertices.h"
 
 namespace planish::command {
 

@@ -6,7 +6,7 @@
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 
-namespace planish::command {
+namespace planish {
 
 /// Vertices at open edges that lie exactly where another one does, or as good as there, as
 /// exporters write them that give each face corners of its own, with rounded numbers.
@@ -24,4 +24,4 @@ struct TornVertices {
 /// "12 vertices at open edges lie within 1e-05 of the diagonal of another one; --weld 1e-05 ...".
 [[nodiscard]] std::string torn_text(const TornVertices& torn);
 
-}  // namespace planish::command
+}  // namespace planish

@@ -1,4 +1,4 @@
-#include "job/torn_vertices.h"
+#include "planish/mesh/torn_vertices.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/counted.h"
 #include "planish/mesh/weld_vertices.h"
-#include "terminal/text.h"
 
-namespace planish::command {
+namespace planish {
 
 namespace {
 
@@ -70,4 +70,4 @@ std::string torn_text(const TornVertices& torn) {
          " makes them one";
 }
 
-}  // namespace planish::command
+}  // namespace planish
