@@ -67,6 +67,14 @@ void find_pcd_attributes(PcdHeader& header);
 /// Any further field of one number becomes an attribute; '_' names what fills records up.
 void find_further_fields(PcdHeader& header, PropertyNames& names);
 
+/// An integer at the beginning of `bytes`. Each type becomes a double by itself: of a signed and an
+/// unsigned one together C++ makes an unsigned one first.
+template <class Signed>
+[[nodiscard]] double load_pcd_integer(std::span<const std::byte> bytes, bool is_signed) {
+  if (is_signed) return static_cast<double>(load<Signed>(bytes));
+  return static_cast<double>(load<std::make_unsigned_t<Signed>>(bytes));
+}
+
 /// A value of a binary file at the beginning of `bytes`.
 [[nodiscard]] inline double load_pcd_value(std::span<const std::byte> bytes,
                                            const PcdField& field) {
@@ -74,14 +82,13 @@ void find_further_fields(PcdHeader& header, PropertyNames& names);
   const bool is_signed = field.type == 'I';
   switch (field.size) {
     case 1:
-      return is_signed ? load<std::int8_t>(bytes) : load<std::uint8_t>(bytes);
+      return load_pcd_integer<std::int8_t>(bytes, is_signed);
     case 2:
-      return is_signed ? load<std::int16_t>(bytes) : load<std::uint16_t>(bytes);
+      return load_pcd_integer<std::int16_t>(bytes, is_signed);
     case 4:
-      return is_signed ? load<std::int32_t>(bytes) : load<std::uint32_t>(bytes);
+      return load_pcd_integer<std::int32_t>(bytes, is_signed);
     default:
-      return is_signed ? static_cast<double>(load<std::int64_t>(bytes))
-                       : static_cast<double>(load<std::uint64_t>(bytes));
+      return load_pcd_integer<std::int64_t>(bytes, is_signed);
   }
 }
 
