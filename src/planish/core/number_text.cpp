@@ -113,13 +113,16 @@ bool is_non_finite_word(std::string_view word) {
 }
 
 std::string no_finite_number(std::string_view word) {
-  std::string what = quote(word) + " is no finite number";
-  const std::size_t sign = word.find_first_of("+-", 1);
-  if (sign == std::string_view::npos) return what;
-  // Programs that read it take it for 3.1 or for 310.
+  const std::string what = quote(word) + " is no finite number";
   std::string meant(word);
-  if (meant.substr(sign + 1, 1) != "e" && meant.substr(sign + 1, 1) != "E") return what;
-  std::swap(meant[sign], meant[sign + 1]);
+  const std::size_t comma = word.find(','), sign = word.find_first_of("+-", 1);
+  if (comma != std::string_view::npos) {
+    meant[comma] = '.';
+  } else if (sign != std::string_view::npos) {
+    // Programs that read 3.1+e2 take it for 3.1 or for 310.
+    if (meant.substr(sign + 1, 1) != "e" && meant.substr(sign + 1, 1) != "E") return what;
+    std::swap(meant[sign], meant[sign + 1]);
+  }
   double value = 0;
   return parse_number(meant, value) ? what + "; write " + meant + " if that is meant" : what;
 }

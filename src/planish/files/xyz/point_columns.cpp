@@ -21,12 +21,6 @@ constexpr std::size_t kNoColumn = kMaxPointColumns;
 
 bool is_separator(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';'; }
 
-std::string small_letters(std::string_view word) {
-  std::string small = lower_case(word);
-  std::erase(small, '"');
-  return small;
-}
-
 // What programs call one thing.
 std::string known_name(const std::string& name) {
   static const std::map<std::string, std::string, std::less<>> names = {
@@ -226,7 +220,7 @@ std::vector<std::string> column_names(std::string_view line) {
   while (line.starts_with('#') || line.starts_with('/')) line.remove_prefix(1);
   std::vector<std::string> names;
   for (std::string_view word = take_column(line); !word.empty(); word = take_column(line))
-    names.push_back(small_letters(word));
+    names.push_back(lower_case(word));
   for (const char* axis : {"x", "y", "z"})
     if (std::ranges::count(names, axis) != 1) return {};
   return names;
@@ -234,11 +228,36 @@ std::vector<std::string> column_names(std::string_view line) {
 
 std::string_view take_column(std::string_view& line) {
   while (!line.empty() && is_separator(line.front())) line.remove_prefix(1);
+  if (const std::size_t end = line.find('"', 1); line.starts_with('"') && end < line.size()) {
+    const std::string_view column = line.substr(1, end - 1);
+    line.remove_prefix(end + 1);
+    return column;
+  }
   std::size_t size = 0;
   while (size < line.size() && !is_separator(line[size])) ++size;
   const std::string_view column = line.substr(0, size);
   line.remove_prefix(size);
   return column;
+}
+
+std::string_view number_with_comma(std::string_view line) {
+  if (line.find(',') == std::string_view::npos) return {};
+  constexpr std::string_view kOthers = " \t;";
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::string_view found;
+  std::size_t count = 0;
+  for (std::size_t at = line.find_first_not_of(kOthers); at < line.size(); ++count) {
+    const std::size_t end = std::min(line.find_first_of(kOthers, at), line.size());
+    const std::string_view word = line.substr(at, end - at);
+    at = line.find_first_not_of(kOthers, end);
+    const std::size_t comma = word.find(',');
+    if (comma == std::string_view::npos) continue;
+    const bool is_inside = comma > 0 && comma + 1 < word.size() && is_digit(word[comma - 1]) &&
+                           is_digit(word[comma + 1]);
+    if (!is_inside || word.find(',', comma + 1) != std::string_view::npos) return {};
+    if (found.empty()) found = word;
+  }
+  return count > 1 ? found : std::string_view();
 }
 
 }  // namespace planish

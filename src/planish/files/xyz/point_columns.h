@@ -42,7 +42,13 @@ void add_columns(const PointColumns& columns, std::span<const float> values,
 /// them.
 [[nodiscard]] std::vector<std::string> column_names(std::string_view line);
 
-/// The next column of a line, behind which the line goes on; empty at its end.
+/// The next column of a line, behind which the line goes on; empty at its end. Quotes around it are
+/// no part of it.
 [[nodiscard]] std::string_view take_column(std::string_view& line);
+
+/// A number with a comma in a line whose columns other signs separate, as `1,5 2,5 3,5` or
+/// `1,5;2;3` have: the comma stands for a decimal point, or between thousands. Empty: there is
+/// none, so that commas separate columns.
+[[nodiscard]] std::string_view number_with_comma(std::string_view line);
 
 }  // namespace planish

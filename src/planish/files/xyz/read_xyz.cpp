@@ -27,7 +27,10 @@ enum class TextPoints { Xyz, Pts };
 
 using Columns = std::array<std::string_view, 3>;
 
-bool is_comment(std::string_view word) { return word.starts_with('#') || word.starts_with("//"); }
+// `@File_Version: 4` and the like stand before the points of some programs, and EOD behind them.
+bool is_comment(std::string_view word) {
+  return word.starts_with('#') || word.starts_with("//") || word.starts_with('@');
+}
 
 // The first three columns, which are taken from the line; none of a line that says nothing.
 Columns columns_of(std::string_view& line) {
@@ -35,6 +38,7 @@ Columns columns_of(std::string_view& line) {
   columns[0] = take_column(line);
   if (is_comment(columns[0])) return {};
   columns[1] = take_column(line);
+  if (columns[0] == "EOD" && columns[1].empty()) return {};
   columns[2] = take_column(line);
   return columns;
 }
@@ -46,7 +50,7 @@ bool is_count(const Columns& columns, TextPoints kind) {
 // Words that name the columns; numbers behind a word are a point that is damaged.
 bool is_heading(const Columns& columns) {
   const char c = columns[0].front();
-  const bool is_word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '"';
+  const bool is_word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   double ignored = 0;
   return is_word && !is_non_finite_word(columns[0]) &&
          !(parse_number(columns[1], ignored) && parse_number(columns[2], ignored));
@@ -107,6 +111,11 @@ void read_further(const TextLines& lines, std::string_view rest, std::size_t cou
 void read_point(const TextLines& lines, const Columns& columns, std::string_view rest,
                 std::size_t further, PointPart& part) {
   const std::int64_t index = part.point_count();
+  if (const std::string_view number = number_with_comma(lines.line()); !number.empty())
+    lines.fail(quote(number) +
+                   ": its comma separates no columns, as other signs do here; write decimal "
+                   "points, as \"tr , . < FILE\" does",
+               index);
   if (columns[2].empty()) lines.fail("a point needs 3 coordinates", index);
   glm::dvec3 point(0.0);
   bool missing = false;
@@ -117,6 +126,8 @@ void read_point(const TextLines& lines, const Columns& columns, std::string_view
       missing = true;
       continue;
     }
+    if (columns[axis].find(',') != std::string_view::npos)  // between quotes
+      lines.fail("coordinate " + no_finite_number(columns[axis]), index);
     lines.fail("coordinate " + quote(columns[axis]) + " is no finite number up to 1e150", index);
   }
   if (missing) {
