@@ -12,6 +12,7 @@ namespace planish {
 namespace {
 
 constexpr std::size_t kStlHead = 84;  // with the number of triangles in its last four bytes
+constexpr std::size_t kStlTriangle = 50;
 
 std::string_view characters_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -50,6 +51,8 @@ bool ends_in_binary(std::string_view text, FileFormat format) {
       return text.starts_with("glTF");
     case FileFormat::Las:
       return true;
+    case FileFormat::Stl:  // behind the header and the first triangle, where text has none
+      return text.substr(0, kStlHead + kStlTriangle).find('\0') != std::string_view::npos;
     case FileFormat::Ply:
       return !has_line("format ascii");
     case FileFormat::Pcd:
@@ -75,11 +78,10 @@ bool has_utf8_mark(std::span<const std::byte> bytes) {
 }
 
 bool is_binary_stl(std::span<const std::byte> bytes) {
-  constexpr std::size_t kTriangle = 50;
   if (bytes.size() < kStlHead) return false;
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data() + kStlHead - sizeof count, sizeof count);
-  return count > 0 && bytes.size() == kStlHead + kTriangle * count;
+  return count > 0 && bytes.size() == kStlHead + kStlTriangle * count;
 }
 
 bool is_utf16(std::span<const std::byte> bytes) {

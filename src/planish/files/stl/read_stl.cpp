@@ -2,10 +2,13 @@
 #include "planish/files/stl/read_stl.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -21,6 +24,9 @@
 #include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/text_lines.h"
 #include "planish/files/shared/weld.h"
+#include "planish/mesh/edge_groups.h"
+#include "planish/mesh/placement.h"
+#include "planish/mesh/weld_vertices.h"
 
 namespace planish {
 namespace {
@@ -59,6 +65,108 @@ bool is_text(std::span<const std::byte> bytes) {
   assertion_failed("a coordinate is not finite", __FILE__, __LINE__);
 }
 
+// Programs compute a corner anew for each triangle that has it, and what float32 rounds then
+// differs: by no coordinate more than two of its steps, as far apart as they are at the largest
+// coordinate. A format that says nothing of which corners are one leaves it to these.
+constexpr double kRoundedSteps = 2;
+
+double largest_part(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
+
+double step_at_largest(std::span<const glm::dvec3> positions) {
+  constexpr int kFractionBits = 23;
+  double most = 0;
+  for (const glm::dvec3& p : positions) most = std::max(most, largest_part(glm::abs(p)));
+  return most > 0 ? std::ldexp(1.0, std::ilogb(most) - kFractionBits) : 0;
+}
+
+using OpenEdge = std::array<std::int32_t, 2>;
+
+std::vector<OpenEdge> open_edges(const PolygonMesh& mesh) {
+  std::vector<OpenEdge> open;
+  group_edges(mesh).for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+    if (sides.size() == 1) open.push_back({lower, sides.front().higher});
+  });
+  return open;
+}
+
+// For each position the one that it is but for rounding, itself where there is none: of the ends of
+// open edges only.
+std::vector<std::int32_t> rounded_targets(std::span<const glm::dvec3> positions,
+                                          std::span<const OpenEdge> open) {
+  std::vector<std::int32_t> targets(positions.size()), ends;
+  std::iota(targets.begin(), targets.end(), 0);
+  for (const OpenEdge& edge : open) ends.insert(ends.end(), edge.begin(), edge.end());
+  std::ranges::sort(ends);
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  PolygonMesh mesh;  // one face has them all: its corners say what becomes of each
+  for (const std::int32_t end : ends) mesh.positions.push_back(positions[end]);
+  std::vector<std::int32_t> all(ends.size());
+  std::iota(all.begin(), all.end(), 0);
+  mesh.add_face(all);
+  const double reach = kRoundedSteps * step_at_largest(positions);
+  const double fraction = std::sqrt(3.0) * reach / placement_of(mesh).diagonal;
+  if (!(fraction > 0) || !can_weld_within(fraction)) return targets;
+  const WeldedMesh welded = weld_vertices(std::move(mesh), fraction);
+  if (welded.welded_count == 0) return targets;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const std::int32_t target = ends[welded.source_vertices[welded.mesh.face_vertices[i]]];
+    const glm::dvec3 off = glm::abs(positions[ends[i]] - positions[target]);
+    if (largest_part(off) <= reach) targets[ends[i]] = target;
+  }
+  return targets;
+}
+
+// What is as small as rounding is not rounded away.
+void keep_triangles(const PolygonMesh& mesh, std::vector<std::int32_t>& targets) {
+  std::vector<std::uint8_t> is_detail(targets.size(), 0);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto corners = mesh.face(f);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const std::int32_t target = targets[corners[i]];
+      if (target == targets[corners[(i + 1) % corners.size()]]) is_detail[target] = 1;
+    }
+  }
+  for (std::size_t v = 0; v < targets.size(); ++v)
+    if (is_detail[targets[v]] != 0) targets[v] = static_cast<std::int32_t>(v);
+}
+
+// Corners become one only where two open edges do.
+void keep_what_stays_open(std::span<const OpenEdge> open, std::vector<std::int32_t>& targets) {
+  const auto place_of = [&](const OpenEdge& edge) {
+    return std::minmax({targets[edge[0]], targets[edge[1]]});
+  };
+  std::vector<OpenEdge> edges(open.begin(), open.end());
+  std::ranges::sort(edges, {}, place_of);
+  std::vector<std::uint8_t> closes(targets.size(), 0);
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    if (place_of(edges[i]) != place_of(edges[i + 1])) continue;
+    for (const OpenEdge& edge : {edges[i], edges[i + 1]})
+      for (const std::int32_t vertex : edge) closes[vertex] = 1;
+  }
+  for (std::size_t v = 0; v < targets.size(); ++v)
+    if (closes[v] == 0) targets[v] = static_cast<std::int32_t>(v);
+}
+
+// Returns how many corners became one with another.
+std::int64_t join_rounded(PolygonMesh& mesh) {
+  const std::vector<OpenEdge> open = open_edges(mesh);
+  if (open.empty()) return 0;
+  std::vector<std::int32_t> numbers = rounded_targets(mesh.positions, open);
+  keep_triangles(mesh, numbers);
+  keep_what_stays_open(open, numbers);
+  // A target is no later position than what becomes it, and stays.
+  std::int32_t count = 0;
+  for (std::size_t v = 0; v < numbers.size(); ++v) {
+    const bool stays = numbers[v] == static_cast<std::int32_t>(v);
+    if (stays) mesh.positions[count] = mesh.positions[v];
+    numbers[v] = stays ? count++ : numbers[numbers[v]];
+  }
+  const std::int64_t joined = mesh.vertex_count() - count;
+  mesh.positions.resize(count);
+  for (std::int32_t& vertex : mesh.face_vertices) vertex = numbers[vertex];
+  return joined;
+}
+
 // Of three corners a triangle.
 MeshFile welded_file(std::span<const glm::dvec3> corners, const FileBytes& from) {
   WeldedPositions welded = weld(corners, from);
@@ -68,7 +176,39 @@ MeshFile welded_file(std::span<const glm::dvec3> corners, const FileBytes& from)
   MeshFile file{.format = FileFormat::Stl};
   const auto merged = std::ssize(corners) - std::ssize(welded.positions);
   triangles.finish(std::move(welded.positions), merged, file);
+  const std::int64_t joined = join_rounded(file.mesh);
+  file.welded_vertex_count += joined;
+  if (joined > 0)
+    file.warnings.push_back(
+        {.code = "joined-corners",
+         .message =
+             formatted("{}: {} from another one by rounding only, and {} one with it", from.name,
+                       joined == 1 ? "1 corner at an open edge differs"
+                                   : formatted("{} corners at open edges differ", joined),
+                       joined == 1 ? "is" : "are"),
+         .count = joined});
   return file;
+}
+
+// Colours have no place in the format: VisCAM and Magics put them into the bytes behind a triangle
+// that nobody needs, Magics one for all into the header.
+void warn_of_colors(const FileBytes& from, MeshFile& file) {
+  const std::span<const std::byte> bytes = from.bytes;
+  std::int64_t count = 0;
+  for (std::size_t at = kHeaderBytes; at + kTriangleBytes <= bytes.size(); at += kTriangleBytes)
+    if (load<std::uint16_t>(bytes.subspan(at + kTriangleBytes - 2)) != 0) ++count;
+  const std::string_view header(reinterpret_cast<const char*>(bytes.data()), 80);
+  const bool has_common = header.find("COLOR=") != std::string_view::npos;
+  if (count == 0 && !has_common) return;
+  file.warnings.push_back(
+      {.code = "ignored-colors",
+       .message = formatted("{}: colours of triangles are left out{}; PLY and OBJ have a place for "
+                            "colours, of vertices",
+                            from.name,
+                            count == 0 ? ", here one for all"
+                                       : formatted(", or what else the last two bytes of {} are",
+                                                   counted(count, "triangle"))),
+       .count = count});
 }
 
 MeshFile read_binary(const FileBytes& file) {
@@ -94,7 +234,9 @@ MeshFile read_binary(const FileBytes& file) {
     count_read(file.progress, (end - begin) * kTriangleBytes);
   });
   if (!finite.load()) fail_at_first_infinite(positions, file.name);
-  return welded_file(positions, file);
+  MeshFile found = welded_file(positions, file);
+  warn_of_colors(file, found);
+  return found;
 }
 
 // Reads the facets that begin in a part of the file: a part but the first begins with its first
@@ -231,15 +373,31 @@ MeshFile read_stl(const FileBytes& file, std::size_t part_bytes) {
   }
   const std::uint64_t count = load<std::uint32_t>(bytes.subspan(80));
   const std::uint64_t expected = kHeaderBytes + kTriangleBytes * count;
-  if (bytes.size() == expected) {
-    if (3 * count > std::numeric_limits<std::int32_t>::max())
-      fail(formatted("header promises {} triangles, more than 32 bits can count", count));
-    return read_binary(file);
+  if (bytes.size() != expected && is_text(bytes)) return read_text(file, part_bytes);
+  const auto is_zero = [](std::byte byte) { return byte == std::byte{0}; };
+  const bool is_padded = count > 0 && bytes.size() > expected && !file.is_strict &&
+                         std::ranges::all_of(bytes.subspan(expected), is_zero);
+  if (bytes.size() != expected && !is_padded) {
+    const std::uint64_t fitting = (bytes.size() - kHeaderBytes) / kTriangleBytes;
+    fail(formatted("header promises {} triangles in {} bytes, but the file has {}{}", count,
+                   expected, bytes.size(),
+                   bytes.size() == kHeaderBytes + kTriangleBytes * fitting
+                       ? formatted(", which {} triangles need", fitting)
+                       : ""));
   }
-  if (!is_text(bytes))
-    fail(formatted("header promises {} triangles in {} bytes, but the file has {}", count, expected,
-                   bytes.size()));
-  return read_text(file, part_bytes);
+  if (3 * count > std::numeric_limits<std::int32_t>::max())
+    fail(formatted("header promises {} triangles, more than 32 bits can count", count));
+  FileBytes triangles = file;
+  triangles.bytes = bytes.first(expected);
+  MeshFile found = read_binary(triangles);
+  if (is_padded)
+    found.warnings.push_back(
+        {.code = "trailing-zeros",
+         .message = formatted("{}: {} zero bytes stand behind the triangles, from byte {} on; they "
+                              "are left out",
+                              file.name, bytes.size() - expected, expected),
+         .count = static_cast<std::int64_t>(bytes.size() - expected)});
+  return found;
 }
 
 }  // namespace planish
