@@ -8,7 +8,7 @@
 
 namespace planish {
 
-TextLines PlyTextBody::lines_behind(const FileBytes& file, const PlyHeader& header) {
+TextLines ply_lines_behind(const FileBytes& file, const PlyHeader& header) {
   FileBytes body = file;
   body.bytes = file.bytes.subspan(header.byte_count);
   TextLines lines(body);
@@ -16,13 +16,27 @@ TextLines PlyTextBody::lines_behind(const FileBytes& file, const PlyHeader& head
   return lines;
 }
 
+namespace {
+
 // An entry has at least one digit and one blank or line end for each of its values.
+template <class Place>
+void require_text_room(const PlyElement& element, std::size_t bytes_left, const Place& place) {
+  const std::size_t least = 2 * std::max<std::size_t>(element.properties.size(), 1);
+  if (static_cast<std::uint64_t>(element.count) > (bytes_left + 1) / least)
+    place.fail(formatted("header promises {} of element {}, but only {} bytes follow",
+                         element.count, quote(element.name), bytes_left),
+               -1);
+}
+
+}  // namespace
+
 void PlyTextBody::require_room(const PlyElement& element) const {
   const TextLines lines = records_.before(first_);
-  const std::size_t least = 2 * std::max<std::size_t>(element.properties.size(), 1);
-  if (static_cast<std::uint64_t>(element.count) > (lines.bytes_left() + 1) / least)
-    lines.fail(formatted("header promises {} of element {}, but only {} bytes follow",
-                         element.count, quote(element.name), lines.bytes_left()));
+  require_text_room(element, lines.bytes_left(), lines);
+}
+
+void PlyWrappedBody::require_room(const PlyElement& element) const {
+  require_text_room(element, cursor_.values_left(PlyType::UInt8), cursor_);
 }
 
 void PlyBinaryBody::require_room(const PlyElement& element) const {

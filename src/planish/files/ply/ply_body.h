@@ -50,23 +50,49 @@ namespace planish {
   return 0;
 }
 
-/// Reads values from what follows a header, as text: one entry a line.
-class PlyTextCursor {
+/// Words of one line after another.
+class LineWords {
  public:
-  explicit PlyTextCursor(const TextLines& lines) : lines_(lines), words_("") {}
+  explicit LineWords(const TextLines& lines) : lines_(lines), words_("") {}
 
-  [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
-    lines_.fail(what, index);
-  }
-  void note(LineNote& note, const std::string& what, std::int64_t index) const {
-    lines_.note(note, what, index);
-  }
   void begin() {
     (void)lines_.next_with_words();
     words_ = Words(lines_.line());
   }
+  [[nodiscard]] std::string_view next() { return words_.next(); }
+  /// A word that is left of the line.
+  [[nodiscard]] std::string_view left() { return words_.next(); }
+  [[nodiscard]] const TextLines& lines() const { return lines_; }
+  [[nodiscard]] std::size_t bytes_left() const { return words_.rest().size(); }
+
+ private:
+  TextLines lines_;
+  Words words_;
+};
+
+/// The same of entries that go over lines: nothing is left of one.
+class WrappedWords : public FreeWords {
+ public:
+  using FreeWords::FreeWords;
+  void begin() {}
+  [[nodiscard]] std::string_view left() const { return {}; }
+};
+
+/// Reads values from what follows a header, as text.
+template <class Text>
+class PlyWordCursor {
+ public:
+  explicit PlyWordCursor(const TextLines& lines) : words_(lines) {}
+
+  [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
+    words_.lines().fail(what, index);
+  }
+  void note(LineNote& note, const std::string& what, std::int64_t index) const {
+    words_.lines().note(note, what, index);
+  }
+  void begin() { words_.begin(); }
   void end(const PlyElement& element, std::int64_t index, LineNote& excess) {
-    if (const std::string_view word = words_.next(); !word.empty())
+    if (const std::string_view word = words_.left(); !word.empty())
       note(excess, place_of(element, index) + " has a value too many: " + quote(word), index);
   }
   void skip(PlyType, std::int64_t count, const PlyElement& element, std::int64_t index) {
@@ -76,7 +102,7 @@ class PlyTextCursor {
     const std::string_view text = word(element, index);
     double value = 0;
     if (!parse_number(text, value))
-      lines_.fail(place_of(element, index) + ": " + no_finite_number(text), index);
+      fail(place_of(element, index) + ": " + no_finite_number(text), index);
     return value;
   }
   /// The same, but words for what is not finite are numbers too.
@@ -86,7 +112,7 @@ class PlyTextCursor {
     if (parse_number(text, value)) return value;
     if (is_nan_word(text)) return std::numeric_limits<double>::quiet_NaN();
     if (!is_non_finite_word(text))
-      lines_.fail(place_of(element, index) + ": " + no_finite_number(text), index);
+      fail(place_of(element, index) + ": " + no_finite_number(text), index);
     const double infinite = std::numeric_limits<double>::infinity();
     return text.starts_with('-') ? -infinite : infinite;
   }
@@ -96,22 +122,26 @@ class PlyTextCursor {
     return parse_number(word(element, index), value) ? value
                                                      : std::numeric_limits<double>::quiet_NaN();
   }
-  [[nodiscard]] std::size_t values_left(PlyType) const { return words_.rest().size(); }
+  [[nodiscard]] std::size_t values_left(PlyType) const { return words_.bytes_left(); }
   /// Whether so many can follow.
   [[nodiscard]] bool has_values(double count, PlyType type) const {
     return count <= static_cast<double>(values_left(type));
   }
 
+  /// Whether nothing follows.
+  [[nodiscard]] bool is_at_end() { return words_.next().empty(); }
+
  private:
   std::string_view word(const PlyElement& element, std::int64_t index) {
     const std::string_view text = words_.next();
-    if (text.empty()) lines_.fail(place_of(element, index) + " has too few values", index);
+    if (text.empty()) fail(place_of(element, index) + " has too few values", index);
     return text;
   }
 
-  TextLines lines_;
-  Words words_;
+  Text words_;
 };
+using PlyTextCursor = PlyWordCursor<LineWords>;
+using PlyWrappedCursor = PlyWordCursor<WrappedWords>;
 
 /// The same in binary.
 class PlyBinaryCursor {
@@ -194,13 +224,16 @@ void skip_ply_value(Cursor& cursor, const PlyProperty& property, const PlyElemen
   cursor.skip(property.type, count, element, index);
 }
 
+/// What follows the header of a text file.
+[[nodiscard]] TextLines ply_lines_behind(const FileBytes& file, const PlyHeader& header);
+
 /// What follows a header, element after element, each in pieces that threads read side by side.
 class PlyTextBody {
  public:
   using Cursor = PlyTextCursor;
 
   PlyTextBody(const FileBytes& file, const PlyHeader& header, std::size_t part_bytes)
-      : records_(file, lines_behind(file, header), part_bytes) {}
+      : records_(file, ply_lines_behind(file, header), part_bytes) {}
 
   [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
     records_.before(first_).fail(what, index);
@@ -223,10 +256,32 @@ class PlyTextBody {
   }
 
  private:
-  static TextLines lines_behind(const FileBytes& file, const PlyHeader& header);
-
   LineRecords records_;
   std::int64_t first_ = 0;  // record of the next element
+};
+
+/// The same of text whose entries go over lines.
+class PlyWrappedBody {
+ public:
+  using Cursor = PlyWrappedCursor;
+
+  PlyWrappedBody(const FileBytes& file, const PlyHeader& header, std::size_t)
+      : cursor_(ply_lines_behind(file, header)) {}
+
+  [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
+    cursor_.fail(what, index);
+  }
+  void require_room(const PlyElement& element) const;
+  [[nodiscard]] std::size_t piece_count(const PlyElement&) { return 1; }
+  template <class Read>
+  void for_pieces(const PlyElement& element, const Read& read) {
+    read(0, cursor_, 0, element.count);
+  }
+  /// Whether the last value that was read is the file's.
+  [[nodiscard]] bool is_at_end() { return cursor_.is_at_end(); }
+
+ private:
+  PlyWrappedCursor cursor_;
 };
 
 /// The same in binary.

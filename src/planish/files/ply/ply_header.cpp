@@ -134,7 +134,9 @@ PlyHeader read_ply_header(const FileBytes& file) {
   TextLines lines = TextLines::of_header(file);
   PlyHeader header;
   bool has_format = false;
-  if (!lines.next() || lines.line() != "ply")
+  const bool has_line = lines.next();
+  Words first(lines.line());
+  if (!has_line || first.next() != "ply" || !first.next().empty())
     lines.fail(quote(lines.line()) + " stands in the place of `ply`");
   while (lines.next()) {
     Words words(lines.line());

@@ -41,7 +41,7 @@ struct PlyVertex {
   }
 };
 
-/// Reads an entry of the element `vertex`. Colours that are no numbers are white, and noted, as
+/// Reads an entry of the element `vertex`. Colours that are no numbers are NaN, and noted, as
 /// texture coordinates are; further properties are 0 there, and noted. Throws
 /// Error{UnreadableInput} for positions that are none.
 template <class Cursor>
@@ -83,13 +83,13 @@ PlyVertex read_ply_vertex(Cursor& cursor, const PlyElement& element, const PlyVe
       if (!std::isfinite(values[slot])) {
         if (!bad) bad = i;
       } else if (slot >= 5) {
-        values[slot] = ply_color(values[slot], property.type, slot == 8);
+        values[slot] = ply_color(values[slot], property.type);
       }
     }
   }
   if (bad_color) {
     cursor.note(notes.color, fault(*bad_color), vertex);
-    std::fill_n(values.begin() + 5, 4, 1.0);
+    std::fill_n(values.begin() + 5, 4, std::numeric_limits<double>::quiet_NaN());
   }
   if (bad_uv) {
     cursor.note(notes.uv, fault(*bad_uv), vertex);

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "planish/files/shared/srgb.h"
-
 namespace planish {
 PlyVertexLayout ply_vertex_layout(const PlyElement& element) {
   PlyVertexLayout layout;
@@ -14,8 +12,10 @@ PlyVertexLayout ply_vertex_layout(const PlyElement& element) {
   for (const PlyProperty& property : element.properties) {
     const auto slot = std::ranges::find(kKnownProperties, property.name, &KnownProperty::name);
     const bool is_known = slot != kKnownProperties.end() && !property.count_type;
-    slots.push_back(is_known ? slot->slot : -1);
-    if (is_known) found[slot->slot] = true;
+    // Of two names of one thing the first counts.
+    const bool is_taken = is_known && !found[slot->slot];
+    slots.push_back(is_taken ? slot->slot : -1);
+    if (is_taken) found[slot->slot] = true;
   }
   for (const std::size_t axis : {2, 1, 0}) {
     if (!found[axis]) layout.missing_axis = kKnownProperties[axis].name.front();
@@ -59,13 +59,11 @@ const PlyProperty* ply_texture_list(const PlyElement& face) {
   return found != face.properties.end() && found->count_type ? &*found : nullptr;
 }
 
-double ply_color(double value, PlyType type, bool is_alpha) {
-  if (type == PlyType::Float32 || type == PlyType::Float64) return std::clamp(value, 0.0, 1.0);
+double ply_color(double value, PlyType type) {
+  if (type == PlyType::Float32 || type == PlyType::Float64) return value;
   const auto bits = 8 * byte_count_of(type);
   const bool is_signed = type == PlyType::Int8 || type == PlyType::Int16 || type == PlyType::Int32;
-  const double share =
-      std::clamp(value / (std::ldexp(1, bits - (is_signed ? 1 : 0)) - 1), 0.0, 1.0);
-  return is_alpha ? share : linear_of_srgb(share);
+  return std::clamp(value / (std::ldexp(1, bits - (is_signed ? 1 : 0)) - 1), 0.0, 1.0);
 }
 
 }  // namespace planish

@@ -34,7 +34,8 @@ void add_ply_properties(const PlyElement& element, PlyVertexLayout& layout);
 /// The list of texture coordinates of a face's corners, two numbers each; null if it has none.
 [[nodiscard]] const PlyProperty* ply_texture_list(const PlyElement& face);
 
-/// Linear, 0 to 1. Integers are sRGB by convention, floating-point numbers are linear.
-[[nodiscard]] double ply_color(double value, PlyType type, bool is_alpha);
+/// Of a colour or its alpha: integers as shares of their type's largest, floating-point numbers as
+/// they are, for settle_colors().
+[[nodiscard]] double ply_color(double value, PlyType type);
 
 }  // namespace planish

@@ -2,20 +2,26 @@
 #include "planish/files/ply/read_ply.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "planish/core/drop_marked.h"
+#include "planish/core/error.h"
 #include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/ply/ply_body.h"
 #include "planish/files/ply/ply_texture_corners.h"
 #include "planish/files/ply/ply_vertex.h"
 #include "planish/files/shared/line_records.h"
 #include "planish/files/shared/split_normals.h"
+#include "planish/files/shared/srgb.h"
 
 namespace planish {
 namespace {
@@ -47,13 +53,15 @@ class PlyReader {
     vertex_count_ = require_single("vertex");
     if (vertex_count_ < 0) body_.fail("the header has no element `vertex`", -1);
     (void)require_single("face");
+    (void)require_single("tristrips");
     for (const PlyElement& element : header_.elements) read_element(element);
     if (!file_.mesh.uvs.empty()) name_uvs();
     texture_.finish(file_);
+    warn_of_textures();
     add_warnings();
     return std::move(file_);
   }
-  [[nodiscard]] const Body& body() const { return body_; }
+  [[nodiscard]] Body& body() { return body_; }
 
  private:
   std::int64_t require_single(std::string_view name);
@@ -70,8 +78,14 @@ class PlyReader {
   std::int32_t read_face(Cursor& cursor, const PlyElement& element, const PlyProperty& indices,
                          std::int64_t face, std::vector<std::int32_t>& corners,
                          std::vector<double>& texture) const;
+  void read_strips(const PlyElement& element);
+  void read_strip(Cursor& cursor, const PlyElement& element, const PlyProperty& indices,
+                  std::int64_t strip, FaceParts::Part& part) const;
+  void append(const FaceParts& faces, const PlyElement& element);
+  void warn_of_face_properties(const PlyElement& element);
+  void warn_of_textures();
   std::int32_t read_index(Cursor& cursor, const PlyProperty& property, const PlyElement& element,
-                          std::int64_t face) const;
+                          std::int64_t face, double least = 0) const;
   void name_uvs();
   void add_warnings();
 
@@ -104,11 +118,8 @@ void PlyReader<Body>::read_element(const PlyElement& element) {
   body_.require_room(element);
   if (element.name == "vertex") return read_vertices(element);
   if (element.name == "face") return read_faces(element);
+  if (element.name == "tristrips") return read_strips(element);
   if (element.name == "edge") file_.dropped_element_count += element.count;
-  if (element.name == "tristrips" && element.count > 0)
-    file_.warnings.push_back({.code = "ignored-element",
-                              .message = "triangle strips cannot be read; save them as faces",
-                              .count = element.count});
   const std::size_t pieces = body_.piece_count(element);
   for_pieces(element, pieces, [&](std::size_t, Cursor& cursor, std::int64_t entry, PlyNotes&) {
     for (const PlyProperty& property : element.properties)
@@ -137,7 +148,7 @@ template <class Body>
 PlyVertexLayout PlyReader<Body>::layout_of(const PlyElement& element) const {
   PlyVertexLayout layout = ply_vertex_layout(element);
   const bool has_faces = std::ranges::any_of(header_.elements, [](const PlyElement& other) {
-    return other.name == "face" && other.count > 0;
+    return (other.name == "face" || other.name == "tristrips") && other.count > 0;
   });
   layout.takes_missing = !has_faces && !reading_.is_strict;
   if (has_faces && !reading_.wants_normals) {
@@ -174,6 +185,7 @@ void PlyReader<Body>::read_vertices(const PlyElement& element) {
              [&](std::size_t, Cursor& cursor, std::int64_t vertex, PlyNotes& notes) {
                read_vertex(cursor, element, layout, vertex, notes);
              });
+  settle_colors(file_.mesh.colors, name_, /*whole_is_usual=*/false, file_.warnings);
   if (layout.takes_missing) drop_missing();
 }
 
@@ -229,8 +241,97 @@ void PlyReader<Body>::read_faces(const PlyElement& element) {
     if (has_texture) textures[piece].add_face(texture, static_cast<std::size_t>(part.sizes.back()));
   });
   for (const PlyTextureCorners& texture : textures) texture_.append(texture);
+  append(faces, element);
+  if (element.count > 0) warn_of_face_properties(element);
+}
+
+template <class Body>
+void PlyReader<Body>::append(const FaceParts& faces, const PlyElement& element) {
   if (const std::int64_t face = faces.append_to(file_.mesh); face >= 0)
     body_.fail(place_of(element, face) + ": more face corners than 32 bits can count", face);
+}
+
+template <class Body>
+void PlyReader<Body>::warn_of_face_properties(const PlyElement& element) {
+  std::string names;
+  for (const PlyProperty& property : element.properties)
+    if (&property != ply_vertex_list(element) && &property != ply_texture_list(element))
+      names += (names.empty() ? "" : ", ") + visible(property.name);
+  if (!names.empty())
+    file_.warnings.push_back(
+        {.code = "ignored-face-properties",
+         .message = formatted("{}: properties of faces are left out: {}; those of vertices are "
+                              "read",
+                              name_, names)});
+}
+
+// Programs name pictures in comments, and a number of one for each face.
+template <class Body>
+void PlyReader<Body>::warn_of_textures() {
+  constexpr std::string_view kKeyword = "TextureFile";
+  std::string names;
+  for (const std::string& comment : header_.comments) {
+    if (!comment.starts_with(kKeyword)) continue;
+    Words words(std::string_view(comment).substr(kKeyword.size()));
+    const std::string_view name = words.next();
+    names += (names.empty() ? "" : ", ") + visible(name) + visible(words.rest());
+  }
+  if (!names.empty())
+    file_.warnings.push_back(
+        {.code = "left-out-textures",
+         .message = formatted("{}: textures are left out: {}; a material of an OBJ or glTF keeps "
+                              "its own",
+                              name_, names)});
+}
+
+// A strip's triangles turn now left, now right; a vertex twice in a row only turns them. -1 begins
+// another strip.
+template <class Body>
+void PlyReader<Body>::read_strips(const PlyElement& element) {
+  const PlyProperty* indices = ply_vertex_list(element);
+  if (element.count > 0 && indices == nullptr)
+    body_.fail("element `tristrips` has no list `vertex_indices`", -1);
+  if (indices == nullptr) return;
+  FaceParts faces;
+  const std::size_t pieces = body_.piece_count(element);
+  faces.parts.resize(pieces);
+  for_pieces(element, pieces,
+             [&](std::size_t piece, Cursor& cursor, std::int64_t strip, PlyNotes&) {
+               read_strip(cursor, element, *indices, strip, faces.parts[piece]);
+             });
+  for (const FaceParts::Part& part : faces.parts)
+    for (std::size_t triangle = 0; triangle < part.sizes.size(); ++triangle)
+      texture_.add_face({}, 3);
+  append(faces, element);
+}
+
+template <class Body>
+void PlyReader<Body>::read_strip(Cursor& cursor, const PlyElement& element,
+                                 const PlyProperty& indices, std::int64_t strip,
+                                 FaceParts::Part& part) const {
+  for (const PlyProperty& property : element.properties) {
+    if (&property != &indices) {
+      skip_ply_value(cursor, property, element, strip);
+      continue;
+    }
+    std::array<std::int32_t, 2> last{};
+    std::int64_t length = 0;  // of the strip so far
+    const std::int64_t count = ply_list_count(cursor, property, element, strip);
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::int32_t vertex = read_index(cursor, property, element, strip, /*least=*/-1);
+      if (vertex < 0) {
+        length = 0;
+        continue;
+      }
+      const bool turns_left = length % 2 == 0;
+      if (++length >= 3 && last[0] != last[1] && last[1] != vertex && vertex != last[0]) {
+        part.sizes.push_back(3);
+        part.vertices.insert(part.vertices.end(),
+                             {last[turns_left ? 0 : 1], last[turns_left ? 1 : 0], vertex});
+      }
+      last = {last[1], vertex};
+    }
+  }
 }
 
 // Appends a face's corners and returns how many they are.
@@ -261,10 +362,12 @@ std::int32_t PlyReader<Body>::read_face(Cursor& cursor, const PlyElement& elemen
 
 template <class Body>
 std::int32_t PlyReader<Body>::read_index(Cursor& cursor, const PlyProperty& property,
-                                         const PlyElement& element, std::int64_t face) const {
+                                         const PlyElement& element, std::int64_t face,
+                                         double least) const {
   const double vertex = cursor.number(property.type, element, face);
   // The negated comparison catches NaN.
-  if (!(vertex >= 0 && vertex < static_cast<double>(vertex_count_)) || vertex != std::floor(vertex))
+  if (!(vertex >= least && vertex < static_cast<double>(vertex_count_)) ||
+      vertex != std::floor(vertex))
     cursor.fail(formatted("{} names vertex {} of {}", place_of(element, face), shortest(vertex),
                           vertex_count_),
                 face);
@@ -294,10 +397,38 @@ void PlyReader<Body>::add_warnings() {
   notes_.property.warn(file_.warnings, "missing-properties", name_, "such properties are 0 there");
 }
 
+// Some writers put an entry on several lines, or several on one. That the words end with the last
+// entry says that all of them are what they are taken for; nothing where that is not so.
+std::optional<MeshFile> read_wrapped(const FileBytes& file, const PlyHeader& header,
+                                     const Reading& reading) {
+  try {
+    PlyReader<PlyWrappedBody> reader(file, header, reading);
+    MeshFile found = reader.read();
+    if (!reader.body().is_at_end()) return std::nullopt;
+    found.warnings.push_back(
+        {.code = "wrapped-lines",
+         .message = formatted("{}: entries go over lines; the numbers are read one after another, "
+                              "and are as many as wanted",
+                              file.name)});
+    return found;
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) throw;
+    return std::nullopt;
+  }
+}
+
 MeshFile read_as(const FileBytes& file, const Reading& reading) {
   const PlyHeader header = read_ply_header(file);
-  if (header.format == PlyFormat::Text) return PlyReader<PlyTextBody>(file, header, reading).read();
-  return PlyReader<PlyBinaryBody>(file, header, reading).read();
+  if (header.format != PlyFormat::Text)
+    return PlyReader<PlyBinaryBody>(file, header, reading).read();
+  try {
+    return PlyReader<PlyTextBody>(file, header, reading).read();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput || file.is_strict) throw;
+    std::optional<MeshFile> wrapped = read_wrapped(file, header, reading);
+    if (!wrapped) throw;
+    return std::move(*wrapped);
+  }
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ struct KnownProperty {
   std::string_view name;
   int slot;
 };
-inline constexpr std::array<KnownProperty, 16> kKnownProperties = {{{"x", 0},
+inline constexpr std::array<KnownProperty, 19> kKnownProperties = {{{"x", 0},
                                                                     {"y", 1},
                                                                     {"z", 2},
                                                                     {"s", 3},
@@ -31,6 +31,9 @@ inline constexpr std::array<KnownProperty, 16> kKnownProperties = {{{"x", 0},
                                                                     {"green", 6},
                                                                     {"blue", 7},
                                                                     {"alpha", 8},
+                                                                    {"diffuse_red", 5},
+                                                                    {"diffuse_green", 6},
+                                                                    {"diffuse_blue", 7},
                                                                     {"nx", 9},
                                                                     {"ny", 10},
                                                                     {"nz", 11}}};

@@ -121,6 +121,31 @@ class TextLines {
   StopCheck stop_;
 };
 
+/// The words behind the current line of a text, whatever its lines are.
+class FreeWords {
+ public:
+  explicit FreeWords(const TextLines& lines) : lines_(lines), words_("") {}
+
+  /// The next word; empty at the end of the file.
+  [[nodiscard]] std::string_view next() {
+    std::string_view word = words_.next();
+    while (word.empty() && lines_.next_with_words()) {
+      words_ = Words(lines_.line());
+      word = words_.next();
+    }
+    return word;
+  }
+  /// At the line of the word that was taken last.
+  [[nodiscard]] const TextLines& lines() const { return lines_; }
+  [[nodiscard]] std::size_t bytes_left() const {
+    return words_.rest().size() + lines_.bytes_left();
+  }
+
+ private:
+  TextLines lines_;
+  Words words_;
+};
+
 /// Bytes of a part of a text file that a thread reads at a time.
 inline constexpr std::size_t kTextPartBytes = std::size_t{1} << 20;
 
