@@ -2,6 +2,7 @@
 
 #include "planish/core/error.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/gltf/gltf_to_mtl.h"
 #include "planish/files/gltf/mtl_to_gltf.h"
 
 namespace planish {
@@ -20,9 +21,10 @@ FileMaterials read_materials(const FileBytes& file, FileFormat format, bool to_o
     if (to_gltf) made.gltf = materials_of(made.library);
     made.gltf.input = file.path;
   }
-  if (!to_gltf || !info_of(format).is_gltf) return made;
+  if (!(to_gltf || to_obj) || !info_of(format).is_gltf) return made;
   try {
     if (const auto asset = asset_of(file, format)) made.gltf = materials_of(*asset);
+    if (to_obj) made.library = library_of(made.gltf);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::UnreadableInput) throw;
     made.gltf.warnings.push_back(

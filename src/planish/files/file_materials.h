@@ -9,7 +9,7 @@ namespace planish {
 
 /// What a file says of the materials that its groups name.
 struct FileMaterials {
-  MaterialLibrary library;  ///< of an OBJ, for an OBJ
+  MaterialLibrary library;  ///< of an OBJ or a glTF, for an OBJ
   GltfMaterials gltf;       ///< of an OBJ or a glTF, for a glTF or USD
 
   [[nodiscard]] std::vector<Warning> warnings() const;

@@ -124,7 +124,7 @@ void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
 FileMaterials read_materials_of(const std::filesystem::path& input, FileFormat from,
                                 FileReach reach, bool to_obj, bool to_gltf) {
   RawVector<std::byte> bytes;
-  if (info_of(from).is_gltf && to_gltf) bytes = read_file(input, {});
+  if (info_of(from).is_gltf && (to_gltf || to_obj)) bytes = read_file(input, {});
   const std::string name = visible(input);
   return read_materials({.bytes = bytes, .name = name, .path = input, .reach = reach}, from, to_obj,
                         to_gltf);

@@ -1,9 +1,13 @@
 #include "planish/files/gltf/mtl_to_gltf.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "planish/core/visible_text.h"
@@ -30,6 +34,14 @@ class Converter {
           {"left-out-textures",
            first_ + "; the texture is left out" + (left_out_ > 1 ? ", and others" : ""),
            left_out_});
+    if (!untaken_.empty()) {
+      std::string list;
+      for (const std::string& keyword : untaken_) list += (list.empty() ? "" : ", ") + keyword;
+      made_.warnings.push_back({"left-out-textures",
+                                "textures of an MTL that are left out: " + list +
+                                    "; map_Kd, map_Ke, norm and map_bump are taken",
+                                std::ssize(untaken_)});
+    }
     return std::move(made_);
   }
 
@@ -50,6 +62,10 @@ class Converter {
       if (keyword == "pr") roughness = first;
       if (keyword == "pm") metallic = first;
       if (keyword == "ns") shininess = first;
+      constexpr std::array<std::string_view, 5> kTaken = {"map_kd", "map_ke", "norm", "map_bump",
+                                                          "bump"};
+      if (!texture.path.empty() && std::ranges::find(kTaken, keyword) == kTaken.end())
+        untaken_.insert(keyword);
       if (keyword == "map_kd") set_texture(pbr, "baseColorTexture", texture);
       if (keyword == "map_ke") set_texture(material, "emissiveTexture", texture);
       if (keyword == "norm" || keyword == "map_bump" || keyword == "bump") {
@@ -139,6 +155,7 @@ class Converter {
   const MaterialLibrary& library_;
   GltfMaterials made_;
   std::map<std::filesystem::path, std::optional<std::size_t>> images_;
+  std::set<std::string> untaken_;  // keywords, in small letters
   std::string first_;
   std::int64_t left_out_ = 0;
 };

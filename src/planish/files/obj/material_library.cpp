@@ -161,6 +161,11 @@ std::vector<fs::path> MaterialLibrary::named_files() const {
   return all;
 }
 
+void MaterialLibrary::add(const std::string& name, const fs::path& folder,
+                          std::vector<std::string> lines) {
+  materials_.try_emplace(name, Material{named_folder(folder), std::move(lines)});
+}
+
 std::vector<std::string> MaterialLibrary::names() const {
   std::vector<std::string> names;
   for (const auto& [name, material] : materials_) names.push_back(name);

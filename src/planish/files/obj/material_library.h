@@ -27,7 +27,8 @@ struct MaterialStatement {
   MaterialTexture texture;
 };
 
-/// The materials of the files that an OBJ names, to be written again beside another.
+/// The materials of the files that an OBJ names, or of a glTF (gltf/gltf_to_mtl.h), to be written
+/// beside another.
 class MaterialLibrary {
  public:
   MaterialLibrary() = default;
@@ -36,6 +37,12 @@ class MaterialLibrary {
   explicit MaterialLibrary(const std::filesystem::path& path, FileReach reach = FileReach::Beside);
   /// The same of an OBJ in memory, which has a path.
   explicit MaterialLibrary(const FileBytes& obj);
+
+  /// A material of `lines`, with names of textures relative to `folder`; the first of a name
+  /// counts.
+  void add(const std::string& name, const std::filesystem::path& folder,
+           std::vector<std::string> lines);
+  void add_warning(Warning warning) { warnings_.push_back(std::move(warning)); }
 
   /// The statements of a material as they stand there, with names of textures relative to `folder`;
   /// empty: it is not known.

@@ -8,39 +8,14 @@
 
 #include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
+#include "planish/files/gltf/json_values.h"
 #include "planish/files/shared/identifier.h"
 
 namespace planish {
 namespace {
 
 using nlohmann::json;
-using Numbers = std::vector<double>;
-
-// What lies at `key`; null where nothing does.
-const json& at(const json& in, const char* key) {
-  static const json kNothing;
-  const auto found = in.find(key);
-  return in.is_object() && found != in.end() ? *found : kNothing;
-}
-
-const json& at(const json& in, const char* list, const json& index) {
-  static const json kNothing;
-  const json& all = at(in, list);
-  if (!index.is_number_integer() || index < 0 || !all.is_array() || index >= all.size())
-    return kNothing;
-  return all[index.get<std::size_t>()];
-}
-
-double number_at(const json& value, double otherwise) {
-  return value.is_number() && std::isfinite(value.get<double>()) ? value.get<double>() : otherwise;
-}
-
-Numbers values_of(const json& values, Numbers otherwise) {
-  if (!values.is_array() || values.size() < otherwise.size()) return otherwise;
-  for (std::size_t i = 0; i < otherwise.size(); ++i)
-    otherwise[i] = number_at(values[i], otherwise[i]);
-  return otherwise;
-}
+using Numbers = JsonNumbers;
 
 std::string tuple_text(const Numbers& values) {
   std::string text;
@@ -50,7 +25,7 @@ std::string tuple_text(const Numbers& values) {
 
 const char* wrap_of(const json& sampler, const char* key) {
   constexpr int kClamped = 33071, kMirrored = 33648;
-  const json& value = at(sampler, key);
+  const json& value = json_at(sampler, key);
   return value == kClamped ? "clamp" : value == kMirrored ? "mirror" : "repeat";
 }
 
@@ -81,7 +56,7 @@ class UsdConverter {
       : given_(given), folder_(folder) {}
 
   UsdMaterials convert(std::span<const std::string> names) {
-    for (const json& material : at(given_.lists, "materials")) {
+    for (const json& material : json_at(given_.lists, "materials")) {
       const std::string name = material.value("name", std::string());
       if (std::ranges::find(names, name) != names.end() && !made_.paths.contains(name))
         add(name, material);
@@ -120,7 +95,7 @@ class UsdConverter {
     textures_.clear();
     begin_shader("surface", "UsdPreviewSurface");
     add_base(material);
-    add_metal(at(material, "pbrMetallicRoughness"));
+    add_metal(json_at(material, "pbrMetallicRoughness"));
     add_rest(material);
     line("token outputs:surface");
     end_shader();
@@ -136,9 +111,9 @@ class UsdConverter {
 
   // Whether the texture is in a file; a shader for it will be made then.
   bool takes(const json& info, TextureUse use) {
-    const json& texture = at(given_.lists, "textures", at(info, "index"));
-    const json& source = at(texture, "source");
-    const json& image = at(given_.lists, "images", source);
+    const json& texture = json_at(given_.lists, "textures", json_at(info, "index"));
+    const json& source = json_at(texture, "source");
+    const json& image = json_at(given_.lists, "images", source);
     if (!info.is_object()) return false;
     if (image.is_object() && source < given_.images.size()) {
       const GltfImage& held = given_.images[source.get<std::size_t>()];
@@ -148,7 +123,7 @@ class UsdConverter {
         return true;
       }
     }
-    const json& named = at(image, "name");
+    const json& named = json_at(image, "name");
     left_out_.insert(named.is_string() ? named.get<std::string>()
                      : source.is_number_integer()
                          ? formatted("image {}", source.get<std::int64_t>())
@@ -157,11 +132,11 @@ class UsdConverter {
   }
 
   void add_base(const json& material) {
-    const json& pbr = at(material, "pbrMetallicRoughness");
-    const Numbers color = values_of(at(pbr, "baseColorFactor"), {1, 1, 1, 1});
-    const json& mode = at(material, "alphaMode");
+    const json& pbr = json_at(material, "pbrMetallicRoughness");
+    const Numbers color = values_of(json_at(pbr, "baseColorFactor"), {1, 1, 1, 1});
+    const json& mode = json_at(material, "alphaMode");
     const bool is_opaque = mode != "BLEND" && mode != "MASK";
-    if (takes(at(pbr, "baseColorTexture"),
+    if (takes(json_at(pbr, "baseColorTexture"),
               {.shader = "baseColor", .is_color = true, .scale = color})) {
       line("color3f inputs:diffuseColor.connect = " + connected("baseColor.outputs:rgb"));
       if (!is_opaque) line("float inputs:opacity.connect = " + connected("baseColor.outputs:a"));
@@ -172,13 +147,13 @@ class UsdConverter {
     constexpr double kUsualCutoff = 0.5;
     if (mode == "MASK")
       input("float inputs:opacityThreshold",
-            shortest(number_at(at(material, "alphaCutoff"), kUsualCutoff)));
+            shortest(number_at(json_at(material, "alphaCutoff"), kUsualCutoff)));
   }
 
   void add_metal(const json& pbr) {
-    const double metallic = number_at(at(pbr, "metallicFactor"), 1),
-                 roughness = number_at(at(pbr, "roughnessFactor"), 1);
-    if (takes(at(pbr, "metallicRoughnessTexture"),
+    const double metallic = number_at(json_at(pbr, "metallicFactor"), 1),
+                 roughness = number_at(json_at(pbr, "roughnessFactor"), 1);
+    if (takes(json_at(pbr, "metallicRoughnessTexture"),
               {.shader = "metallicRoughness", .scale = {1, roughness, metallic, 1}})) {
       line("float inputs:metallic.connect = " + connected("metallicRoughness.outputs:b"));
       line("float inputs:roughness.connect = " + connected("metallicRoughness.outputs:g"));
@@ -189,22 +164,23 @@ class UsdConverter {
   }
 
   void add_rest(const json& material) {
-    Numbers glow = values_of(at(material, "emissiveFactor"), {0, 0, 0});
+    Numbers glow = values_of(json_at(material, "emissiveFactor"), {0, 0, 0});
     const json& strength =
-        at(at(at(material, "extensions"), "KHR_materials_emissive_strength"), "emissiveStrength");
+        json_at(json_at(json_at(material, "extensions"), "KHR_materials_emissive_strength"),
+                "emissiveStrength");
     for (double& part : glow) part *= number_at(strength, 1);
-    if (takes(at(material, "emissiveTexture"),
+    if (takes(json_at(material, "emissiveTexture"),
               {.shader = "emissive", .is_color = true, .scale = {glow[0], glow[1], glow[2], 1}})) {
       line("color3f inputs:emissiveColor.connect = " + connected("emissive.outputs:rgb"));
     } else if (glow != Numbers{0, 0, 0}) {
       input("color3f inputs:emissiveColor", tuple_text(glow));
     }
-    const json& bumps = at(material, "normalTexture");
-    const double s = number_at(at(bumps, "scale"), 1);
+    const json& bumps = json_at(material, "normalTexture");
+    const double s = number_at(json_at(bumps, "scale"), 1);
     if (takes(bumps, {.shader = "normal", .scale = {2 * s, 2 * s, 2, 1}, .bias = {-s, -s, -1, 0}}))
       line("normal3f inputs:normal.connect = " + connected("normal.outputs:rgb"));
-    const json& shade = at(material, "occlusionTexture");
-    const double o = number_at(at(shade, "strength"), 1);
+    const json& shade = json_at(material, "occlusionTexture");
+    const double o = number_at(json_at(shade, "strength"), 1);
     if (takes(shade,
               {.shader = "occlusion", .scale = {o, o, o, 1}, .bias = {1 - o, 1 - o, 1 - o, 0}}))
       line("float inputs:occlusion.connect = " + connected("occlusion.outputs:r"));
@@ -212,11 +188,11 @@ class UsdConverter {
 
   void add_texture(const json& info, const TextureUse& use) {
     const std::string name = use.shader;
-    const json& texture = at(given_.lists, "textures", at(info, "index"));
-    const json& sampler = at(given_.lists, "samplers", at(texture, "sampler"));
-    const json& place = at(at(info, "extensions"), "KHR_texture_transform");
+    const json& texture = json_at(given_.lists, "textures", json_at(info, "index"));
+    const json& sampler = json_at(given_.lists, "samplers", json_at(texture, "sampler"));
+    const json& place = json_at(json_at(info, "extensions"), "KHR_texture_transform");
     const std::filesystem::path& file =
-        given_.images[at(texture, "source").get<std::size_t>()].path;
+        given_.images[json_at(texture, "source").get<std::size_t>()].path;
     begin_shader(name, "UsdUVTexture");
     input("asset inputs:file", asset_path(file, folder_));
     line("float2 inputs:st.connect = " +
@@ -232,9 +208,9 @@ class UsdConverter {
     end_shader();
     if (!place.is_object()) return;
     // glTF's v runs down, ours and USD's up.
-    const Numbers scale = values_of(at(place, "scale"), {1, 1}),
-                  offset = values_of(at(place, "offset"), {0, 0});
-    const double turn = number_at(at(place, "rotation"), 0);
+    const Numbers scale = values_of(json_at(place, "scale"), {1, 1}),
+                  offset = values_of(json_at(place, "offset"), {0, 0});
+    const double turn = number_at(json_at(place, "rotation"), 0);
     begin_shader(name + "_place", "UsdTransform2d");
     line("float2 inputs:in.connect = " + connected("st.outputs:result"));
     input("float2 inputs:scale", tuple_text(scale));
