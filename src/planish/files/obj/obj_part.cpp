@@ -84,6 +84,12 @@ ObjPart ObjPartReader::read() {
 
 void ObjPartReader::name(ObjPart::Naming::What what, Words words) {
   part_.namings.push_back({what, part_.mesh.face_count(), joined(words)});
+  if (lines_.line().find_first_of("\r\n") == std::string_view::npos) return;
+  const std::string_view keyword = Words(lines_.line()).next();
+  part_.notes.continued_names.add(lines_.number(), quote(keyword) +
+                                                       " ends with `\\` and goes on with "
+                                                       "the next line, which is part of the name " +
+                                                       quote(part_.namings.back().name));
 }
 
 void ObjPartReader::read_line() {
@@ -126,9 +132,11 @@ void ObjPartReader::read_vertex(Words words) {
     double value = 0;
     if (!parse_number(word, value)) {
       const std::string what = "vertex coordinate " + no_finite_number(word);
-      if (count < 3 || !is_non_finite_word(word)) lines_.fail(what, vertex());
-      if (!is_bad) lines_.note(part_.notes.bad_colors, what, vertex());
+      if (!is_non_finite_word(word)) lines_.fail(what, vertex());
+      LineNote& note = count < 3 ? part_.notes.bad_positions : part_.notes.bad_colors;
+      if (!is_bad) lines_.note(note, what, vertex());
       is_bad = true;
+      value = std::numeric_limits<double>::quiet_NaN();
     }
     if (count < 3) {
       position[count] = value;

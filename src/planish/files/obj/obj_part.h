@@ -31,7 +31,7 @@ struct ObjBackward {
 
 /// What the reader of an OBJ file made the best of.
 struct ObjNotes {
-  LineNote unknown_keyword, bad_colors, bad_uvs, missing_uvs;
+  LineNote unknown_keyword, bad_colors, bad_uvs, missing_uvs, continued_names, bad_positions;
   std::int64_t clamped_colors = 0;
 };
 

@@ -115,6 +115,8 @@ void ObjParts::gather_notes(const std::vector<ObjCounts>& before, ObjPart& all) 
     all.notes.bad_colors.join(part.notes.bad_colors, base.line, base.vertex);
     all.notes.bad_uvs.join(part.notes.bad_uvs, base.line, base.uv);
     all.notes.missing_uvs.join(part.notes.missing_uvs, base.line, base.face);
+    all.notes.continued_names.join(part.notes.continued_names, base.line, 0);
+    all.notes.bad_positions.join(part.notes.bad_positions, base.line, base.vertex);
     all.notes.clamped_colors += part.notes.clamped_colors;
   }
 }
@@ -181,6 +183,8 @@ void require_obj(ObjPart& part, const ObjCounts& all, const TextLines& lines) {
     if (unknown->count > 0 && all.vertex == 0)
       lines.fail_at(unknown->line,
                     unknown->what + " in a file without vertices: this is no OBJ file");
+  if (const LineNote& bad = part.notes.bad_positions; bad.count > 0)
+    lines.fail_at(bad.line, bad.what, bad.element);
   // Faces count from 1, tags from 0.
   require(part.largest_vertex, 1, "face names vertex ", all.vertex, lines);
   if (const LargestIndex& uv = part.largest_uv; uv.index >= all.uv)
@@ -206,6 +210,8 @@ void warn_of(const ObjPart& part, std::string_view name, std::vector<Warning>& w
                                                : " lie outside 0 to 1 and are clamped"),
                         .count = count});
   part.notes.bad_colors.warn(warnings, "missing-colors", name, "such vertices have no colour");
+  part.notes.continued_names.warn(warnings, "continued-names", name,
+                                  "a name without `\\` at its end keeps them apart");
   part.notes.bad_uvs.warn(warnings, "missing-texture-coordinates", name,
                           "corners that name such have none");
   part.notes.missing_uvs.warn(warnings, "missing-texture-coordinates", name,

@@ -59,15 +59,31 @@ void drop_missing_uvs(ObjPart& part) {
   if (!any) part.mesh.face_uvs = {};
 }
 
+// A vertex that no face names may be anywhere: without a place it is put at 0. Otherwise the note
+// stays, and the file is refused.
+void place_unused(ObjPart& part, std::string_view name, std::vector<Warning>& warnings) {
+  LineNote& bad = part.notes.bad_positions;
+  std::vector<glm::dvec3>& positions = part.mesh.positions;
+  const auto is_bad = [](const glm::dvec3& p) { return !std::isfinite(p.x + p.y + p.z); };
+  const bool is_used = std::ranges::any_of(part.mesh.face_vertices, [&](std::int32_t vertex) {
+    return vertex < std::ssize(positions) && is_bad(positions[vertex]);
+  });
+  if (bad.count == 0 || is_used || part.mesh.face_vertices.empty()) return;
+  std::ranges::replace_if(positions, is_bad, glm::dvec3(0.0));
+  bad.warn(warnings, "missing-positions", name, "no face names such vertices, which are put at 0");
+  bad = {};
+}
+
 MeshFile read_lines(const FileBytes& file, std::size_t part_bytes) {
   const TextLines whole(file, TextLines::Continuation::Backslash);
   const std::vector<TextLines> lines = whole.cut(part_bytes);
   ObjParts parts(
       lines.size(), [&](std::size_t p, const auto& use) { use(lines[p]); }, /*is_start=*/true);
   ObjPart all = parts.join({});
+  MeshFile found{.format = FileFormat::Obj};
+  place_unused(all, file.name, found.warnings);
   require_obj(all, all.counts(), whole);
   drop_missing_uvs(all);
-  MeshFile found{.format = FileFormat::Obj};
   warn_of(all, file.name, found.warnings);
   name_faces(all, all.mesh);
   found.header = std::move(all.header);
