@@ -75,7 +75,8 @@ void Repair::drop_degenerate_faces() {
   result_.source_vertices.resize(mesh_.positions.size());
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) result_.source_vertices[v] = v;
 
-  std::int64_t count = 0, first = -1, split_count = 0, first_split = -1;
+  std::int64_t count = 0, first = -1, split_count = 0, first_split = -1, bare_count = 0,
+               first_bare = -1;
   std::vector<std::int32_t> corners, sources, sorted;
   for (std::int32_t f = 0; f < input_.face_count(); ++f) {
     corners.clear();
@@ -96,6 +97,11 @@ void Repair::drop_degenerate_faces() {
       if (split_count++ == 0) first_split = f;
       continue;
     }
+    if (input_.face(f).size() < 3) {
+      if (bare_count++ == 0) first_bare = f;
+      result_.changed_faces.push_back(f);
+      continue;
+    }
     const bool dropped = corners.size() < 3 || repeats;
     if (dropped || corners.size() != input_.face(f).size()) {
       if (count++ == 0) first = f;
@@ -111,6 +117,7 @@ void Repair::drop_degenerate_faces() {
   }
   report("keyholed-faces", "faces that name a vertex twice, as around a hole, cut in triangles",
          split_count, first_split);
+  report("bare-faces", "faces of one or two corners, dropped", bare_count, first_bare);
   report("degenerate-faces", "faces that name a vertex twice, dropped or short of that corner now",
          count, first);
 }

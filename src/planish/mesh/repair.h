@@ -28,7 +28,8 @@ struct RepairedMesh {
 ///   - corners that repeat their predecessor are removed; faces that still name a vertex twice, as
 ///     polygons with a bridge to their hole do, are cut in triangles ("keyholed-faces"); where that
 ///     cannot be, or fewer than three corners are left, they are dropped ("degenerate-faces"), as
-///     is the later of two faces with the same vertices ("duplicate-faces");
+///     are faces that have fewer from the start ("bare-faces") and the later of two faces with the
+///     same vertices ("duplicate-faces");
 ///   - faces are turned round so that neighbours agree, each edge-connected component in the
 ///     direction that most of its faces have ("turned-faces");
 ///   - along edges with three or more faces, or whose faces cannot be made to agree (a Moebius
