@@ -7,6 +7,7 @@
 
 #include "planish/core/number_text.h"
 #include "planish/files/shared/text_encoding.h"
+#include "planish/files/xyz/point_columns.h"
 
 namespace planish {
 namespace {
@@ -23,13 +24,14 @@ std::string_view first_word(std::string_view line) {
   return line.substr(0, line.find_first_of(kBlanks));
 }
 
-// The first line that is neither empty nor a comment; a PCD says what it is in its comment.
+// The first line that is neither empty nor a comment, of any format; a PCD says what it is in its
+// comment.
 std::string_view first_line(std::string_view text) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
     const std::string_view line = trimmed(text.substr(0, end));
     if (line.starts_with("# .PCD")) return line;
-    if (!line.empty() && line.front() != '#') return line;
+    if (!line.empty() && line.front() != '#' && line.front() != '@') return line;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return {};
@@ -91,8 +93,26 @@ std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
   if (line.front() == '{') return FileFormat::Gltf;
   if (is_off_word(word)) return FileFormat::Off;
   if (is_obj_word(word)) return FileFormat::Obj;
+  if (!column_names(line).empty()) return FileFormat::Xyz;
   const auto behind = static_cast<std::size_t>(line.data() + line.size() - text.data());
   return numbers_format(line, first_line(text.substr(behind)));
+}
+
+std::string_view foreign_content(std::span<const std::byte> bytes) {
+  struct Start {
+    std::string_view start, what;
+  };
+  constexpr std::array<Start, 6> kStarts{
+      {{"\x1f\x8b", "is compressed by gzip; \"gunzip FILE\" unpacks it"},
+       {"PK\x03\x04", "is a ZIP archive; \"unzip FILE\" unpacks it"},
+       {"version https://git-lfs",
+        "is a pointer of Git LFS, not the file itself; \"git lfs pull\" fetches it"},
+       {"<!DOCTYPE html", "is a web page, as of a download that failed; load the file itself"},
+       {"<!doctype html", "is a web page, as of a download that failed; load the file itself"},
+       {"<html", "is a web page, as of a download that failed; load the file itself"}}};
+  const auto found = std::ranges::find_if(
+      kStarts, [&](const Start& known) { return starts_with(bytes, known.start); });
+  return found == kStarts.end() ? std::string_view() : found->what;
 }
 
 }  // namespace planish

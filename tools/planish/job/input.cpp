@@ -43,6 +43,8 @@ InputFile load_input(const std::string& path, std::optional<FileFormat> format,
     file.path = path;
     file.bytes = read_file(path, share_of(callbacks, 0, kFileLoaded));
   }
+  if (const std::string_view foreign = foreign_content(file.bytes); !foreign.empty())
+    throw Error(ErrorCode::UnreadableInput, formatted("{}: {}", file.name, foreign));
   file.format = settled_format(file, format);
   // The digest takes as long as a reader: beside it. Moving the file leaves its bytes in place.
   file.digest =

@@ -1,5 +1,9 @@
 #include "job/point_input.h"
 
+#include <algorithm>
+#include <glm/common.hpp>
+#include <limits>
+
 #include "job/input_path.h"
 #include "memory/large_arrays.h"
 #include "planish/core/error.h"
@@ -64,23 +68,46 @@ Mesher require_mesher() {
   };
 }
 
+namespace {
+
+// Degrees are metres neither here nor there: beside heights they are a line.
+std::string geographic_hint(const PointCloud& cloud) {
+  constexpr double kLeastHeights = 100;  // times the width
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+  for (const glm::dvec3& point : cloud.points) {
+    low = glm::min(low, cloud.origin + point);
+    high = glm::max(high, cloud.origin + point);
+  }
+  const glm::dvec3 size = high - low;
+  const bool may_be_degrees = low.x >= -180 && high.x <= 180 && low.y >= -90 && high.y <= 90;
+  if (!may_be_degrees || kLeastHeights * std::max(size.x, size.y) > size.z) return {};
+  return formatted(
+      "; x from {} and y from {} look geographic, degrees of longitude and latitude: "
+      "project them to metres first (\"pdal translate\" with filters.reprojection)",
+      short_number(low.x), short_number(low.y));
+}
+
+}  // namespace
+
 Reconstruction reconstruct_input(const PointInput& input, const ReconstructOptions& options) {
   const Mesher mesher = require_mesher();
   for (const Warning& warning : input.cloud.warnings) options.callbacks.warn(warning);
   if (input.cloud.missing_count > 0)
     options.callbacks.warn(
         {.code = "missing-points",
-         .message = input.name + ": " + counted(input.cloud.missing_count, "point") +
-                    (input.format == FileFormat::Ptx  ? " lie at their scanner, which saw "
-                                                        "nothing there, and are left out"
-                     : input.cloud.missing_count == 1 ? " is not a number and left out"
-                                                      : " are not numbers and left out"),
+         .message =
+             input.name + ": " + counted(input.cloud.missing_count, "point") +
+             (input.format == FileFormat::Ptx  ? " at the scanner's own place or not numbers, "
+                                                 "where it saw nothing: left out"
+              : input.cloud.missing_count == 1 ? " is not a number and left out"
+                                               : " are not numbers and left out"),
          .count = input.cloud.missing_count});
   try {
     return reconstruct(input.cloud, mesher, options);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::UnusableMesh) throw;
-    throw Error(error.code(), input.name + ": " + error.what(), error.element());
+    throw Error(error.code(), input.name + ": " + error.what() + geographic_hint(input.cloud),
+                error.element());
   }
 }
 

@@ -134,6 +134,12 @@ class HeaderReader {
     if (count > room / header_.record_bytes)
       fail(formatted("the header promises {} points of {} bytes, but only {} bytes follow", count,
                      header_.record_bytes, room));
+    if (count == 0 && room >= header_.record_bytes)
+      fail(formatted(
+          "the header promises 0 points, but {} bytes follow, which {} points of {} bytes "
+          "have; it may be of a recording that was cut off: \"lasinfo -repair\" counts "
+          "them",
+          room, room / header_.record_bytes, header_.record_bytes));
     if (count > std::numeric_limits<std::int32_t>::max())
       fail(formatted("{} points are more than 2^31 - 1, which is what one file may have", count));
     header_.point_count = static_cast<std::int64_t>(count);

@@ -242,7 +242,7 @@ void PlyReader<Body>::read_faces(const PlyElement& element) {
   });
   for (const PlyTextureCorners& texture : textures) texture_.append(texture);
   append(faces, element);
-  if (element.count > 0) warn_of_face_properties(element);
+  if (element.count > 0 && reading_.wants_properties) warn_of_face_properties(element);
 }
 
 template <class Body>

@@ -51,8 +51,8 @@ std::int64_t size_of(const TextLines& lines, const std::string& what) {
   Words words(lines.line());
   const std::string_view word = words.next();
   std::int64_t size = 0;
-  if (!parse_integer(word, size) || size < 1 || size > kMostPoints || !words.next().empty())
-    lines.fail(formatted("{} {} is no integer from 1 to 2147483647", what, quote(lines.line())));
+  if (!parse_integer(word, size) || size < 0 || size > kMostPoints || !words.next().empty())
+    lines.fail(formatted("{} {} is no integer from 0 to 2147483647", what, quote(lines.line())));
   return size;
 }
 
@@ -68,7 +68,7 @@ PtxScan read_head(TextLines lines) {
   scan.columns = size_of(lines, "the number of columns");
   next("rows");
   scan.rows = size_of(lines, "the number of rows");
-  if (scan.rows > kMostPoints / scan.columns)
+  if (scan.columns > 0 && scan.rows > kMostPoints / scan.columns)
     lines.fail(formatted("{} times {} points are more than 2^31 - 1", scan.columns, scan.rows));
   next("scanner's place");
   const auto place = scan_numbers<3>(lines, "the scanner's place");
