@@ -1,12 +1,14 @@
 // Based on: G. Turk, "The PLY Polygon File Format", 1994.
 #include <algorithm>
 #include <bit>
+#include <vector>
 
 #include "planish/core/formatted.h"
 #include "planish/distributed/range_file.h"
 #include "planish/distributed/read_slices.h"
 #include "planish/distributed/record_chains.h"
 #include "planish/files/ply/ply_vertex.h"
+#include "planish/files/shared/srgb.h"
 
 namespace planish {
 
@@ -126,6 +128,8 @@ void read_vertices(const RangeFile& file, const PlyElement& element, std::int64_
     if (layout.has_uvs) attributes.uvs[i] = vertex.uv();
     if (layout.has_colors) attributes.colors[i] = vertex.color();
   }
+  std::vector<Warning> none;  // integers are within their range
+  settle_colors(attributes.colors, file.path(), /*whole_is_usual=*/false, none);
 }
 
 // Each rank tells the next where its first record begins.
@@ -197,6 +201,11 @@ bool has_sliceable_body(const PlyHeader& header) {
   if (vertex.name != "vertex" || face.name != "face" || ply_vertex_list(face) == nullptr)
     return false;
   const auto is_list = [](const PlyProperty& p) { return p.count_type.has_value(); };
+  // What colours as floating-point numbers go up to only the whole file tells.
+  const PlyVertexLayout layout = ply_vertex_layout(vertex);
+  for (std::size_t i = 0; i < vertex.properties.size(); ++i)
+    if (layout.slots[i] >= 5 && layout.slots[i] <= 8 && !is_integer(vertex.properties[i].type))
+      return false;
   return std::ranges::none_of(vertex.properties, is_list) &&
          std::ranges::count_if(face.properties, is_list) == 1 &&
          is_integer(ply_vertex_list(face)->type);

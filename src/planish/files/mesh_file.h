@@ -34,7 +34,7 @@ struct MeshFile {
 };
 
 /// Reads a mesh from memory; `name` stands in messages, and files that a glTF names are refused.
-/// n-gons are kept; STL and glTF are welded by exact position. Indices
+/// n-gons are kept; glTF is welded by exact position, STL within rounding. Indices
 /// are in range and positions finite in what is returned; the other conditions of check() are not
 /// tested here. Throws Error{UnreadableInput}: `name:line: what, value`; Error{InvalidArgument} for
 /// a format of points.
