@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from case import Case, Result  # noqa: E402
 
 TIMEOUT = 120  # seconds: a hang; none of them takes ten
-MODULES = ("mesh_cases", "gltf_cases")
+MODULES = ("mesh_cases", "point_cases", "gltf_cases")
 
 
 def all_cases() -> list[Case]:
