@@ -314,11 +314,12 @@ def off_cases():
         for colours in (True, False):
             data = b"OFF BINARY\n" + struct.pack(order + "3i", 96, 96, 0) + shapes.packed(order + "3f", POINTS)
             data += b"".join(struct.pack(order + "5i", 4, *f) + (bytes(4) if colours else b"") for f in FACES)
-            usual = order == ">" and colours
-            check = all_of(IS_TORUS, warns_nothing if usual else warns("binary-layout"))
-            kind = "" if colours else "_bare"
-            yield good(f"off_binary_{name}{kind}", data, check)
-            yield bad(f"off_binary_{name}{kind}_short", data[:-3], "a.off")
+            kind = f"off_binary_{name}" + ("" if colours else "_bare")
+            if colours == (order == ">"):
+                yield good(kind, data, all_of(IS_TORUS, warns_nothing if colours else warns("binary-layout")))
+                yield bad(f"{kind}_short", data[:-3], "a.off")
+            else:
+                yield bad(kind, data, "a.off")
     yield bad("off_binary_counts", b"OFF BINARY\n" + struct.pack("<3i", 1 << 29, 1, 0) + bytes(50), "does not fit 62 bytes")
     wrapped = off(POINTS, []) + "".join("4\n%d\n%d\n%d\n%d\n" % f for f in FACES)
     yield good("off_wrapped", wrapped, all_of(IS_TORUS, warns("wrapped-lines")))

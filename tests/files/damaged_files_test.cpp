@@ -61,7 +61,26 @@ std::vector<Sample> samples() {
     test::append<float>(off, static_cast<float>(i * i % 7), std::endian::big);
   for (const int value : {3, 0, 1, 2, 1, 5})
     test::append<std::int32_t>(off, value, std::endian::big);
+  std::string own = "STCOFF BINARY\n";  // the machine's numbers, faces without colours
+  for (const int count : {3, 1, 0}) test::append<std::int32_t>(own, count);
+  for (int i = 0; i < 27; ++i) test::append<float>(own, static_cast<float>(i * i % 7));
+  for (const int value : {3, 0, 1, 2}) test::append<std::int32_t>(own, value);
+  std::string strips =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"
+      "property float y\nproperty float z\nproperty float diffuse_red\n"
+      "property float diffuse_green\nproperty float diffuse_blue\nelement tristrips 1\n"
+      "property list int int vertex_indices\nend_header\n";
+  for (int i = 0; i < 24; ++i) test::append<float>(strips, static_cast<float>(i * i % 7));
+  for (const int value : {8, 0, 1, 2, 3, -1, 3, 2, 1}) test::append<std::int32_t>(strips, value);
   return {
+      {own, FileFormat::Off},
+      {strips, FileFormat::Ply},
+      {"OFF\n3 1 0\n0 0 0 1\n0 0 0 1 0 3\n0 1\n2\n", FileFormat::Off},
+      {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+       "property float z\nelement tristrips 1\nproperty list uchar int vertex_index\n"
+       "end_header\n0 0\n0 1 0 0\n0 1 0 4 0\n1 2 -1\n",
+       FileFormat::Ply},
+      {"v 0 0 0\nv 1 0 0\nv nan 0 0\nv 0 1 0\nusemtl a\\\nf 1 2 4\nf 2 1 4\n", FileFormat::Obj},
       {written(FileFormat::Obj), FileFormat::Obj},
       {"v 0 0 0\r\nv 1 0 0 1\r\nv 0 1 \\\r\n 0\r\nvt 0\r\nvt 1 1 0\r\nf -1/2/3 -2//1 \\\r\n-3\r\nt "
        "corner 2/2/0 0 1 1 "

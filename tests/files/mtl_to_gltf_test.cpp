@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "files/gltf/asset_sample.h"
+#include "planish/files/gltf/gltf_to_mtl.h"
 #include "support/temporary_folder.h"
 
 namespace planish {
@@ -75,6 +76,45 @@ TEST_F(MtlToGltf, WhatGltfCannotHoldIsSaid) {
   EXPECT_EQ(made.warnings[0].code, "left-out-textures");
   EXPECT_EQ(made.warnings[0].count, 2);
   EXPECT_THAT(made.warnings[0].message, HasSubstr("a.tga"));
+}
+
+TEST_F(MtlToGltf, NamesTexturesThatHaveNoPlace) {
+  const GltfMaterials made =
+      converted("newmtl a\nmap_d a.png\nmap_Ks a.png\nmap_Pr a.png\nmap_d b.png\n");
+  ASSERT_EQ(made.warnings.size(), 1u);
+  EXPECT_EQ(made.warnings[0].code, "left-out-textures");
+  EXPECT_THAT(made.warnings[0].message, HasSubstr("map_d, map_ks, map_pr;"));
+}
+
+// And back: numbers and places are the same.
+TEST_F(MtlToGltf, AnObjHasTheMaterialsOfAGltf) {
+  write("a b.png", test::AssetSample::image());
+  const GltfMaterials given = converted(
+      "newmtl glass\nKd 0.2 0.4 0.9\nd 0.5\nKe 0 4 1\nPr 0.25\nPm 1\nnewmtl wood\nPr 0.5\n"
+      "map_Kd -s 4 2 1 -o 0.5 0.25 -clamp on a b.png\nnorm -bm 0.5 a b.png\n");
+  const MaterialLibrary library = library_of(given);
+  EXPECT_EQ(library.statements("glass", folder_.path()),
+            "Kd 0.2 0.4 0.9\nd 0.5\nPr 0.25\nPm 1\nKe 0 4 1\n");
+  EXPECT_EQ(library.statements("wood", folder_.path()),
+            "Kd 1 1 1\nPr 0.5\nPm 0\nmap_Kd -s 4 2 1 -o 0.5 0.25 0 -clamp on a b.png\n"
+            "norm -bm 0.5 a b.png\n");
+  EXPECT_THAT(library.warnings(), IsEmpty());
+  EXPECT_EQ(materials_of(library).lists, given.lists);
+}
+
+TEST_F(MtlToGltf, SaysWhatAnObjHasNoWordFor) {
+  GltfMaterials given;
+  given.lists = json::parse(R"({"materials": [{"name": "a", "alphaMode": "MASK",
+      "occlusionTexture": {"index": 0}, "extensions": {"KHR_materials_clearcoat": {}},
+      "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+    "textures": [{"source": 0}], "images": [{"name": "inside"}]})");
+  given.images = {{.type = "image/png", .bytes = {}}};
+  const MaterialLibrary library = library_of(given);
+  EXPECT_EQ(library.statements("a", {}), "Kd 1 1 1\nPr 1\nPm 1\n");
+  ASSERT_EQ(library.warnings().size(), 2u);
+  EXPECT_THAT(library.warnings()[0].message, HasSubstr("textures are left out: inside;"));
+  EXPECT_THAT(library.warnings()[1].message,
+              HasSubstr("KHR_materials_clearcoat, alphaMode MASK, occlusionTexture"));
 }
 
 }  // namespace

@@ -173,7 +173,8 @@ TEST(ReadObj, CollectsTheHeaderOfACage) {
 TEST(ReadObj, RefusesWrongNumbers) {
   EXPECT_EQ(obj_error("v 0 0 0\nv nan 0 0\n"),
             "a.obj:2: vertex coordinate `nan` is no finite number");
-  EXPECT_EQ(obj_error("v 1,5 0 0"), "a.obj:1: vertex coordinate `1,5` is no finite number");
+  EXPECT_EQ(obj_error("v 1,5 0 0"),
+            "a.obj:1: vertex coordinate `1,5` is no finite number; write 1.5 if that is meant");
   EXPECT_EQ(obj_error("v 0 inf 0"), "a.obj:1: vertex coordinate `inf` is no finite number");
   EXPECT_EQ(obj_error("v 0 1e999 0"), "a.obj:1: vertex coordinate `1e999` is no finite number");
   EXPECT_EQ(obj_error("v 0 0x10 0"), "a.obj:1: vertex coordinate `0x10` is no finite number");
@@ -258,6 +259,30 @@ TEST(ReadObj, AgreesWithTinyobjloader) {
   EXPECT_EQ(tags[0].intValues, (std::vector<int>{mesh.creases[0].v0, mesh.creases[0].v1}));
   EXPECT_EQ(static_cast<float>(tags[0].floatValues[0]), mesh.creases[0].sharpness);
   EXPECT_EQ(tags[1].intValues[0], mesh.corners[0].vertex);
+}
+
+TEST(ReadObj, PlacesOnlyVerticesThatNoFaceNames) {
+  const MeshFile file = obj_of("v 0 0 0\nv 1 nan 0\nv 1 0 0\nv 0 1 0\nf 1 3 4\nv 0 0 -inf\n");
+  EXPECT_EQ(file.mesh.positions[1], glm::dvec3(0.0));
+  EXPECT_EQ(file.mesh.positions[4], glm::dvec3(0.0));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].message,
+            "a.obj:2: vertex coordinate `nan` is no finite number; no face names such vertices, "
+            "which are put at 0 (2 times)");
+  EXPECT_EQ(file.warnings[0].count, 2);
+  EXPECT_EQ(obj_error("v 0 0 0\nv 1 nan 0\nv 1 0 0\nf 1 2 3\n"),
+            "a.obj:2: vertex coordinate `nan` is no finite number");
+  EXPECT_EQ(obj_error("v 0 0 0\nv 1 nan 0\n"),
+            "a.obj:2: vertex coordinate `nan` is no finite number");
+}
+
+TEST(ReadObj, TellsOfNamesThatTakeTheNextLine) {
+  const MeshFile file = obj_of(with_triangle("usemtl tex\\\nf 1 2 3\nf 3 2 1\n"));
+  EXPECT_EQ(file.mesh.face_count(), 1);
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].message,
+            "a.obj:4: `usemtl` ends with `\\` and goes on with the next line, which is part of the "
+            "name `tex f 1 2 3`; a name without `\\` at its end keeps them apart");
 }
 
 }  // namespace

@@ -57,6 +57,25 @@ TEST(ReadPcd, FindsAxesAmongOtherFields) {
   EXPECT_THAT(pcd_of(text).points, ElementsAre(glm::dvec3(1.5, -2, 0.1), glm::dvec3(1.5, -2, 1.1)));
 }
 
+template <class Value>
+void expect_signed(int size) {
+  const std::string n = std::to_string(size);
+  std::string text = pcd_header("FIELDS x y z label\nSIZE " + n + " " + n + " " + n + " " + n +
+                                    "\nTYPE I I I I\nCOUNT 1 1 1 1\n",
+                                1, "binary");
+  for (const int value : {-1, 0, 7, -2}) append(text, static_cast<Value>(value));
+  const PointCloud cloud = pcd_of(text);
+  EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(-1, 0, 7))) << size;
+  EXPECT_THAT(cloud.attributes.at(0).values, ElementsAre(-2.0f)) << size;
+}
+
+TEST(ReadPcd, ReadsSignedIntegersOfEverySize) {
+  expect_signed<std::int8_t>(1);
+  expect_signed<std::int16_t>(2);
+  expect_signed<std::int32_t>(4);
+  expect_signed<std::int64_t>(8);
+}
+
 const std::string kIntense =
     "FIELDS x y z intensity rgb _ ring intensity Ring no\nSIZE 4 4 4 4 4 1 2 4 4 4\n"
     "TYPE F F F F U U U F F F\nCOUNT 1 1 1 1 1 1 1 1 1 2\n";

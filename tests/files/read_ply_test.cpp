@@ -14,6 +14,7 @@ namespace {
 
 using test::append;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 MeshFile ply_of(std::string_view text) { return read_ply(test::file_of(text, "a.ply")); }
@@ -88,8 +89,10 @@ TEST(ReadPly, ReadsColoursAndTextureCoordinates) {
   const PolygonMesh floats = file_of(
       "property float texture_v\nproperty float texture_u\nproperty float blue\n"
       "property float green\nproperty float red\n",
-      "3 4 0.1 0.5 2");
-  EXPECT_EQ(floats.colors[0], glm::vec4(1, 0.5f, 0.1f, 1));
+      "3 4 0.04045 0.50196078 1.5");
+  EXPECT_EQ(floats.colors[0].r, 1);
+  EXPECT_FLOAT_EQ(floats.colors[0].g, 0.21586050f);
+  EXPECT_FLOAT_EQ(floats.colors[0].b, 0.04045f / 12.92f);
   EXPECT_EQ(floats.uvs[0], glm::dvec2(4, 3));
   // Half of them are none.
   const PolygonMesh half = file_of("property float u\nproperty uchar red\n", "nan 3");
@@ -283,7 +286,7 @@ TEST(ReadPly, RefusesWrongText) {
   EXPECT_EQ(ply_error(ply_text_of(1, 1, "0 nan 0\n")),
             "a.ply:10: vertex 0 of 1: `nan` is no finite number");
   EXPECT_EQ(ply_error(ply_text_of(1, 0, "0,5 0 0\n")),
-            "a.ply:10: vertex 0 of 1: `0,5` is no finite number");
+            "a.ply:10: vertex 0 of 1: `0,5` is no finite number; write 0.5 if that is meant");
   EXPECT_EQ(ply_error(ply_text_of(2, 0, "0 0 0\n1     1\n")),
             "a.ply:11: vertex 1 of 2 has too few values");
   EXPECT_EQ(ply_error(ply_text_of(2, 0, "0 0 0         \n")),
@@ -334,13 +337,83 @@ TEST(ReadPly, RefusesWrongBinaries) {
             "follow");
 }
 
-TEST(ReadPly, WarnsOfTriangleStrips) {
+std::vector<std::string> ply_codes(const MeshFile& file) {
+  std::vector<std::string> codes;
+  for (const Warning& warning : file.warnings) codes.push_back(warning.code);
+  return codes;
+}
+
+TEST(ReadPly, TellsWhatFloatingPointColoursGoUpTo) {
+  const std::string start =
+      header("ascii", "element vertex 3\n" + std::string(kPositions) +
+                          "property float diffuse_red\nproperty float diffuse_green\n"
+                          "property float diffuse_blue\nelement face 1\n" +
+                          std::string(kIndices));
+  const auto file_of = [&](const std::string& color) {
+    return ply_of(start + "0 0 0 " + color + "\n1 0 0 0 0 0\n0 1 0 1 0 0\n3 0 1 2\n");
+  };
+  const MeshFile bytes = file_of("255 128 0");
+  EXPECT_THAT(ply_codes(bytes), ElementsAre("color-range"));
+  EXPECT_THAT(bytes.warnings[0].message, HasSubstr("numbers up to 255"));
+  EXPECT_EQ(bytes.mesh.colors[0].r, 1);
+  EXPECT_FLOAT_EQ(bytes.mesh.colors[0].g, 0.21586050f);
+  const MeshFile shares = file_of("1.5 0.50196078 -1");
+  EXPECT_THAT(ply_codes(shares), ElementsAre("clamped-colors"));
+  EXPECT_EQ(shares.warnings[0].count, 1);
+  EXPECT_FLOAT_EQ(shares.mesh.colors[0].g, 0.21586050f);
+  EXPECT_EQ(shares.mesh.colors[2], glm::vec4(1, 0, 0, 1));
+}
+
+TEST(ReadPly, ReadsTriangleStrips) {
   const MeshFile file =
-      ply_of(header("ascii", "element vertex 1\n" + std::string(kPositions) +
-                                 "element tristrips 1\n" + std::string(kIndices)) +
-             "0 0 0\n3 0 0 0\n");
-  ASSERT_EQ(file.warnings.size(), 1u);
-  EXPECT_EQ(file.warnings[0].message, "triangle strips cannot be read; save them as faces");
+      ply_of(header("ascii", "element vertex 5\n" + std::string(kPositions) +
+                                 "element tristrips 2\n" + std::string(kIndices)) +
+             "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n"
+             "9 0 1 2 3 -1 2 3 4 4\n3 4 3 2\n");
+  // Every second one turns the other way; a vertex twice makes no triangle.
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 2));
+  EXPECT_THAT(ply_codes(file), IsEmpty());
+  const std::string start = header("ascii", "element vertex 1\n" + std::string(kPositions) +
+                                                "element tristrips 1\n" + std::string(kIndices));
+  EXPECT_EQ(ply_error(start + "0 0 0\n3 0 0 -2\n"),
+            "a.ply:11: tristrips 0 of 1 names vertex -2 of 1");
+  EXPECT_EQ(ply_error(start + "0 0 0\n3 0 0 1\n"),
+            "a.ply:11: tristrips 0 of 1 names vertex 1 of 1");
+}
+
+TEST(ReadPly, ReadsEntriesThatGoOverLines) {
+  const std::string start = header("ascii", "element vertex 3\n" + std::string(kPositions) +
+                                                "element face 2\n" + std::string(kIndices));
+  for (const char* body :
+       {"0 0 0 1 0 0 0 1 0\n3 0 1 2 3 2 1 0\n", "0\n0 0 1\n0 0 0 1\n0\n3 0\n1 2 3\n2 1 0"}) {
+    const MeshFile file = ply_of(start + body);
+    EXPECT_EQ(file.mesh.positions[2], glm::dvec3(0, 1, 0)) << body;
+    EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 2, 1, 0)) << body;
+    EXPECT_THAT(ply_codes(file), ElementsAre("wrapped-lines")) << body;
+  }
+  // Numbers that are not as many as wanted are no such file, and the first line that is wrong
+  // counts.
+  for (const char* body :
+       {"0 0 0 1 0 0 0 1 0\n3 0 1 2 3 2 1\n", "0 0\n0 1 0 0 0 1 0\n3 0 1 2 3 2 1 0 7\n"})
+    EXPECT_THAT(ply_error(start + body), HasSubstr("a.ply:")) << body;
+}
+
+TEST(ReadPly, TellsOfWhatIsLeftOut) {
+  const MeshFile file = ply_of(
+      header("ascii", "comment TextureFile my wood.png\nelement vertex 3\n" +
+                          std::string(kPositions) + "element face 1\n" + std::string(kIndices) +
+                          "property uchar red\nproperty int texnumber\n") +
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 0\n");
+  ASSERT_THAT(ply_codes(file), ElementsAre("ignored-face-properties", "left-out-textures"));
+  EXPECT_THAT(file.warnings[0].message, HasSubstr("red, texnumber"));
+  EXPECT_THAT(file.warnings[1].message, HasSubstr("my wood.png"));
+}
+
+TEST(ReadPly, TakesBlanksBehindTheFirstWord) {
+  EXPECT_EQ(ply_of("ply \nformat ascii 1.0 \nelement vertex 1\n" + std::string(kPositions) +
+                   "end_header \n0 0 0\n")
+                .mesh.positions.size(),
+            1u);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST(ReadPtx, ContentsNameTheScans) {
 
 TEST(ReadPtx, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(ptx_error(""), HasSubstr("ends in a scan's header, before its columns"));
-  EXPECT_THAT(ptx_error("0\n2\n"), HasSubstr("a.ptx:1: the number of columns `0` is no integer"));
+  EXPECT_THAT(ptx_error("-1\n2\n"), HasSubstr("a.ptx:1: the number of columns `-1` is no integer"));
   EXPECT_THAT(ptx_error("2\ntwo\n"), HasSubstr("a.ptx:2: the number of rows `two`"));
   EXPECT_THAT(ptx_error("100000\n100000\n"), HasSubstr("100000 times 100000 points are more"));
   EXPECT_THAT(ptx_error(ptx_with(kPtx, "0 0 1\n", "0 0\n")),

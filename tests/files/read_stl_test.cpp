@@ -122,5 +122,63 @@ TEST(ReadStl, RefusesWrongText) {
             "a.stl:3: the file ends inside a facet");
 }
 
+// Of a tetrahedron whose corners each triangle has anew, a step of float32 apart.
+TEST(ReadStl, JoinsCornersThatDifferByRounding) {
+  constexpr float kStep = 0x1p-20f;  // at 11
+  const glm::vec3 a(10, 10, 10), b(11, 10, 10), c(10, 11, 10), d(10, 10, 11);
+  const glm::vec3 x(kStep, 0, 0), y(0, -kStep, 0), z(0, kStep, kStep);
+  const MeshFile file = stl_of(binary_stl(
+      {{{a, c, b}}, {{a + x, b + y, d}}, {{b - x, c + z, d + y}}, {{a + y, d + x, c - y}}}));
+  EXPECT_EQ(file.mesh.vertex_count(), 4);
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3, 2, 1, 3, 0, 3, 1));
+  EXPECT_EQ(file.mesh.positions[2], glm::dvec3(11, 10, 10));
+  EXPECT_EQ(file.welded_vertex_count, 8);
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].code, "joined-corners");
+  EXPECT_EQ(file.warnings[0].count, 8);
+}
+
+// Three steps are no rounding; what does not close an edge, or would lose a triangle, stays.
+TEST(ReadStl, LeavesCornersThatDifferByMore) {
+  constexpr float kStep = 0x1p-23f;  // at 1
+  const glm::vec3 apart(0, 3 * kStep, 0), near(0, kStep, 0);
+  const glm::vec3 a(0, 0, 0), b(1, 0, 0), c(0.5f, 1, 0), e(0.5f, -1, 0);
+  EXPECT_EQ(stl_of(binary_stl({{{a, b, c}}, {{b + near, a + near, e}}})).mesh.vertex_count(), 4);
+  EXPECT_EQ(stl_of(binary_stl({{{a, b, c}}, {{b + apart, a + apart, e}}})).mesh.vertex_count(), 6);
+  EXPECT_EQ(
+      stl_of(binary_stl({{{a, b, c}}, {{a + near, e, glm::vec3(-1, 0, 0)}}})).mesh.vertex_count(),
+      6);
+  const glm::vec3 i(kStep, 0, 0), j(0, kStep, 0);
+  const MeshFile small = stl_of(binary_stl({{{a, i, j}}, {{i + near, a + near, b}}}));
+  EXPECT_EQ(small.mesh.face_count(), 2);
+  EXPECT_EQ(small.mesh.vertex_count(), 5);
+}
+
+TEST(ReadStl, PassesOverZerosBehindTheTriangles) {
+  std::string bytes = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
+  const std::string padded = bytes + std::string(7, '\0');
+  const MeshFile file = read_mesh(test::bytes_of(padded), "a.stl", FileFormat::Stl);
+  EXPECT_EQ(file.mesh.face_count(), 1);
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].message,
+            "a.stl: 7 zero bytes stand behind the triangles, from byte 134 on; they are left out");
+  EXPECT_EQ(stl_error(bytes + "x"),
+            "a.stl: header promises 1 triangles in 134 bytes, but the file has 135");
+  bytes[80] = 0;
+  EXPECT_EQ(stl_error(bytes),
+            "a.stl: header promises 0 triangles in 84 bytes, but the file has 134, which 1 "
+            "triangles need");
+}
+
+TEST(ReadStl, TellsOfColours) {
+  std::string bytes = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
+  EXPECT_TRUE(stl_of(bytes).warnings.empty());
+  std::string common = bytes;
+  common.replace(6, 6, "COLOR=");
+  EXPECT_EQ(stl_of(common).warnings.at(0).code, "ignored-colors");
+  bytes.back() = static_cast<char>(0xfc);
+  EXPECT_EQ(stl_of(bytes).warnings.at(0).count, 1);
+}
+
 }  // namespace
 }  // namespace planish

@@ -70,6 +70,23 @@ TEST(ReadXyz, NamesLineAndValueOfErrors) {
   EXPECT_THAT(xyz_error("1 2 1e200\n"), HasSubstr("up to 1e150"));
 }
 
+TEST(ReadXyz, RefusesDecimalCommas) {
+  for (const char* line : {"153,651 150,000 249,933", "1,5;2,5;3,5", "1\t2\t3,5", "1 2 3 0,5"}) {
+    const std::string error = xyz_error("1 2 3\n" + std::string(line) + "\n");
+    EXPECT_THAT(error, HasSubstr("a.xyz:2: `")) << line;
+    EXPECT_THAT(error, HasSubstr("its comma separates no columns")) << line;
+  }
+  EXPECT_THAT(xyz_error("\"1,5\";\"2,5\";\"3,5\"\n"), HasSubstr("separates no columns"));
+  EXPECT_THAT(xyz_error("\"1,5\",\"2,5\",\"3,5\"\n"), HasSubstr("write 1.5 if that is meant"));
+  for (const char* line : {"1,2,3", "1, 2, 3", "1 ,2 ,3", "1;2;3", "1,2,3 4,5,6"})
+    EXPECT_EQ(xyz_of(line).points[0], glm::dvec3(1, 2, 3)) << line;
+}
+
+TEST(ReadXyz, PassesOverWhatProgramsPutAround) {
+  EXPECT_THAT(xyz_of("@File_Version: 4\n@Type: 3\n#End\n\"1\" \"2\" \"3\"\nEOD\n").points,
+              ElementsAre(glm::dvec3(1, 2, 3)));
+}
+
 std::vector<std::string> attributes_of(const PointCloud& cloud) {
   std::vector<std::string> names;
   for (const VertexAttribute& attribute : cloud.attributes) names.push_back(attribute.name);

@@ -61,5 +61,23 @@ TEST(SniffFormat, SaysNothingOfWhatItDoesNotKnow) {
     EXPECT_EQ(sniff(content), std::nullopt) << content;
 }
 
+TEST(SniffFormat, KnowsWhatStandsInThePlaceOfAFile) {
+  const auto foreign = [](const std::string& content) {
+    return std::string(foreign_content(std::as_bytes(std::span(content))));
+  };
+  EXPECT_NE(foreign("\x1f\x8b\x08").find("gunzip"), std::string::npos);
+  EXPECT_NE(foreign("PK\x03\x04").find("unzip"), std::string::npos);
+  EXPECT_NE(foreign("version https://git-lfs.github.com/spec/v1\n").find("git lfs pull"),
+            std::string::npos);
+  EXPECT_NE(foreign("<!DOCTYPE html><html>").find("web page"), std::string::npos);
+  EXPECT_EQ(foreign("v 0 0 0\n"), "");
+  EXPECT_EQ(foreign(""), "");
+}
+
+TEST(SniffFormat, KnowsPointsByTheNamesOfTheirColumns) {
+  for (const char* text : {"X,Y,Z\n1,2,3\n", "\"X\";\"Y\";\"Z\"\n", "@File_Version: 4\n1 2 3\n"})
+    EXPECT_EQ(sniff(text), FileFormat::Xyz) << text;
+}
+
 }  // namespace
 }  // namespace planish

@@ -24,9 +24,10 @@ std::string numbers_text(const JsonNumbers& numbers) {
   return text;
 }
 
-// As a line of MTL names a file; empty where it cannot.
-std::string file_in_mtl(const std::filesystem::path& file) {
-  std::string name = file.generic_string();
+// As a line of MTL in a folder names a file; empty where it cannot.
+std::string file_in_mtl(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  std::string name =
+      (folder.empty() || file.empty() ? file : file.lexically_relative(folder)).generic_string();
   const bool is_plain = std::ranges::none_of(name, [](unsigned char c) { return c < ' '; });
   if (!is_plain || name.find('#') != std::string::npos || name.ends_with(' ')) return "";
   if (name.starts_with('-') || name.starts_with(' ')) name.insert(0, "./");
@@ -38,6 +39,9 @@ class MtlWriter {
   explicit MtlWriter(const GltfMaterials& given) : given_(given) {}
 
   MaterialLibrary convert() {
+    const auto named = std::ranges::find_if(
+        given_.images, [](const GltfImage& image) { return !image.path.empty(); });
+    if (named != given_.images.end()) folder_ = named->path.parent_path();
     for (const json& material : json_at(given_.lists, "materials")) add(material);
     warn("left-out-textures", textures_,
          "textures are left out: {}; an MTL names files, which these are not");
@@ -65,7 +69,7 @@ class MtlWriter {
       properties_.insert("metallicRoughnessTexture");
     for (const auto& [name, value] : extensions.items())
       if (name != "KHR_materials_emissive_strength") properties_.insert(name);
-    made_.add(material.value("name", std::string()), ".", lines_);
+    made_.add(material.value("name", std::string()), folder_, lines_);
   }
 
   void add_base(const json& material, const json& pbr) {
@@ -87,7 +91,7 @@ class MtlWriter {
         source.is_number_unsigned() && source.get<std::size_t>() < given_.images.size();
     const std::filesystem::path file =
         has_image ? given_.images[source.get<std::size_t>()].path : std::filesystem::path();
-    const std::string name = file_in_mtl(file);
+    const std::string name = file_in_mtl(file, folder_);
     if (name.empty()) {
       const json& named = json_at(json_at(given_.lists, "images", source), "name");
       textures_.insert(named.is_string() ? visible(named.get<std::string>())
@@ -123,6 +127,7 @@ class MtlWriter {
 
   const GltfMaterials& given_;
   MaterialLibrary made_;
+  std::filesystem::path folder_;    // of the first image, that names start from
   std::vector<std::string> lines_;  // of the material at hand
   std::set<std::string> textures_, properties_;
 };

@@ -156,6 +156,9 @@ glm::dvec3 position_of(Text& words, const TextLines& lines, std::int64_t vertex)
   return position;
 }
 
+// The end of a line ends its face.
+constexpr std::size_t kAnySize = std::numeric_limits<std::int32_t>::max();
+
 template <class Text>
 std::int64_t append_face_of(Text& words, std::size_t most, const TextLines& lines,
                             std::int64_t face, std::int64_t vertex_count,
@@ -231,7 +234,7 @@ void OffReader::read_faces(const LineRecords& records, std::int64_t vertex_count
     Words words(lines.line());
     FaceParts::Part& of = faces.parts[part];
     of.sizes.push_back(static_cast<std::int32_t>(
-        append_face_of(words, lines.line().size(), lines, face, vertex_count, of.vertices)));
+        append_face_of(words, kAnySize, lines, face, vertex_count, of.vertices)));
     if (!words.next().empty()) colors[part].add(lines.number(), "face has a colour", face);
   };
   records.for_parts(vertex_count, vertex_count + count, "face",
@@ -332,9 +335,8 @@ struct OffLayout {
 
 // The first is the specification's. Another program writes the machine's own numbers and faces
 // alone.
-constexpr std::array kOffLayouts{
-    OffLayout{std::endian::big, true}, OffLayout{std::endian::little, false},
-    OffLayout{std::endian::little, true}, OffLayout{std::endian::big, false}};
+constexpr std::array kOffLayouts{OffLayout{std::endian::big, true},
+                                 OffLayout{std::endian::little, false}};
 constexpr std::size_t kOffCounts = 12;  // bytes
 
 // What counts say of the bytes from the three counts on.
@@ -417,10 +419,11 @@ MeshFile OffReader::read_binary() {
   if (layout != &kOffLayouts.front())
     read.warnings.push_back(
         {.code = "binary-layout",
-         .message = formatted("{}: numbers are {}-endian{}, which is not as the format has it; so "
-                              "they are read, since their counts end with the file",
-                              bytes_.name, layout->order == std::endian::big ? "big" : "little",
-                              layout->has_face_colors ? "" : ", and faces without colours")});
+         .message =
+             formatted("{}: numbers are little-endian and faces without colours, which is not "
+                       "as the format has it; so they are read, since their counts end with "
+                       "the file",
+                       bytes_.name)});
   if (found.colored_faces > 0)
     read.warnings.push_back(
         {.code = "ignored-colors",

@@ -255,7 +255,8 @@ template <class Body>
 void PlyReader<Body>::warn_of_face_properties(const PlyElement& element) {
   std::string names;
   for (const PlyProperty& property : element.properties)
-    if (&property != ply_vertex_list(element) && &property != ply_texture_list(element))
+    if (&property != ply_vertex_list(element) && &property != ply_texture_list(element) &&
+        property.name != "flags")  // a program's own marks
       names += (names.empty() ? "" : ", ") + visible(property.name);
   if (!names.empty())
     file_.warnings.push_back(

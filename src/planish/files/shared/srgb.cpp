@@ -25,10 +25,10 @@ float most_of(std::span<const glm::vec4> colors, int first, int last) {
 }
 
 bool are_whole(std::span<const glm::vec4> colors) {
-  return std::ranges::all_of(colors, [](const glm::vec4& color) {
-    return color.r == std::floor(color.r) && color.g == std::floor(color.g) &&
-           color.b == std::floor(color.b);
-  });
+  for (const glm::vec4& color : colors)
+    for (int c = 0; c < 3; ++c)
+      if (std::isfinite(color[c]) && color[c] != std::floor(color[c])) return false;
+  return true;
 }
 
 }  // namespace

@@ -51,8 +51,9 @@ bool ends_in_binary(std::string_view text, FileFormat format) {
       return text.starts_with("glTF");
     case FileFormat::Las:
       return true;
-    case FileFormat::Stl:  // behind the header and the first triangle, where text has none
-      return text.substr(0, kStlHead + kStlTriangle).find('\0') != std::string_view::npos;
+    case FileFormat::Stl:  // text has none in the place of the first triangle
+      return text.substr(0, std::min(text.find_last_not_of('\0') + 1, kStlHead + kStlTriangle))
+                 .find('\0') != std::string_view::npos;
     case FileFormat::Ply:
       return !has_line("format ascii");
     case FileFormat::Pcd:
