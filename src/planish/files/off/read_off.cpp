@@ -387,9 +387,10 @@ MeshFile OffReader::read_binary() {
   OffWalk found;
   const OffLayout* layout = nullptr;
   for (const OffLayout& tried : kOffLayouts) {
-    if (layout != nullptr) break;
     found = walk(body, tried, vertex.least_bytes());
-    if (found.ends_with_file) layout = &tried;
+    if (!found.ends_with_file) continue;
+    layout = &tried;
+    break;
   }
   if (layout == nullptr) layout = &kOffLayouts.front();
   const auto count_at = [&](std::size_t at) {
