@@ -47,6 +47,13 @@ TEST(ReadGltfErrors, RefusesWrongJson) {
   EXPECT_EQ(glb_error("{\"a\":" + std::string(100000, '[')),
             "a.glb: JSON is nested deeper than 64 levels");
   EXPECT_EQ(square_error("2.0", "1.0"), "a.glb: asset.version: `1.0` is not 2.x");
+  const std::string version = R"("version":"2.0")";
+  EXPECT_EQ(square_error(version, R"("version":"2.1","minVersion":"2.1")"),
+            "a.glb: asset.minVersion: the file needs a reader of glTF 2.1, and 2.0 is read; save "
+            "it as glTF 2.0");
+  EXPECT_EQ(square_error(version, version + R"(,"minVersion":"two")"),
+            "a.glb: asset.minVersion: `two` is no version");
+  EXPECT_EQ(read_square(version, R"("version":"2.1","minVersion":"2.0")").mesh.face_count(), 2);
   EXPECT_EQ(square_error("\"scene\":0", "\"extensionsRequired\":[\"EXT_other\"]"),
             "a.glb: extensionsRequired[0]: `EXT_other` cannot be read; save the file without it");
 }
@@ -146,7 +153,8 @@ TEST(ReadGltfErrors, RefusesWrongAccessors) {
             "a.glb: accessors[0].sparse: has no `indices`");
   EXPECT_EQ(square_error("\"count\":4", "\"count\":4,\"normalized\":1"),
             "a.glb: accessors[0].normalized: 1 is neither true nor false");
-  EXPECT_EQ(square_error("{\"bufferView\":0,", "{"), "a.glb: accessors[0]: has no `bufferView`");
+  EXPECT_EQ(square_error("{\"bufferView\":1,", "{"),
+            "a.glb: accessors[1]: has no `bufferView`: each index is 0, which makes no triangle");
 }
 
 TEST(ReadGltfErrors, RefusesWrongBuffers) {

@@ -145,12 +145,101 @@ TEST(ReadGltf, CountsWhatCarriesNoSurface) {
 
 TEST(ReadGltf, WarnsOfSkinsAndMorphTargets) {
   const MeshFile file =
-      read_glb(glb_of(replaced(replaced(square_json(), "{\"mesh\":0}", "{\"mesh\":0,\"skin\":0}"),
+      read_glb(glb_of(replaced(replaced(square_json(), "{\"mesh\":0}",
+                                        "{\"mesh\":0,\"skin\":0}],\"skins\":[{\"joints\":[0]}"),
                                "\"indices\":1", "\"indices\":1,\"targets\":[{}]"),
                       square_chunk()));
   ASSERT_EQ(file.warnings.size(), 1u);
   EXPECT_EQ(file.warnings[0].code, "ignored-deformation");
   EXPECT_EQ(file.warnings[0].count, 2);
+}
+
+// The place of a node with a skin means nothing; where its joints stand does (section 3.7.3.3).
+TEST(ReadGltf, JointsPlaceWhatTheyMove) {
+  // Two joints, at (0, 0, 5) and turned about z by a right angle below it; the second half of the
+  // square hangs at the second one, all of its first vertex at neither.
+  const std::string nodes =
+      R"("nodes":[{"mesh":0,"skin":0,"translation":[100,0,0]},{"translation":[0,0,5],)"
+      R"("children":[2]},{"rotation":[0,0,1,1]}],"skins":[{"joints":[1,2],)"
+      R"("inverseBindMatrices":4}])";
+  std::string json = replaced(square_json(), R"("nodes":[{"mesh":0}])", nodes);
+  json = replaced(json, R"("POSITION":0)", R"("POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3)");
+  json = replaced(json, R"("type":"SCALAR"})",
+                  R"("type":"SCALAR"},{"bufferView":2,"componentType":5121,"count":4,)"
+                  R"("type":"VEC4"},{"bufferView":3,"componentType":5126,"count":4,)"
+                  R"("type":"VEC4"},{"bufferView":4,"componentType":5126,"count":2,)"
+                  R"("type":"MAT4"})");
+  json = replaced(json, R"("byteLength":12})",
+                  R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":16},)"
+                  R"({"buffer":0,"byteOffset":76,"byteLength":64},)"
+                  R"({"buffer":0,"byteOffset":140,"byteLength":128})");
+  json = replaced(json, R"([{"byteLength":60}])", R"([{"byteLength":268}])");
+  const std::string chunk = square_chunk() +
+                            values<std::uint8_t>({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0}) +
+                            values<float>({0, 0, 0, 0, 1, 0, 0, 0, 0.25, 0.75, 0, 0, 2, 0, 0, 0}) +
+                            values<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1}) +
+                            values<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+  const MeshFile file = read_glb(glb_of(json, chunk));
+  ASSERT_EQ(file.mesh.vertex_count(), 4);
+  // The first as the first joint has it; (1, 0, 0) too; of (1, 1, 0) a quarter stays there, the
+  // rest is at (-1, 1, 5); (0, 1, 0) is all at (-1, 0, 5).
+  const glm::dvec3 expected[] = {{0, 0, 0}, {1, 0, 0}, {-0.5, 1, 3.75}, {-1, 0, 5}};
+  for (std::size_t v = 0; v < 4; ++v)
+    EXPECT_LT(glm::distance(file.mesh.positions[v], expected[v]), 1e-12) << v;
+  EXPECT_EQ(test::glb_error(glb_of(replaced(json, "\"joints\":[1,2]", "\"joints\":[1]"), chunk)),
+            "a.glb: meshes[0].primitives[0].attributes.JOINTS_0: vertex 2 names joint 1, and the "
+            "skin has 1");
+}
+
+TEST(ReadGltf, LeavesOutWhatIsHidden) {
+  const std::string extension = R"(,"extensions":{"KHR_node_visibility":{"visible":false}})";
+  std::string json = replaced(square_json(), R"("nodes":[{"mesh":0}])",
+                              R"("nodes":[{"children":[1,2]},{"mesh":0},{"children":[3])" +
+                                  extension + R"(},{"mesh":0,"translation":[0,0,1]}],)" +
+                                  R"("extensionsRequired":["KHR_node_visibility"])");
+  const MeshFile file = read_glb(glb_of(json, square_chunk()));
+  EXPECT_EQ(file.mesh.face_count(), 2);
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].code, "hidden-nodes");
+  EXPECT_EQ(file.warnings[0].count, 1);
+  json = replaced(json, "false", "true");
+  EXPECT_EQ(read_glb(glb_of(json, square_chunk())).mesh.face_count(), 4);
+}
+
+// Section 3.6.2.1: what has no buffer view is zero.
+TEST(ReadGltf, AccessorsWithoutViewsAreZeros) {
+  const std::string zeros = R"("type":"SCALAR"},{"componentType":5126,"count":4,"type":"VEC2"},)"
+                            R"({"componentType":5126,"count":4,"type":"VEC4"})";
+  const std::string json = replaced(
+      replaced(square_json(), R"("POSITION":0)", R"("POSITION":0,"TEXCOORD_0":2,"COLOR_0":3)"),
+      R"("type":"SCALAR"})", zeros);
+  const PolygonMesh mesh = read_glb(glb_of(json, square_chunk())).mesh;
+  EXPECT_EQ(mesh.positions[2], glm::dvec3(1, 1, 0));
+  EXPECT_EQ(mesh.uvs, std::vector<glm::dvec2>(4, {0, 1}));  // upwards
+  EXPECT_EQ(mesh.colors, std::vector<glm::vec4>(4, glm::vec4(0.0f)));
+}
+
+// Of two vertices at one place the first has the colour.
+TEST(ReadGltf, WarnsOfColorsThatShareAPlace) {
+  std::string json = replaced(square_json(), R"("POSITION":0)", R"("POSITION":0,"COLOR_0":2)");
+  json = replaced(json, R"("type":"SCALAR"})",
+                  R"("type":"SCALAR"},{"bufferView":2,"componentType":5121,"normalized":true,)"
+                  R"("count":4,"type":"VEC4"})");
+  json = replaced(json, R"("byteLength":12})",
+                  R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":16})");
+  json = replaced(json, R"([{"byteLength":60}])", R"([{"byteLength":76}])");
+  const std::string colors = values<std::uint8_t>({0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255,  //
+                                                   0, 0, 255, 255});
+  EXPECT_THAT(read_glb(glb_of(json, square_chunk() + colors)).warnings, IsEmpty());
+  // The last vertex lies on the first.
+  const std::string chunk = values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0}) +
+                            values<std::uint16_t>({0, 1, 2, 1, 2, 3}) + colors;
+  const MeshFile file = read_glb(glb_of(json, chunk));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].message,
+            "1 of 4 vertices has another colour at a place they share: there the first one's is "
+            "taken");
+  EXPECT_EQ(file.warnings[0].first, 0);
 }
 
 TEST(ReadGltf, LeavesOutTrianglesWithoutArea) {
@@ -173,10 +262,26 @@ TEST(ReadGltf, ReadsDataUris) {
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
   EXPECT_EQ(file.mesh.positions[2], glm::dvec3(1, 1, 0));
   EXPECT_EQ(glb_error(replaced(json, base64, "AA*A")),
-            "a.glb: buffers[0].uri: `data:application/octet-stream;base64,AA*...` is no base64 "
-            "data URI");
+            "a.glb: buffers[0].uri: `data:application/octet-stream;base64,AA*...` is no data "
+            "URI: its base64 is broken, or it has no data");
   EXPECT_EQ(glb_error(replaced(json, base64, "AAAA")),
             "a.glb: buffers[0].byteLength: promises 60 bytes, but there are only 3");
+}
+
+// RFC 2397, and what is in none.
+TEST(DataUri, IsThatOfItsRfc) {
+  const auto decoded = [](std::string_view uri) {
+    const auto bytes = decode_data_uri(uri);
+    return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size())
+                 : "none";
+  };
+  EXPECT_EQ(decoded("data:,A%20brief%20note"), "A brief note");
+  EXPECT_EQ(decoded("data:text/plain;charset=iso-8859-7,%be%fg%be"), "\xbe%fg\xbe");
+  EXPECT_EQ(decoded("data:application/octet-stream,%00%ff"), std::string("\0\xff", 2));
+  EXPECT_EQ(decoded("data:;base64,Zm9v"), "foo");
+  EXPECT_EQ(decoded("data:;base64,Zm8%3D"), "fo");
+  EXPECT_EQ(decoded("data:;base64,Zm-9"), "none");
+  EXPECT_EQ(decoded("data:application/octet-stream"), "none");
 }
 
 // The test vectors of RFC 4648, section 10, and what has more or other digits than they may.
@@ -224,19 +329,31 @@ TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
                                       "{\"byteLength\":60,\"uri\":\"" + uri + "\"}"));
     return read_mesh(inside / "a.gltf");
   };
-  EXPECT_EQ(read_with("a%20b.bin").mesh.face_count(), 2);
+  // Names that no program has encoded, and those of programs for Windows.
+  write(inside / "10%.bin", square_chunk());
+  std::filesystem::create_directory(inside / "parts");
+  write(inside / "parts" / "a.bin", square_chunk());
+  for (const char* uri : {"a%20b.bin", "a b.bin", "10%.bin", "10%25.bin", "parts\\\\a.bin"})
+    EXPECT_EQ(read_with(uri).mesh.face_count(), 2) << uri;
   const std::string name = (inside / "a.gltf").string();
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("x/../../outside.bin"),
         std::string("%2e%2e/outside.bin"), (folder.path() / "outside.bin").string(),
-        "file://" + (folder.path() / "outside.bin").string(), std::string("%00"),
-        std::string("..\\\\outside.bin"), std::string("%2")}) {
+        std::string("..\\\\outside.bin"), std::string("%2e%2e%5coutside.bin")}) {
     const std::string message =
         test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with(uri); });
     EXPECT_TRUE(message.starts_with(name + ": buffers[0].uri: ") &&
                 message.find("leads away from the folder of the file") != std::string::npos)
         << message;
   }
+  const auto refusal = [&](const std::string& uri) {
+    return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with(uri); });
+  };
+  for (const std::string& uri :
+       {"file://" + (folder.path() / "outside.bin").string(), std::string("https://a.org/a.bin")})
+    EXPECT_THAT(refusal(uri), testing::HasSubstr("is the address of something elsewhere"));
+  for (const char* uri : {"%00", ""})
+    EXPECT_THAT(refusal(uri), testing::HasSubstr("names no file"));
   EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with("no.bin"); }),
             name + ": buffers[0].uri: " + (inside / "no.bin").string() +
                 ": cannot read: No such file or directory; it belongs to this file, copy it along");

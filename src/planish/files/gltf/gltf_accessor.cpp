@@ -31,14 +31,17 @@ Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
       const bool is_vector = type == "SCALAR" || type == "VEC2" || type == "VEC3";
       return {is_vector ? type : "VEC4", "attributes"};
     }
+    case GltfAccessor::Use::Matrices:
+      return {"MAT4", "matrices"};
     case GltfAccessor::Use::Colors:
       break;
   }
   return {type == "VEC3" ? "VEC3" : "VEC4", "colours"};
 }
 
-// What an accessor without a buffer view has where it is not sparse: as many as a VEC4 of floats.
-constexpr std::array<std::byte, 16> kZeros{};
+// What an accessor without a buffer view has where it is not sparse (section 3.6.2.1): as many as a
+// MAT4 of floats.
+constexpr std::array<std::byte, 64> kZeros{};
 
 // The bytes of a part of a sparse accessor: `bytes` of them, without gaps.
 std::span<const std::byte> tight_part(const JsonPlace& root, const JsonPlace& place,
@@ -63,12 +66,15 @@ GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, G
   if (place["type"].text() != wanted.type)
     place["type"].fail(quote(place["type"].text()) + " stands in the place of " +
                        quote(wanted.type));
-  number_count_ = wanted.type == "SCALAR" ? 1 : wanted.type.back() - '0';
+  number_count_ = wanted.type == "SCALAR" ? 1
+                  : wanted.type == "MAT4" ? 16
+                                          : wanted.type.back() - '0';
 
   const std::int64_t component = place["componentType"].integer();
   const bool is_signed = component == Byte || component == Short || component == Float;
   const bool is_known = is_signed || component == UByte || component == UShort || component == UInt;
-  if (!is_known || (use == Use::Indices ? is_signed : component == UInt))
+  if (!is_known || (use == Use::Indices ? is_signed : component == UInt) ||
+      (use == Use::Matrices && component != Float))
     place["componentType"].fail("{} cannot be used for {}", component, wanted.name);
   component_ = static_cast<Component>(component);
   component_bytes_ = component <= UByte ? 1 : component <= UShort ? 2 : 4;
@@ -79,8 +85,10 @@ GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, G
   if (unpacked) {
     if (is_sparse) place["sparse"].fail("Draco streams cannot be sparse");
     use_elements(place, *unpacked);
-  } else if (!is_sparse || place.find("bufferView")) {
+  } else if (place.find("bufferView")) {
     use_view(root, place, source);
+  } else if (use == Use::Indices && !is_sparse) {
+    place.fail("has no `bufferView`: each index is 0, which makes no triangle");
   }
   if (is_sparse) use_sparse(root, place, index, source);
 }

@@ -15,13 +15,23 @@ namespace planish {
 /// A typed array whose every element lies within its buffer view.
 class GltfAccessor {
  public:
-  /// Vectors: of one to four numbers each.
-  enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors, Numbers, Vectors };
+  /// Vectors: of one to four numbers each. Matrices: of 4 by 4, by columns.
+  enum class Use {
+    Positions,
+    Normals,
+    Indices,
+    TextureCoordinates,
+    Colors,
+    Numbers,
+    Vectors,
+    Matrices
+  };
 
   /// Checks everything before any element can be asked for: component and element type for the
   /// use, count, offset, stride, and the same of the elements that a sparse accessor has in the
   /// place of others. The elements come from `unpacked` where it is given, which must live longer
-  /// and cannot be sparse. Throws Error{UnreadableInput}.
+  /// and cannot be sparse. Without a buffer view they are zeros, where the format has it so;
+  /// indices of zero alone are refused. Throws Error{UnreadableInput}.
   GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source,
                const UnpackedElements* unpacked = nullptr);
 
@@ -34,11 +44,15 @@ class GltfAccessor {
   [[nodiscard]] glm::vec4 color(std::int64_t index) const;
   /// Of Use::Numbers. May not be finite.
   [[nodiscard]] double value(std::int64_t index) const { return number(index, 0); }
-  /// Of Use::Vectors: the k-th of number_count().
+  /// Of Use::Vectors and Use::Matrices: the k-th of number_count().
   [[nodiscard]] double value(std::int64_t index, std::int64_t k) const { return number(index, k); }
   [[nodiscard]] std::int64_t number_count() const { return number_count_; }
   /// Whole numbers that are not scaled to parts of 1.
   [[nodiscard]] bool is_integer() const { return component_ != Float && !normalized_; }
+  /// Those without a sign, below 2^16.
+  [[nodiscard]] bool is_short() const {
+    return !normalized_ && (component_ == UByte || component_ == UShort);
+  }
   /// Of Use::Indices.
   [[nodiscard]] std::uint32_t index(std::int64_t index) const;
 

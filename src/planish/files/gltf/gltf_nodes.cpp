@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "planish/files/gltf/gltf_accessor.h"
 
@@ -118,23 +119,32 @@ std::vector<std::int64_t> root_nodes(const JsonPlace& root, const JsonPlace& nod
   return result;
 }
 
+bool hides(const JsonPlace& node) {
+  const auto extensions = node.find("extensions");
+  const auto visibility = extensions ? extensions->find("KHR_node_visibility") : std::nullopt;
+  const auto visible = visibility ? visibility->find("visible") : std::nullopt;
+  return visible && !visible->boolean();
+}
+
 }  // namespace
 
-std::vector<GltfInstance> gltf_instances(const JsonPlace& root, GltfSource& source) {
+GltfScene gltf_scene(const JsonPlace& root, GltfSource& source) {
   struct Visit {
     std::int64_t node;
     glm::dmat4 parent_to_world;
+    bool is_hidden;  // its parent is
   };
   const auto nodes = root.find("nodes");
   if (!nodes) return {};
-  std::vector<GltfInstance> instances;
+  GltfScene scene;
   std::vector<bool> reached(static_cast<std::size_t>(nodes->array_size()), false);
   std::vector<Visit> pending;
-  const auto push = [&](const std::vector<std::int64_t>& indices, const glm::dmat4& to_world) {
+  const auto push = [&](const std::vector<std::int64_t>& indices, const glm::dmat4& to_world,
+                        bool is_hidden) {
     for (auto node = indices.rbegin(); node != indices.rend(); ++node)
-      pending.push_back({*node, to_world});
+      pending.push_back({*node, to_world, is_hidden});
   };
-  push(root_nodes(root, *nodes), glm::dmat4(1.0));
+  push(root_nodes(root, *nodes), glm::dmat4(1.0), false);
   while (!pending.empty()) {
     const Visit visit = pending.back();
     pending.pop_back();
@@ -143,20 +153,56 @@ std::vector<GltfInstance> gltf_instances(const JsonPlace& root, GltfSource& sour
     if (reached[visit.node]) node.fail("is reached twice, but nodes must form trees");
     reached[visit.node] = true;
     const glm::dmat4 to_world = visit.parent_to_world * local_transform(node);
-    if (const auto mesh = node.find("mesh")) {
+    const bool is_hidden = visit.is_hidden || hides(node);
+    const auto mesh = node.find("mesh");
+    if (mesh && is_hidden) ++scene.hidden_count;
+    if (mesh && !is_hidden) {
       const auto extensions = node.find("extensions");
       const auto instancing = extensions ? extensions->find(kInstancing) : std::nullopt;
       const auto attributes = instancing ? instancing->find("attributes") : std::nullopt;
       if (!attributes) {
-        instances.push_back({mesh->integer(), visit.node, to_world});
+        scene.instances.push_back({mesh->integer(), visit.node, to_world});
       } else {
         for (const glm::dmat4& place : places_of(root, *attributes, source))
-          instances.push_back({mesh->integer(), visit.node, to_world * place});
+          scene.instances.push_back({mesh->integer(), visit.node, to_world * place});
       }
     }
-    if (const auto children = node.find("children")) push(indices_of(*children), to_world);
+    if (const auto children = node.find("children"))
+      push(indices_of(*children), to_world, is_hidden);
   }
-  return instances;
+  return scene;
+}
+
+std::vector<glm::dmat4> joint_matrices(const JsonPlace& root, std::int64_t skin,
+                                       GltfSource& source) {
+  const JsonPlace place = root["skins"][skin], nodes = root["nodes"];
+  const std::vector<std::int64_t> joints = indices_of(place["joints"]);
+  std::vector<std::int64_t> parents(static_cast<std::size_t>(nodes.array_size()), -1);
+  for (std::int64_t i = 0; i < nodes.array_size(); ++i)
+    if (const auto children = nodes[i].find("children"))
+      for (const std::int64_t child : indices_of(*children))
+        if (child < nodes.array_size()) parents[child] = i;
+  std::optional<GltfAccessor> binds;
+  if (const auto number = place.find("inverseBindMatrices")) {
+    binds.emplace(root, number->integer(), GltfAccessor::Use::Matrices, source);
+    if (binds->count() < std::ssize(joints))
+      number->fail("{} matrices for {} joints", binds->count(), joints.size());
+  }
+  std::vector<glm::dmat4> matrices;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    glm::dmat4 matrix = local_transform(nodes[joints[k]]);
+    std::size_t way = 0;
+    for (std::int64_t at = parents[joints[k]]; at >= 0; at = parents[at]) {
+      if (++way > parents.size()) nodes[at].fail("is its own ancestor, but nodes must form trees");
+      matrix = local_transform(nodes[at]) * matrix;
+    }
+    glm::dmat4 bind(1.0);
+    for (int column = 0; binds && column < 4; ++column)
+      for (int row = 0; row < 4; ++row)
+        bind[column][row] = binds->value(static_cast<std::int64_t>(k), 4 * column + row);
+    matrices.push_back(matrix * bind);
+  }
+  return matrices;
 }
 
 }  // namespace planish

@@ -11,6 +11,10 @@
 namespace planish {
 namespace {
 
+// Joints that a vertex names beyond so many sets of four are an error of the file.
+constexpr int kMostSets = 4;
+constexpr int kJointsOfSet = 4;
+
 bool is_finite_place(const glm::dvec3& position) {
   return std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
 }
@@ -71,11 +75,56 @@ std::optional<GltfAccessor> SourcePrimitive::attribute(std::string_view name,
   return found;
 }
 
-GltfAccessor SourcePrimitive::target(const JsonPlace& place) const {
-  GltfAccessor found(root_, place.integer(), GltfAccessor::Use::Positions, source_);
+GltfAccessor SourcePrimitive::target(const JsonPlace& place, GltfAccessor::Use use) const {
+  GltfAccessor found(root_, place.integer(), use, source_);
   if (found.count() != positions().count())
     place.fail("{} elements for {} vertices", found.count(), positions().count());
   return found;
+}
+
+std::vector<JointSet> SourcePrimitive::joint_sets() const {
+  std::vector<JointSet> sets;
+  for (int set = 0; set < kMostSets; ++set) {
+    const std::string number = std::to_string(set);
+    auto joints = attribute("JOINTS_" + number, GltfAccessor::Use::Vectors);
+    auto weights = attribute("WEIGHTS_" + number, GltfAccessor::Use::Vectors);
+    if (!joints && !weights) break;
+    const JsonPlace place = place_["attributes"][(joints ? "JOINTS_" : "WEIGHTS_") + number];
+    if (!joints || !weights) place.fail("joints and weights come in pairs, and one is missing");
+    if (joints->number_count() != kJointsOfSet || weights->number_count() != kJointsOfSet)
+      place.fail("joints and weights are four of a vertex");
+    sets.push_back({place, *joints, *weights});
+  }
+  return sets;
+}
+
+void append_influences(std::span<const JointSet> sets, std::int64_t vertex,
+                       std::vector<JointWeight>& to) {
+  for (const JointSet& set : sets) {
+    for (std::int64_t k = 0; k < kJointsOfSet; ++k) {
+      const double weight = set.weights.value(vertex, k), joint = set.joints.value(vertex, k);
+      if (!std::isfinite(weight) || weight < 0 || joint < 0 || joint != std::floor(joint))
+        set.place.fail("vertex {} is no joint with a weight from 0", vertex);
+      if (weight > 0) to.push_back({static_cast<std::int32_t>(joint), static_cast<float>(weight)});
+    }
+  }
+}
+
+glm::dmat4 posed(std::span<const JointSet> sets, std::int64_t vertex,
+                 std::span<const glm::dmat4> joints) {
+  std::vector<JointWeight> influences;
+  append_influences(sets, vertex, influences);
+  if (influences.empty()) return joints.front();
+  glm::dmat4 sum(0.0);
+  double weights = 0;
+  for (const JointWeight& one : influences) {
+    if (one.joint >= std::ssize(joints))
+      sets.front().place.fail("vertex {} names joint {}, and the skin has {}", vertex, one.joint,
+                              joints.size());
+    sum += static_cast<double>(one.weight) * joints[one.joint];
+    weights += one.weight;
+  }
+  return sum / weights;
 }
 
 glm::dvec3 SourcePrimitive::position(std::int64_t vertex, const GltfInstance& instance) const {

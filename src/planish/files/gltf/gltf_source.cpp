@@ -74,24 +74,56 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
   return bytes;
 }
 
-std::optional<std::string> decode_uri_path(std::string_view uri) {
+std::string decode_percents(std::string_view text) {
   std::string decoded;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] != '%') {
-      decoded += uri[i];
-      continue;
-    }
+  for (std::size_t i = 0; i < text.size(); ++i) {
     unsigned value = 0;
-    const std::string_view digits = uri.substr(i + 1, 2);
+    const std::string_view digits = text[i] == '%' ? text.substr(i + 1, 2) : std::string_view();
     const auto [end, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-    if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2) return std::nullopt;
-    decoded += static_cast<char>(value);
-    i += 2;
+    const bool is_code =
+        digits.size() == 2 && error == std::errc() && end == digits.data() + digits.size();
+    decoded += is_code ? static_cast<char>(value) : text[i];
+    if (is_code) i += 2;
   }
-  if (decoded.empty() || decoded.find('\0') != std::string::npos) return std::nullopt;
-  if (decoded.find_first_of("\\:") != std::string::npos) return std::nullopt;
   return decoded;
+}
+
+std::optional<std::vector<std::byte>> decode_data_uri(std::string_view uri) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string_view::npos) return std::nullopt;
+  const std::string_view data = uri.substr(comma + 1);
+  if (uri.substr(0, comma).ends_with(";base64") && data.find('%') == std::string_view::npos)
+    return decode_base64(data);
+  const std::string decoded = decode_percents(data);
+  if (uri.substr(0, comma).ends_with(";base64")) return decode_base64(decoded);
+  const auto bytes = std::as_bytes(std::span(decoded));
+  return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+namespace {
+
+// As browsers read it: programs for Windows leave their backslashes.
+std::string file_name_of(std::string_view uri) {
+  std::string name = decode_percents(uri);
+  std::ranges::replace(name, '\\', '/');
+  return name;
+}
+
+// Why a name is that of no file; empty: it may be one.
+std::string_view why_no_file(const std::string& name) {
+  if (name.empty() || name.find('\0') != std::string::npos) return "names no file";
+  if (name.find(':') != std::string::npos)
+    return "is the address of something elsewhere; copy it beside this file and name that";
+  return "";
+}
+
+}  // namespace
+
+std::optional<std::string> decode_uri_path(std::string_view uri) {
+  std::string name = file_name_of(uri);
+  if (!why_no_file(name).empty()) return std::nullopt;
+  return name;
 }
 
 std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri) { return fetch(uri, {}); }
@@ -99,13 +131,14 @@ std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri) { return fetc
 std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri,
                                              std::optional<std::uint64_t> wanted) {
   const std::string& text = uri.text();
-  if (text.starts_with("data:")) return decoded(uri);
+  if (is_data_uri(text)) return decoded(uri);
   const std::pair key(text, wanted);
   if (const auto found = files_.find(key); found != files_.end()) return found->second;
-  const std::optional<std::string> name = decode_uri_path(text);
-  if (!name) uri.fail(quote(text) + " leads away from the folder of the file");
+  const std::string name = file_name_of(text);
+  if (const std::string_view why = why_no_file(name); !why.empty())
+    uri.fail("{} {}", quote(text), why);
   if (path_.empty()) uri.fail(quote(text) + " is another file, but only embedded data can be read");
-  const std::filesystem::path path = path_.parent_path() / *name;
+  const std::filesystem::path path = path_.parent_path() / name;
   NamedFile file =
       wanted ? read_named_start(path, path_, reach_, *wanted) : read_named(path, path_, reach_);
   if (!file.trouble.empty()) uri.fail(file.trouble + "; it belongs to this file, copy it along");
@@ -115,12 +148,8 @@ std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri,
 std::span<const std::byte> GltfSource::decoded(const JsonPlace& uri) {
   const std::string& text = uri.text();
   if (const auto found = decoded_.find(text); found != decoded_.end()) return found->second;
-  constexpr std::string_view kMark = ";base64,";
-  const std::size_t mark = text.find(kMark);
-  const auto made = mark == std::string::npos
-                        ? std::nullopt
-                        : decode_base64(std::string_view(text).substr(mark + kMark.size()));
-  if (!made) uri.fail(quote(text) + " is no base64 data URI");
+  const auto made = decode_data_uri(text);
+  if (!made) uri.fail(quote(text) + " is no data URI: its base64 is broken, or it has no data");
   RawVector<std::byte> bytes;
   bytes.assign(made->begin(), made->end());
   return decoded_.emplace(text, std::move(bytes)).first->second;

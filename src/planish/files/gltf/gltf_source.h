@@ -58,7 +58,16 @@ class GltfSource {
 /// Decodes base64 (RFC 4648) with or without its padding; empty if `text` is none.
 [[nodiscard]] std::optional<std::vector<std::byte>> decode_base64(std::string_view text);
 
-/// The path that a URI without a scheme stands for; empty where it has one or is badly encoded.
+/// Text with what its percent signs stand for; one that two hexadecimal digits do not follow stands
+/// for itself, as in names that no program has encoded.
+[[nodiscard]] std::string decode_percents(std::string_view text);
+
+[[nodiscard]] inline bool is_data_uri(std::string_view uri) { return uri.starts_with("data:"); }
+/// The bytes of a data URI (RFC 2397), base64 or percent-encoded; empty if it is none.
+[[nodiscard]] std::optional<std::vector<std::byte>> decode_data_uri(std::string_view uri);
+
+/// The path that a URI without a scheme stands for, with slashes for backslashes; empty where it
+/// has one or names nothing.
 [[nodiscard]] std::optional<std::string> decode_uri_path(std::string_view uri);
 
 /// All files that the glTF at `path` names, there or not. Of a file that is none: nothing.

@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 #include <optional>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/stop.h"
@@ -20,32 +21,62 @@ namespace {
 // A few bytes of nodes can place any number of them.
 constexpr std::int64_t kMaxPrimitives = std::int64_t{1} << 20;
 
-// Extensions that change nothing about the triangles, or are read; any other that a file requires
-// is refused.
-constexpr std::array<std::string_view, 7> kHarmlessExtensions = {
-    "KHR_materials_",         "KHR_texture_",
-    "EXT_texture_",           "KHR_lights_",
-    "KHR_mesh_quantization",  "EXT_meshopt_compression",
-    "EXT_mesh_gpu_instancing"};
+// Extensions that change nothing about the triangles, are read, or are seen to where an asset is
+// written; any other that a file requires is refused. One list, so that whatever is fitted can be
+// inspected.
+constexpr std::array<std::string_view, 16> kReadExtensions = {"KHR_materials_",
+                                                              "KHR_texture_",
+                                                              "EXT_texture_",
+                                                              "KHR_lights_",
+                                                              "KHR_mesh_quantization",
+                                                              "EXT_meshopt_compression",
+                                                              "EXT_mesh_gpu_instancing",
+                                                              "KHR_animation_pointer",
+                                                              "KHR_node_",
+                                                              "KHR_xmp_json_ld",
+                                                              "MSFT_lod",
+                                                              "KHR_interactivity",
+                                                              "MSFT_texture_dds",
+                                                              "FB_ngon_encoding",
+                                                              "EXT_mesh_features",
+                                                              "EXT_structural_metadata"};
+
+// A file may say which version its reader must know at least.
+void require_known_version(const JsonPlace& least) {
+  constexpr double kKnown = 2.0;
+  double number = 0;
+  if (!parse_number(least.text(), number)) least.fail(quote(least.text()) + " is no version");
+  if (number > kKnown)
+    least.fail("the file needs a reader of glTF {}, and 2.0 is read; save it as glTF 2.0",
+               least.text());
+}
 
 }  // namespace
 
-void require_gltf_version(const JsonPlace& root, std::span<const std::string_view> further) {
-  const JsonPlace version = root["asset"]["version"];
+void require_gltf_version(const JsonPlace& root) {
+  const JsonPlace asset = root["asset"], version = asset["version"];
   if (!version.text().starts_with("2.")) version.fail(quote(version.text()) + " is not 2.x");
+  if (const auto least = asset.find("minVersion")) require_known_version(*least);
   const auto required = root.find("extensionsRequired");
   for (std::int64_t i = 0; required && i < required->array_size(); ++i) {
     const std::string& extension = (*required)[i].text();
-    const auto begins = [&](std::string_view known) { return extension.starts_with(known); };
-    const bool harmless =
-        std::ranges::any_of(kHarmlessExtensions, begins) || std::ranges::any_of(further, begins);
-    if (!harmless && !(reads_draco() && extension == kDracoExtension))
+    const bool is_read = std::ranges::any_of(
+        kReadExtensions, [&](std::string_view known) { return extension.starts_with(known); });
+    if (!is_read && !(reads_draco() && extension == kDracoExtension))
       (*required)[i].fail(quote(extension) + " cannot be read; save the file without it");
   }
 }
 
 MeshFile SceneReader::read(FileFormat format) {
-  return read(format, gltf_instances(root_, source_));
+  const GltfScene scene = gltf_scene(root_, source_);
+  if (scene.hidden_count > 0)
+    file_.warnings.push_back(
+        {.code = "hidden-nodes",
+         .message =
+             formatted("{} that the file hides (KHR_node_visibility) {} left out",
+                       counted(scene.hidden_count, "mesh"), scene.hidden_count == 1 ? "is" : "are"),
+         .count = scene.hidden_count});
+  return read(format, scene.instances);
 }
 
 MeshFile SceneReader::read_mesh(FileFormat format, std::int64_t mesh, AssetCollector& asset) {
@@ -66,10 +97,27 @@ MeshFile SceneReader::read(FileFormat format, std::span<const GltfInstance> inst
     file_.dropped_element_count += point_primitive_count_;
   }
   if (creases_from_normals_) mark_split_normals(file_.mesh, normals_);
+  if (shared_count_ > 0)
+    file_.warnings.push_back(
+        {.code = "shared-attributes",
+         .message = formatted("{} of {} {} another colour at a place they share: there the first "
+                              "one's is taken",
+                              with_separators(shared_count_), counted(colored_count_, "vertex"),
+                              shared_count_ == 1 ? "has" : "have"),
+         .count = shared_count_,
+         .first = first_shared_});
+  if (!lost_of_points_.empty() && file_.mesh.face_count() == 0) {
+    std::string names;
+    for (const std::string& name : lost_of_points_) names += (names.empty() ? "" : ", ") + name;
+    file_.warnings.push_back({.code = "left-out-attributes",
+                              .message = "left out of the points: " + names +
+                                         "; the mesh that is made of them has normals and colours",
+                              .count = std::ssize(lost_of_points_)});
+  }
   if (deformed_count_ > 0)
     file_.warnings.push_back({.code = "ignored-deformation",
-                              .message = "skins and morph targets are ignored; the shape at "
-                                         "rest is read",
+                              .message = "skins and morph targets move the mesh no more: it is "
+                                         "read as the file's nodes pose it, at rest",
                               .count = deformed_count_});
   return std::move(file_);
 }
@@ -78,7 +126,12 @@ MeshFile SceneReader::read(FileFormat format, std::span<const GltfInstance> inst
 // the file's.
 void SceneReader::read_instance(const GltfInstance& instance, std::size_t bytes) {
   const JsonPlace mesh = root_["meshes"][instance.mesh];
-  if (asset_ == nullptr && root_["nodes"][instance.node].find("skin")) ++deformed_count_;
+  joints_.clear();
+  const auto skin = asset_ == nullptr ? root_["nodes"][instance.node].find("skin") : std::nullopt;
+  if (skin) {
+    ++deformed_count_;
+    joints_ = joint_matrices(root_, skin->integer(), source_);
+  }
   const JsonPlace primitives = mesh["primitives"];
   for (std::int64_t i = 0; i < primitives.array_size(); ++i) {
     if (++primitive_count_ > kMaxPrimitives)
@@ -106,6 +159,11 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
   const std::optional<GltfAccessor> indices = primitive.indices();
   const std::int64_t vertex_count = primitive.positions().count();
   const std::int64_t count = indices ? indices->count() : vertex_count;
+  // Fewer corners than a triangle has, as exporters leave of an empty mesh.
+  if (count < 3) {
+    if (asset_ == nullptr) ++file_.dropped_element_count;
+    return;
+  }
   budget_.add_triangles(place, vertex_count, count * (mode == kTriangles ? 1 : 3));
   if (stamps_.size() < static_cast<std::size_t>(vertex_count)) {
     stamps_.resize(static_cast<std::size_t>(vertex_count), 0);
@@ -119,6 +177,8 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
     name_group(place);
   }
   read_uvs(place, primitive);
+  joint_sets_.clear();
+  if (!joints_.empty()) joint_sets_ = primitive.joint_sets();
   if (creases_from_normals_) read_normals(primitive, instance);
   corners_.resize(static_cast<std::size_t>(count));
   vertices_.resize(corners_.size());
@@ -134,7 +194,13 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
                bytes * static_cast<std::size_t>(kPiece) / static_cast<std::size_t>(count));
   }
   color_vertices(primitive);
-  add_triangles(place, mode, glm::determinant(glm::dmat3(instance.to_world)) < 0);
+  add_triangles(place, mode, glm::determinant(glm::dmat3(placed(0, instance).to_world)) < 0);
+}
+
+// Where a vertex of the current primitive stands. The place of a node with a skin means nothing.
+GltfInstance SceneReader::placed(std::int64_t vertex, const GltfInstance& instance) const {
+  if (joint_sets_.empty()) return instance;
+  return {instance.mesh, instance.node, posed(joint_sets_, vertex, joints_)};
 }
 
 void SceneReader::name_group(const JsonPlace& place) {
@@ -179,14 +245,20 @@ void SceneReader::read_normals(const SourcePrimitive& primitive, const GltfInsta
   budget_.add_normals(root_["meshes"], normals->count());
   first_normal_ = static_cast<std::int64_t>(normals_.values.size());
   for (std::int64_t i = 0; i < normals->count(); ++i)
-    normals_.values.emplace_back(placed_normal(normals->position(i), instance));
+    normals_.values.emplace_back(placed_normal(normals->position(i), placed(i, instance)));
 }
 
 void SceneReader::color_vertices(const SourcePrimitive& primitive) {
   const auto colors = primitive.attribute("COLOR_0", GltfAccessor::Use::Colors);
   if (!colors) return;
-  for (std::size_t i = 0; i < corners_.size(); ++i)
-    attributes_.color_vertex(vertices_[i], primitive.color(*colors, corners_[i]));
+  std::vector<bool> differs(static_cast<std::size_t>(colors->count()), false);
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    if (attributes_.color_vertex(vertices_[i], primitive.color(*colors, corners_[i]))) continue;
+    differs[corners_[i]] = true;
+    if (first_shared_ < 0) first_shared_ = vertices_[i];
+  }
+  colored_count_ += colors->count();
+  shared_count_ += std::ranges::count(differs, true);
 }
 
 // All vertices: indices would only leave some out, or name some twice.
@@ -195,6 +267,9 @@ void SceneReader::read_point_primitive(const JsonPlace& place, const GltfInstanc
   ++point_primitive_count_;
   budget_.add_points(place, primitive.positions().count());
   points_.add(primitive, instance);
+  if (place.find("material")) lost_of_points_.insert("material");
+  for (const std::string& name : place["attributes"].keys())
+    if (name != "POSITION" && name != "NORMAL" && name != "COLOR_0") lost_of_points_.insert(name);
 }
 
 std::int32_t SceneReader::welded(const SourcePrimitive& primitive, std::int64_t vertex,
@@ -202,7 +277,7 @@ std::int32_t SceneReader::welded(const SourcePrimitive& primitive, std::int64_t 
   const auto slot = static_cast<std::size_t>(vertex);
   if (stamps_[slot] != stamp_) {
     stamps_[slot] = stamp_;
-    const glm::dvec3 position = primitive.position(vertex, instance);
+    const glm::dvec3 position = primitive.position(vertex, placed(vertex, instance));
     welded_vertices_[slot] =
         asset_ != nullptr ? asset_->weld(welder_, position, vertex) : welder_.insert(position);
   }

@@ -3,8 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <set>
 #include <span>
-#include <string_view>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -45,6 +46,7 @@ class SceneReader {
   void read_instance(const GltfInstance& instance, std::size_t bytes);
   void read_primitive(const JsonPlace& place, const GltfInstance& instance, std::size_t bytes);
   void read_point_primitive(const JsonPlace& place, const GltfInstance& instance);
+  [[nodiscard]] GltfInstance placed(std::int64_t vertex, const GltfInstance& instance) const;
   void name_group(const JsonPlace& place);
   void read_uvs(const JsonPlace& place, const SourcePrimitive& primitive);
   void read_normals(const SourcePrimitive& primitive, const GltfInstance& instance);
@@ -63,6 +65,8 @@ class SceneReader {
   bool creases_from_normals_;
   std::size_t bytes_;
   ReadProgress* progress_;
+  std::vector<glm::dmat4> joints_;    // of the current instance's skin; empty: it has none
+  std::vector<JointSet> joint_sets_;  // of the current primitive, where there are joints
   CornerNormals normals_;
   GltfPoints points_;
   std::vector<glm::dvec2> uvs_;
@@ -71,6 +75,8 @@ class SceneReader {
   std::vector<std::int32_t> corners_, vertices_;
   MeshFile file_;
   std::vector<std::string> material_names_;
+  std::set<std::string> lost_of_points_;  // what points have that no mesh is made with
+  std::int64_t colored_count_ = 0, shared_count_ = 0, first_shared_ = -1;
   std::int64_t deformed_count_ = 0, point_primitive_count_ = 0, primitive_count_ = 0;
   // By vertex of the current primitive: its welded vertex, valid where the stamp is the current.
   std::vector<std::int32_t> welded_vertices_;
@@ -78,8 +84,8 @@ class SceneReader {
   std::int64_t stamp_ = 0;
 };
 
-/// Throws Error{UnreadableInput} for a version but 2.x, and for an extension that the file requires
-/// and nobody here reads, unless its name begins as one of `further`.
-void require_gltf_version(const JsonPlace& root, std::span<const std::string_view> further = {});
+/// Throws Error{UnreadableInput} for a version but 2.x, for one that needs a later reader, and for
+/// an extension that the file requires and nobody here reads.
+void require_gltf_version(const JsonPlace& root);
 
 }  // namespace planish

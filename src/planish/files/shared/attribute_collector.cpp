@@ -42,10 +42,11 @@ void AttributeCollector::add_faces(std::size_t count) {
   face_count_ += count;
 }
 
-void AttributeCollector::color_vertex(std::int32_t vertex, const glm::vec4& color) {
+bool AttributeCollector::color_vertex(std::int32_t vertex, const glm::vec4& color) {
   const auto slot = static_cast<std::size_t>(vertex);
   if (colors_.size() <= slot) colors_.resize(slot + 1, kNoColor);
   if (colors_[slot] == kNoColor) colors_[slot] = color;
+  return colors_[slot] == color;
 }
 
 void AttributeCollector::finish(std::vector<glm::dvec2> uvs, PolygonMesh& mesh) {

@@ -20,8 +20,9 @@ class AttributeCollector {
   /// For every face, or for several.
   void add_face() { add_faces(1); }
   void add_faces(std::size_t count);
-  /// For vertices that have a colour (linear RGBA), in any order. The first stays.
-  void color_vertex(std::int32_t vertex, const glm::vec4& color);
+  /// For vertices that have a colour (linear RGBA), in any order. The first stays: false where that
+  /// is another.
+  bool color_vertex(std::int32_t vertex, const glm::vec4& color);
 
   /// Gives the mesh its attributes. `uvs` are dropped where no corner names one; vertices without
   /// a colour become white.

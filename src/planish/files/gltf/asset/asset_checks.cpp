@@ -14,15 +14,9 @@
 #include "planish/core/json.h"
 #include "planish/core/number_text.h"
 #include "planish/files/gltf/gltf_nodes.h"
-#include "planish/files/gltf/scene_reader.h"
 
 namespace planish {
 namespace {
-
-// Extensions that leave alone what a mesh is, besides those that any reading takes.
-constexpr std::array<std::string_view, 7> kPassing = {
-    "KHR_animation_pointer", "KHR_node_",   "KHR_xmp_json_ld", "MSFT_lod",
-    "KHR_interactivity",     "KHR_lights_", "MSFT_texture_dds"};
 
 std::int64_t count_of(const JsonPlace& root, std::string_view key) {
   const auto array = root.find(key);
@@ -311,8 +305,6 @@ void require_animation(const JsonPlace& root, const JsonPlace& animation) {
 }
 
 }  // namespace
-
-void require_asset_version(const JsonPlace& root) { require_gltf_version(root, kPassing); }
 
 void require_sound_asset(const JsonPlace& root) {
   for_each(root, "materials", [&](const JsonPlace& material) { require_textures(root, material); });

@@ -4,10 +4,6 @@
 
 namespace planish {
 
-/// Throws Error{UnreadableInput} for a version but 2.x, and for an extension that the file requires
-/// and that may change what meshes are.
-void require_asset_version(const JsonPlace& root);
-
 /// Throws Error{UnreadableInput}, naming the place, where a part of the file names another that is
 /// not there (materials textures, textures images and samplers, nodes meshes, skins, cameras and
 /// children, skins joints, animations nodes), and where nodes do not form trees.

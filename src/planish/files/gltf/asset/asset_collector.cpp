@@ -12,8 +12,6 @@
 namespace planish {
 namespace {
 
-// Joints that a vertex names beyond so many sets of four are an error of the file.
-constexpr int kMostSets = 4;
 constexpr int kJointsOfSet = 4;
 
 bool is_vertex_color(std::string_view name) { return name.starts_with("COLOR_"); }
@@ -26,11 +24,10 @@ int AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitiv
   uvs_.clear();
   uv_places_.clear();
   arrays_.clear();
-  joints_.clear();
   targets_.clear();
   find_uvs(attributes, primitive, budget);
   find_arrays(attributes, primitive, budget);
-  find_joints(attributes, primitive, budget);
+  find_joints(primitive, budget);
   find_targets(place, primitive, budget);
   const auto next = static_cast<int>(made_.groups.size());
   const auto [group, is_new] =
@@ -99,20 +96,10 @@ void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimit
   }
 }
 
-void AssetCollector::find_joints(const JsonPlace& attributes, const SourcePrimitive& primitive,
-                                 GltfBudget& budget) {
-  for (int set = 0; set < kMostSets; ++set) {
-    const std::string number = std::to_string(set);
-    auto joints = primitive.attribute("JOINTS_" + number, GltfAccessor::Use::Vectors);
-    auto weights = primitive.attribute("WEIGHTS_" + number, GltfAccessor::Use::Vectors);
-    if (!joints && !weights) break;
-    const JsonPlace place = attributes[(joints ? "JOINTS_" : "WEIGHTS_") + number];
-    if (!joints || !weights) place.fail("joints and weights come in pairs, and one is missing");
-    if (joints->number_count() != kJointsOfSet || weights->number_count() != kJointsOfSet)
-      place.fail("joints and weights are four of a vertex");
-    budget.add_numbers(place, 2 * kJointsOfSet * joints->count());
-    joints_.push_back({place, *joints, *weights});
-  }
+void AssetCollector::find_joints(const SourcePrimitive& primitive, GltfBudget& budget) {
+  joints_ = primitive.joint_sets();
+  for (const JointSet& set : joints_)
+    budget.add_numbers(set.place, 2 * kJointsOfSet * set.joints.count());
   made_.joint_sets = std::max(made_.joint_sets, static_cast<int>(joints_.size()));
   if (!joints_.empty() && made_.first_influence.empty())
     made_.first_influence.assign(static_cast<std::size_t>(vertex_count_) + 1, 0);
@@ -133,22 +120,14 @@ void AssetCollector::find_targets(const JsonPlace& place, const SourcePrimitive&
     targets_.emplace_back();
     if (!moves) continue;
     budget.add_numbers(*moves, 6 * primitive.positions().count());
-    targets_.back() = Target{*moves, primitive.target(*moves)};
+    targets_.back() = Target{*moves, primitive.target(*moves, GltfAccessor::Use::Positions)};
   }
 }
 
 void AssetCollector::read_motion(std::int64_t vertex) {
   influences_.clear();
   moves_.clear();
-  for (const Joints& set : joints_) {
-    for (std::int64_t k = 0; k < kJointsOfSet; ++k) {
-      const double weight = set.weights.value(vertex, k), joint = set.joints.value(vertex, k);
-      if (!std::isfinite(weight) || weight < 0 || joint < 0 || joint != std::floor(joint))
-        set.place.fail("vertex {} is no joint with a weight from 0", vertex);
-      if (weight > 0)
-        influences_.push_back({static_cast<std::int32_t>(joint), static_cast<float>(weight)});
-    }
-  }
+  append_influences(joints_, vertex, influences_);
   for (const std::optional<Target>& target : targets_) {
     const glm::dvec3 move = target ? target->moves.position(vertex) : glm::dvec3(0.0);
     if (!std::isfinite(move.x) || !std::isfinite(move.y) || !std::isfinite(move.z))

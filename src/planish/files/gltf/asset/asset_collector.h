@@ -38,10 +38,6 @@ class AssetCollector {
     GltfAccessor accessor;
     std::size_t array;  // of AssetVertices
   };
-  struct Joints {
-    JsonPlace place;
-    GltfAccessor joints, weights;
-  };
   struct Target {
     JsonPlace place;
     GltfAccessor moves;
@@ -50,8 +46,7 @@ class AssetCollector {
   void find_uvs(const JsonPlace& attributes, const SourcePrimitive& primitive, GltfBudget& budget);
   void find_arrays(const JsonPlace& attributes, const SourcePrimitive& primitive,
                    GltfBudget& budget);
-  void find_joints(const JsonPlace& attributes, const SourcePrimitive& primitive,
-                   GltfBudget& budget);
+  void find_joints(const SourcePrimitive& primitive, GltfBudget& budget);
   void find_targets(const JsonPlace& place, const SourcePrimitive& primitive, GltfBudget& budget);
   // How the current primitive's vertex moves, into influences_ and moves_.
   void read_motion(std::int64_t vertex);
@@ -67,7 +62,7 @@ class AssetCollector {
   std::vector<GltfAccessor> uvs_;
   std::vector<JsonPlace> uv_places_;
   std::vector<Source> arrays_;
-  std::vector<Joints> joints_;
+  std::vector<JointSet> joints_;
   std::vector<std::optional<Target>> targets_;
   std::vector<JointWeight> influences_;
   std::vector<glm::dvec3> moves_;

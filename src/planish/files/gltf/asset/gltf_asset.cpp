@@ -22,7 +22,7 @@ GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
       root_(*document_, file_.name, ""),
       source_(root_, split_glb(file.bytes, file.name).chunk, file) {
   file_.progress = nullptr;  // which counts the bytes of a scene
-  require_asset_version(root_);
+  require_gltf_version(root_);
   require_sound_asset(root_);
   const auto meshes = root_.find("meshes");
   for (std::int64_t i = 0; meshes && i < meshes->array_size(); ++i) {
