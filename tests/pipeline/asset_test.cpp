@@ -155,13 +155,52 @@ TEST_F(Asset, FilesBesideComeAlong) {
   EXPECT_EQ(made["images"][0]["mimeType"], "image/png");
   EXPECT_EQ(made["images"][0]["name"], "picture.png");
   EXPECT_THAT(read("out.glb"), HasSubstr(AssetSample::image()));
-  // One that is missing is an error, before anything is written.
-  fs::remove(folder_ / "picture.png");
-  fs::remove(folder_ / "out.glb");
-  EXPECT_THAT(
-      message_of(ErrorCode::UnreadableInput, [&] { (void)fit_file(input, folder_ / "out.glb"); }),
-      HasSubstr("in.gltf: images[0].uri: "));
-  EXPECT_FALSE(fs::exists(folder_ / "out.glb"));
+  EXPECT_FALSE(made["images"][0].contains("uri"));
+  // So it does with one that stands in the document.
+  const std::string data = "data:image/png,%89PNG";
+  (void)fit_file(write("in.gltf", sample_.gltf("buffer.bin", data)), folder_ / "out.glb");
+  made = written_json();
+  EXPECT_EQ(made["images"][0]["mimeType"], "image/png");
+  EXPECT_FALSE(made["images"][0].contains("name"));
+  EXPECT_FALSE(made["images"][0].contains("uri"));
+}
+
+// Nobody can show one that is missing: in its place is a pixel that changes nothing, so that what
+// names images, textures and materials by number stays as it is.
+TEST_F(Asset, AMissingImageIsAWarning) {
+  write("parts.bin", sample_.bytes);
+  FitFileOptions options;
+  std::vector<Warning> warnings;
+  options.mesh.fit.callbacks.warning = [&](const Warning& one) { warnings.push_back(one); };
+  const auto pixel_of = [&](const std::string& output) {
+    warnings.clear();
+    (void)fit_file(write("in.gltf", sample_.gltf("parts.bin", "gone.png")), folder_ / output,
+                   options);
+    const bool is_glb = output.ends_with(".glb");
+    const json made = is_glb ? written_json() : json::parse(read(output));
+    EXPECT_EQ(made["materials"].size(), sample_.json["materials"].size());
+    EXPECT_EQ(made["textures"], sample_.json["textures"]);
+    const json& image = made["images"][0];
+    EXPECT_EQ(image["name"], "gone.png");
+    EXPECT_EQ(image["mimeType"], "image/png");
+    EXPECT_FALSE(image.contains("uri"));
+    const json& view = made["bufferViews"][image["bufferView"].get<std::size_t>()];
+    const std::string bytes = read(is_glb ? output : "out.bin");
+    const std::size_t begin = is_glb ? bytes.find("BIN\0", 0, 4) + 4 : 0;
+    return bytes.substr(begin + view.value("byteOffset", std::size_t{0}),
+                        view["byteLength"].get<std::size_t>());
+  };
+  for (const char* output : {"out.glb", "out.gltf"}) {
+    const std::string flat = pixel_of(output);
+    EXPECT_TRUE(flat.starts_with("\x89PNG"));
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(warnings[0].code, "missing-images");
+    EXPECT_THAT(warnings[0].message, HasSubstr("gone.png: cannot read: No such file"));
+    // The sample's is a texture of normals, too.
+    sample_.json["materials"][0].erase("normalTexture");
+    EXPECT_NE(pixel_of(output), flat);
+    sample_.json["materials"][0]["normalTexture"] = {{"index", 0}};
+  }
 }
 
 TEST_F(Asset, MergedTheSceneIsOneMesh) {

@@ -70,21 +70,25 @@ GltfMaterials made_of(const GltfAsset& asset) {
     for (const json& name : document.value(list, json::array()))
       if (extensions.contains(name.get<std::string>())) made.lists[list].push_back(name);
   if (!made.lists.contains("images")) return made;
+  std::vector<std::string> missing;
   for (std::size_t i = 0; i < made.lists["images"].size(); ++i) {
     json& image = made.lists["images"][i];
     const JsonPlace place = asset.root()["images"][static_cast<std::int64_t>(i)];
     const auto uri = place.find("uri");
-    const std::span<const std::byte> bytes =
-        uri ? asset.source().fetch(*uri) : asset.source().view(place["bufferView"].integer());
-    const std::string type = image_type(bytes, uri ? uri->text() : "");
-    made.images.push_back({image.value("mimeType", type), {}, {}});
-    const auto file = uri ? decode_uri_path(uri->text()) : std::nullopt;
-    if (file && !uri->text().starts_with("data:"))
+    const AssetImage found = asset_image(asset, static_cast<std::int64_t>(i));
+    made.images.push_back({image.value("mimeType", found.type), {}, {}});
+    if (!found.missing.empty()) {
+      made.images.back().type = found.type;
+      missing.push_back(found.missing);
+    } else if (const auto file = uri ? decode_uri_path(uri->text()) : std::nullopt;
+               file && !is_data_uri(uri->text())) {
       made.images.back().path = asset.file().path.parent_path() / *file;
-    made.images.back().bytes.assign(bytes.begin(), bytes.end());
+    }
+    made.images.back().bytes.assign(found.bytes.begin(), found.bytes.end());
     image.erase("uri");
     image.erase("bufferView");
   }
+  if (!missing.empty()) made.warnings.push_back(missing_images(missing));
   return made;
 }
 

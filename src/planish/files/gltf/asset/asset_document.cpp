@@ -53,7 +53,7 @@ std::int64_t AssetDocument::Places::next(json& list) {
 
 AssetDocument::AssetDocument(const GltfAsset& asset, const std::set<std::int64_t>& replaced_meshes,
                              bool keeps_files)
-    : asset_(asset), json_(asset.root().value()) {
+    : asset_(asset), json_(asset.root().value()), keeps_files_(keeps_files) {
   FreePlaces free = free_places(json_, replaced_meshes);
   accessors_.free = std::move(free.accessors);
   views_.free = std::move(free.views);
@@ -61,7 +61,7 @@ AssetDocument::AssetDocument(const GltfAsset& asset, const std::set<std::int64_t
     keeps_vertices_ |= !replaced_meshes.contains(static_cast<std::int64_t>(m)) ||
                        !std::ranges::all_of(json_["meshes"][m]["primitives"], is_surface);
   keep_views();
-  if (!keeps_files) keep_images();
+  keep_images();
   json_["asset"]["generator"] = "planish " PLANISH_VERSION;
 }
 
@@ -89,21 +89,36 @@ void AssetDocument::keep_views() {
   }
 }
 
+// Images beside the asset stay there where the file comes there, too; addresses elsewhere stay
+// anywhere.
+bool AssetDocument::stays(const JsonPlace& uri) const {
+  if (uri.text().find("://") != std::string::npos) return true;
+  if (!keeps_files_) return false;
+  if (is_data_uri(uri.text())) return true;
+  const auto name = decode_relative_uri(uri.text());
+  std::error_code error;
+  return name && std::filesystem::is_regular_file(asset_.file().path.parent_path() / *name, error);
+}
+
 void AssetDocument::keep_images() {
+  std::vector<std::string> missing;
   const auto images = asset_.root().find("images");
   for (std::int64_t i = 0; images && i < images->array_size(); ++i) {
     const auto uri = (*images)[i].find("uri");
-    if (!uri || uri->text().starts_with("data:")) continue;
-    const std::span<const std::byte> bytes = asset_.source().fetch(*uri);
+    if (!uri || stays(*uri)) continue;
+    const AssetImage found = asset_image(asset_, i);
+    if (!found.missing.empty()) missing.push_back(found.missing);
     json& views = json_["bufferViews"];
     const std::int64_t view = views_.next(views);
-    views[view] = {{"buffer", 0}, {"byteOffset", keep(bytes)}, {"byteLength", bytes.size()}};
+    views[view] = {
+        {"buffer", 0}, {"byteOffset", keep(found.bytes)}, {"byteLength", found.bytes.size()}};
     json& image = json_["images"][i];
-    if (!image.contains("name")) image["name"] = image["uri"];
-    if (!image.contains("mimeType")) image["mimeType"] = image_type(bytes, uri->text());
+    if (!image.contains("name") && !is_data_uri(uri->text())) image["name"] = image["uri"];
+    if (!image.contains("mimeType") || !found.missing.empty()) image["mimeType"] = found.type;
     image["bufferView"] = view;
     image.erase("uri");
   }
+  if (!missing.empty()) warnings_.push_back(missing_images(missing));
 }
 
 // Their places in the document.

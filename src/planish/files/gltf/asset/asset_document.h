@@ -21,7 +21,8 @@ namespace planish {
 /// document changes, which may be one of an extension that nobody here knows.
 class AssetDocument {
  public:
-  /// `keeps_files`: images beside the asset stay there. Throws Error{UnreadableInput} where the
+  /// `keeps_files`: images beside the asset, and those in data URIs, stay there; else all come into
+  /// the buffer. Throws Error{UnreadableInput} where the
   /// asset names bytes that are not there.
   AssetDocument(const GltfAsset& asset, const std::set<std::int64_t>& replaced_meshes,
                 bool keeps_files);
@@ -42,6 +43,8 @@ class AssetDocument {
   /// Bytes that come before those of the surfaces, each piece padded to a multiple of four.
   [[nodiscard]] const std::vector<std::span<const std::byte>>& kept() const { return kept_; }
   [[nodiscard]] std::uint64_t buffer_bytes() const { return buffer_bytes_; }
+  /// What of the asset could not come along.
+  [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
 
  private:
   // Of a list of the document, the places that new elements take.
@@ -52,6 +55,7 @@ class AssetDocument {
 
   std::uint64_t keep(std::span<const std::byte> bytes);
   void keep_views();
+  [[nodiscard]] bool stays(const JsonPlace& uri) const;
   void keep_images();
   std::vector<std::int64_t> append_accessors(const GltfDocument& document,
                                              const nlohmann::json& made);
@@ -62,10 +66,12 @@ class AssetDocument {
 
   const GltfAsset& asset_;
   nlohmann::json json_;
+  bool keeps_files_;
   Places accessors_, views_;
   std::vector<std::span<const std::byte>> kept_;
   std::uint64_t buffer_bytes_ = 0, decoded_bytes_ = 0;
   std::set<std::string> new_extensions_;
+  std::vector<Warning> warnings_;
   std::map<std::int64_t, std::vector<MeshLevel>> levels_;  // by the mesh that gave way
   bool keeps_vertices_ = false;                            // of some primitive
 };

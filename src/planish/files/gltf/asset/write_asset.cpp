@@ -85,6 +85,7 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
     whole.triangle_count += payload.triangle_count;
   }
   whole.json = document.text(uri);
+  for (const Warning& warning : document.warnings()) common.warn(warning);
   whole.buffer_bytes = document.buffer_bytes();
   // Payloads read their options.
   whole.write_buffer = [options, payloads, is_writing,
