@@ -2,6 +2,11 @@
 #include <gmock/gmock.h>
 #include <meshoptimizer.h>
 
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -133,6 +138,189 @@ TEST_F(AssetExtensions, WhatMeshoptPackedComesUnpacked) {
   EXPECT_THAT(made["extensionsUsed"], Not(Contains("EXT_meshopt_compression")));
   EXPECT_FALSE(made.contains("extensionsRequired"));
   for (const json& view : made["bufferViews"]) EXPECT_FALSE(view.contains("extensions")) << view;
+}
+
+// Numbers of things ride on the ball, one a vertex.
+class AssetThings : public AssetExtensions {
+ protected:
+  std::vector<glm::dvec3> add_ids(const std::function<int(std::size_t)>& id_of, int component) {
+    json& ball = sample_.json["meshes"][1]["primitives"][0];
+    const json positions =
+        sample_.json["accessors"][ball["attributes"]["POSITION"].get<std::size_t>()];
+    const json& view = sample_.json["bufferViews"][positions["bufferView"].get<std::size_t>()];
+    std::vector<glm::dvec3> points;
+    std::string ids;
+    for (std::size_t v = 0; v < positions["count"].get<std::size_t>(); ++v) {
+      std::array<float, 3> point;
+      std::memcpy(point.data(),
+                  sample_.bytes.data() + view["byteOffset"].get<std::size_t>() + 12 * v, 12);
+      points.emplace_back(point[0], point[1], point[2]);
+      if (component == 5126) {
+        append<float>(ids, static_cast<float>(id_of(v)));
+      } else {
+        append<std::uint16_t>(ids, static_cast<std::uint16_t>(id_of(v)));
+        append<std::uint16_t>(ids, 0);
+      }
+    }
+    sample_.json["bufferViews"].push_back({{"buffer", 0},
+                                           {"byteOffset", sample_.bytes.size()},
+                                           {"byteLength", ids.size()},
+                                           {"byteStride", 4}});
+    sample_.bytes += ids;
+    sample_.json["accessors"].push_back({{"bufferView", sample_.json["bufferViews"].size() - 1},
+                                         {"componentType", component},
+                                         {"count", points.size()},
+                                         {"type", "SCALAR"}});
+    ball["attributes"]["_FEATURE_ID_0"] = sample_.json["accessors"].size() - 1;
+    ball["extensions"]["EXT_mesh_features"] = {
+        {"featureIds", {{{"featureCount", 9}, {"attribute", 0}}}}};
+    sample_.json["extensionsUsed"].push_back("EXT_mesh_features");
+    return points;
+  }
+};
+
+// Each vertex of the surface has the number of a given one beside it, as it is: at given vertices
+// their own, elsewhere no one's who is much farther than the nearest.
+TEST_F(AssetThings, NumbersOfThingsAreTheNearestVertexs) {
+  for (const int component : {5126, 5123}) {
+    sample_ = AssetSample();
+    const auto id_of = [](std::size_t v) { return static_cast<int>(v % 5) * 1000; };
+    const std::vector<glm::dvec3> given = add_ids(id_of, component);
+    const tinygltf::Model model = fitted(sample_.glb());
+    const auto& attributes = model.meshes.at(1).primitives.at(0).attributes;
+    EXPECT_EQ(model.accessors.at(attributes.at("_FEATURE_ID_0")).componentType, component);
+    const std::vector<double> ids = numbers_of(model, attributes.at("_FEATURE_ID_0"));
+    const std::vector<glm::dvec3> points = points_of(model, attributes.at("POSITION"));
+    ASSERT_EQ(ids.size(), points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      double nearest = 9, nearest_of_id = 9;
+      for (std::size_t v = 0; v < given.size(); ++v) {
+        const double distance = glm::length(points[i] - given[v]);
+        nearest = std::min(nearest, distance);
+        if (id_of(v) == ids[i]) nearest_of_id = std::min(nearest_of_id, distance);
+      }
+      EXPECT_LE(nearest_of_id, 1.5 * nearest + 1e-6) << i;
+    }
+    EXPECT_EQ(written_json()["meshes"][1]["primitives"][0]["extensions"],
+              sample_.json["meshes"][1]["primitives"][0]["extensions"]);
+  }
+}
+
+// No vertex of the surface can have two; what names the attribute goes with it.
+TEST_F(AssetThings, NumbersThatDifferAtOnePlaceAreLeftOut) {
+  (void)add_ids([](std::size_t v) { return static_cast<int>(v); }, 5126);
+  json& ball = sample_.json["meshes"][1]["primitives"][0];
+  // The same triangles again, by vertices of other numbers.
+  json other = ball;
+  std::string ids;
+  const auto count =
+      sample_.json["accessors"][ball["attributes"]["POSITION"].get<std::size_t>()]["count"]
+          .get<std::size_t>();
+  for (std::size_t v = 0; v < count; ++v) append<float>(ids, v == 7 ? 1.0f : static_cast<float>(v));
+  sample_.json["bufferViews"].push_back(
+      {{"buffer", 0}, {"byteOffset", sample_.bytes.size()}, {"byteLength", ids.size()}});
+  sample_.bytes += ids;
+  json accessor = sample_.json["accessors"].back();
+  accessor["bufferView"] = sample_.json["bufferViews"].size() - 1;
+  sample_.json["accessors"].push_back(accessor);
+  other["attributes"]["_FEATURE_ID_0"] = sample_.json["accessors"].size() - 1;
+  sample_.json["meshes"][1]["primitives"].push_back(other);
+  FitFileOptions options;
+  options.level = 1;
+  // The mesh numbers its vertices as triangles first name them.
+  const json& faces = sample_.json["accessors"][other["indices"].get<std::size_t>()];
+  const std::size_t at =
+      sample_.json["bufferViews"][faces["bufferView"].get<std::size_t>()]["byteOffset"]
+          .get<std::size_t>();
+  std::set<std::uint16_t> before;
+  for (std::size_t i = 0; !before.contains(7); ++i) {
+    std::uint16_t vertex = 0;
+    std::memcpy(&vertex, sample_.bytes.data() + at + 2 * i, sizeof(vertex));
+    before.insert(vertex);
+  }
+  std::vector<std::string> codes;
+  options.mesh.fit.callbacks.warning = [&](const Warning& one) {
+    codes.push_back(one.code);
+    if (one.code != "left-out-attributes") return;
+    EXPECT_EQ(one.count, 1);
+    EXPECT_EQ(one.first, std::ssize(before) - 1);
+  };
+  pass(options);
+  EXPECT_THAT(codes, Contains("left-out-attributes"));
+  EXPECT_THAT(codes, Contains("left-out-extensions"));
+  const json made = written_json();
+  for (const json& primitive : made["meshes"][1]["primitives"]) {
+    EXPECT_FALSE(primitive["attributes"].contains("_FEATURE_ID_0"));
+    EXPECT_FALSE(primitive.contains("extensions"));
+  }
+  EXPECT_THAT(made["extensionsUsed"], Not(Contains("EXT_mesh_features")));
+}
+
+// What describes the triangles that give way goes with them, known or not; other things stay.
+TEST_F(AssetExtensions, WhatDescribesOldTrianglesGoesWithThem) {
+  json& mesh = sample_.json["meshes"][1];
+  json& ball = mesh["primitives"][0];
+  mesh["extensions"]["EXT_mesh_manifold"] = {
+      {"manifoldPrimitive", {{"indices", ball["indices"]}, {"attributes", ball["attributes"]}}}};
+  ball["extensions"] = {{"CESIUM_primitive_outline", {{"indices", ball["indices"]}}},
+                        {"ACME_wires", {{"wires", {{{"accessor", ball["indices"]}}}}}},
+                        {"ACME_price", {{"price", 12}}}};
+  sample_.json["scenes"][0]["extensions"]["FB_geometry_metadata"] = {{"vertexCount", 634}};
+  for (const char* name : {"EXT_mesh_manifold", "CESIUM_primitive_outline", "ACME_wires",
+                           "ACME_price", "FB_geometry_metadata"})
+    sample_.json["extensionsUsed"].push_back(name);
+  FitFileOptions options;
+  std::string said;
+  options.mesh.fit.callbacks.warning = [&](const Warning& one) {
+    EXPECT_EQ(one.code, "left-out-extensions");
+    EXPECT_EQ(one.count, 4);
+    said = one.message;
+  };
+  pass(options);
+  EXPECT_TRUE(
+      said.ends_with("left out, since they describe the triangles that give way: "
+                     "ACME_wires, CESIUM_primitive_outline, EXT_mesh_manifold, "
+                     "FB_geometry_metadata"))
+      << said;
+  const json made = written_json();
+  EXPECT_FALSE(made["meshes"][1].contains("extensions"));
+  EXPECT_EQ(made["meshes"][1]["primitives"][0]["extensions"],
+            json({{"ACME_price", {{"price", 12}}}}));
+  EXPECT_FALSE(made["scenes"][0].contains("extensions"));
+  EXPECT_THAT(made["extensionsUsed"],
+              ElementsAre("ACME_price", "EXT_mesh_gpu_instancing", "KHR_lights_punctual",
+                          "KHR_materials_clearcoat", "VENDOR_secret"));
+}
+
+// FB_ngon_encoding: triangles that follow each other and begin with one vertex are one polygon.
+TEST_F(AssetExtensions, TrianglesEncodeTheQuadsOfTheSurface) {
+  const auto quads_of = [&](bool encodes) {
+    for (json& primitive : sample_.json["meshes"][0]["primitives"]) {
+      primitive.erase("extensions");
+      if (encodes) primitive["extensions"]["FB_ngon_encoding"] = json::object();
+    }
+    const tinygltf::Model model = fitted(sample_.glb());
+    std::vector<std::vector<double>> quads;
+    for (const tinygltf::Primitive& primitive : model.meshes[0].primitives) {
+      const std::vector<double> corners = numbers_of(model, primitive.indices);
+      for (std::size_t i = 0; i < corners.size(); i += 6) {
+        std::vector<double> quad(corners.begin() + static_cast<std::ptrdiff_t>(i),
+                                 corners.begin() + static_cast<std::ptrdiff_t>(i) + 6);
+        if (encodes) {
+          EXPECT_EQ(quad[0], quad[3]);
+          EXPECT_EQ(quad[2], quad[4]);
+          if (i > 0) EXPECT_NE(quad[0], corners[i - 6]);
+        }
+        std::ranges::sort(quad);
+        quad.erase(std::unique(quad.begin(), quad.end()), quad.end());
+        EXPECT_EQ(quad.size(), 4u);
+        quads.push_back(quad);
+      }
+    }
+    return quads;
+  };
+  EXPECT_EQ(quads_of(true), quads_of(false));
+  EXPECT_TRUE(sample_.json["meshes"][0]["primitives"][0].contains("material"));
 }
 
 }  // namespace

@@ -155,5 +155,26 @@ TEST_F(Asset, EdgesThatGetALengthByMovingStay) {
   for (const Warning& warning : result_.fitted.warnings) EXPECT_NE(warning.code, "short-edges");
 }
 
+// Moves of colours and texture coordinates are linear between vertices as these are: a target that
+// has the numbers of another attribute moves by what the surface has of that.
+TEST_F(Asset, MorphTargetsMoveColorsAndTextureCoordinates) {
+  using nlohmann::json;
+  for (json& primitive : sample_.json["meshes"][0]["primitives"])
+    primitive["targets"][0]["TEXCOORD_0"] = primitive["attributes"]["TEXCOORD_1"];
+  json& ball = sample_.json["meshes"][1]["primitives"][0];
+  ball["targets"] = {{{"COLOR_0", ball["attributes"]["COLOR_0"]}}};
+  const tinygltf::Model model = fitted(sample_.glb(), progressive());
+  const auto expect_same = [&](const tinygltf::Primitive& primitive, const char* moved,
+                               const char* by) {
+    const auto moves = numbers_of(model, primitive.targets.at(0).at(moved));
+    const auto given = numbers_of(model, primitive.attributes.at(by));
+    ASSERT_EQ(moves.size(), given.size());
+    for (std::size_t i = 0; i < moves.size(); ++i) EXPECT_NEAR(moves[i], given[i], 1e-6);
+  };
+  for (const tinygltf::Primitive& tube : model.meshes[0].primitives)
+    expect_same(tube, "TEXCOORD_0", "TEXCOORD_1");
+  expect_same(model.meshes[1].primitives[0], "COLOR_0", "COLOR_0");
+}
+
 }  // namespace
 }  // namespace planish::test

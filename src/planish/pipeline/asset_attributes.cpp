@@ -3,6 +3,7 @@
 #include "planish/pipeline/asset_attributes.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <map>
 #include <mutex>
 #include <string>
@@ -46,46 +47,45 @@ class AssetAttributes::Maker {
   }
 
   void add_uvs() {
-    for (const std::vector<glm::dvec2>& set : given_.further_uvs) {
-      std::vector<glm::dvec2>& values = made_.uvs_.emplace_back();
-      if (is_doo_sabin()) {
-        values.resize(static_cast<std::size_t>(surface_.info().uv_count));
-        (void)surface_.uvs_of(set, {0, surface_.info().uv_count}, values);
-        continue;
-      }
-      PolygonMesh cage = fitted_.fit.cage;
-      cage.uvs = set;
-      const SurfaceMesh made = evaluated(cage);
-      values.assign(made.uvs.begin(), made.uvs.end());
+    for (const std::vector<glm::dvec2>& set : given_.further_uvs) made_.uvs_.push_back(uvs_of(set));
+  }
+
+  // Of texture coordinates by morph targets.
+  void add_uv_moves() {
+    for (const AssetUvMoves& moves : given_.uv_moves) {
+      std::vector<float>& values = made_.values_.emplace_back();
+      for (const glm::dvec2& move : uvs_of(moves.values))
+        for (int k = 0; k < 2; ++k) values.push_back(static_cast<float>(move[k]));
+      made_.attributes_.push_back(
+          {.name = moves.name, .width = 2, .values = values, .of_uvs = true});
     }
   }
 
   void add_arrays() {
-    PolygonMesh cage;
-    if (!is_doo_sabin()) cage = fitted_.fit.cage;
-    cage.attributes.clear();
+    std::vector<const AssetArray*> blended;
     for (const AssetArray& array : given_.arrays) {
-      auto& values = made_.values_.emplace_back();
-      if (is_doo_sabin()) {
-        values = rows_of_vertices(array.values, array.width, fitted_, surface_);
+      if (array.is_of_things) {
+        add_array(array, nearest_rows(array));
+      } else if (is_doo_sabin()) {
+        add_array(array, rows_of_vertices(array.values, array.width, fitted_, surface_));
       } else {
-        VertexAttribute& attribute = cage.attributes.emplace_back(
-            attribute_of_size(array.name, array.width, cage.positions.size()));
-        for (std::size_t v = 0; v < cage.positions.size(); ++v)
-          std::copy_n(array.values.begin() + array.width * static_cast<std::int64_t>(source(v)),
-                      array.width,
-                      attribute.values.begin() + array.width * static_cast<std::int64_t>(v));
+        blended.push_back(&array);
       }
     }
-    if (!is_doo_sabin()) {
-      const SurfaceMesh made = evaluated(cage);
-      auto values = made_.values_.begin();
-      for (const VertexAttribute& attribute : made.attributes)
-        (values++)->assign(attribute.values.begin(), attribute.values.end());
+    if (blended.empty()) return;
+    PolygonMesh cage = fitted_.fit.cage;
+    cage.attributes.clear();
+    for (const AssetArray* array : blended) {
+      VertexAttribute& attribute = cage.attributes.emplace_back(
+          attribute_of_size(array->name, array->width, cage.positions.size()));
+      for (std::size_t v = 0; v < cage.positions.size(); ++v)
+        std::copy_n(array->values.begin() + array->width * static_cast<std::int64_t>(source(v)),
+                    array->width,
+                    attribute.values.begin() + array->width * static_cast<std::int64_t>(v));
     }
-    auto values = made_.values_.begin();
-    for (const AssetArray& array : given_.arrays)
-      made_.attributes_.push_back({.name = array.name, .width = array.width, .values = *values++});
+    const SurfaceMesh made = evaluated(cage);
+    for (std::size_t i = 0; i < blended.size(); ++i)
+      add_array(*blended[i], {made.attributes[i].values.begin(), made.attributes[i].values.end()});
   }
 
   // Any surface has them: they come of its triangles.
@@ -169,6 +169,28 @@ class AssetAttributes::Maker {
                ? vertex
                : static_cast<std::size_t>(fitted_.source_vertices[vertex]);
   }
+  void add_array(const AssetArray& array, std::vector<float> rows) {
+    const std::vector<float>& values = made_.values_.emplace_back(std::move(rows));
+    made_.attributes_.push_back({.name = array.name,
+                                 .width = array.width,
+                                 .is_integer = array.is_integer,
+                                 .values = values});
+  }
+  [[nodiscard]] std::vector<float> nearest_rows(const AssetArray& array) const;
+  // Other values in the place of texture coordinates.
+  [[nodiscard]] std::vector<glm::dvec2> uvs_of(const std::vector<glm::dvec2>& given) const {
+    std::vector<glm::dvec2> values;
+    if (is_doo_sabin()) {
+      values.resize(static_cast<std::size_t>(surface_.info().uv_count));
+      (void)surface_.uvs_of(given, {0, surface_.info().uv_count}, values);
+      return values;
+    }
+    PolygonMesh cage = fitted_.fit.cage;
+    cage.uvs = given;
+    const SurfaceMesh made = evaluated(cage);
+    values.assign(made.uvs.begin(), made.uvs.end());
+    return values;
+  }
   [[nodiscard]] bool is_doo_sabin() const { return fitted_.options.scheme == Scheme::DooSabin; }
   // Other schemes have their attributes from OpenSubdiv, along with all of a surface.
   [[nodiscard]] SurfaceMesh evaluated(const PolygonMesh& cage) const {
@@ -204,6 +226,57 @@ class AssetAttributes::Maker {
   std::size_t solve_count_ = 0, solved_ = 0;
   std::unique_ptr<const LinearSurface> linear_;
 };
+
+// Each row has the numbers of a corner of a face that it lies on, the nearest one: the surface
+// passes through them.
+std::vector<float> AssetAttributes::Maker::nearest_rows(const AssetArray& array) const {
+  const PolygonMesh& mesh = fitted_.mesh;
+  const auto width = static_cast<std::size_t>(array.width);
+  std::vector<float> values(width * static_cast<std::size_t>(surface_.info().row_count), 0.0f);
+  struct Piece {
+    RawVector<std::int32_t> rows, faces;
+    RawVector<glm::dvec3> positions;
+    RawVector<glm::vec3> normals;
+    std::vector<std::int32_t> nearest;  // vertices, by corner
+  };
+  const SurfaceInfo& info = surface_.info();
+  const auto corner_count = [&](RowRange faces) {
+    return static_cast<std::size_t>(info.first_corner(faces.first + faces.count) -
+                                    info.first_corner(faces.first));
+  };
+  in_order<Piece>(
+      ranges_of(info.face_count, kAttributeRows),
+      [&](RowRange faces, Piece& piece) {
+        piece.rows.resize(corner_count(faces));
+        piece.positions.resize(piece.rows.size());
+        piece.normals.resize(piece.rows.size());
+        piece.nearest.resize(piece.rows.size());
+        piece.faces.resize(static_cast<std::size_t>(faces.count));
+        surface_.face_vertices(faces, piece.rows);
+        surface_.corners(faces, piece.positions, piece.normals);
+        surface_.ancestors(faces, piece.faces);
+        for (std::int64_t f = 0; f < faces.count; ++f) {
+          const auto begin = static_cast<std::size_t>(mesh.face_offsets[piece.faces[f]]);
+          const auto end = static_cast<std::size_t>(mesh.face_offsets[piece.faces[f] + 1]);
+          const auto of = std::span(mesh.face_vertices).subspan(begin, end - begin);
+          const std::int64_t first = info.first_corner(faces.first);
+          for (std::int64_t c = info.first_corner(faces.first + f) - first;
+               c < info.first_corner(faces.first + f + 1) - first; ++c)
+            piece.nearest[c] = *std::ranges::min_element(of, {}, [&](std::int32_t vertex) {
+              const glm::dvec3 apart = mesh.positions[vertex] - piece.positions[c];
+              return glm::dot(apart, apart);
+            });
+        }
+      },
+      [&](RowRange, const Piece& piece) {
+        for (std::size_t c = 0; c < piece.rows.size(); ++c)
+          std::copy_n(array.values.begin() +
+                          static_cast<std::int64_t>(
+                              width * source(static_cast<std::size_t>(piece.nearest[c]))),
+                      width, values.begin() + static_cast<std::int64_t>(width) * piece.rows[c]);
+      });
+  return values;
+}
 
 void AssetAttributes::Maker::write_joints(const std::vector<std::int32_t>& joints,
                                           const std::vector<LinearSurface::Rows>& surfaces) {
@@ -259,6 +332,7 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
   Maker maker(*this, mesh, fitted, surface, backend, callbacks);
   maker.add_arrays();
   maker.add_uvs();
+  maker.add_uv_moves();
   try {
     if (!given.first_influence.empty()) maker.add_joints();
     if (!given.targets.empty()) maker.add_targets();
@@ -268,13 +342,6 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
   }
   if (given.has_tangents()) maker.add_tangents();
   for (const AssetGroup& group : given.groups) uv_sets_.push_back(group.uv_sets);
-  if (given.left_out.empty()) return;
-  std::string names;
-  for (const std::string& name : given.left_out) names += (names.empty() ? "" : ", ") + name;
-  callbacks.warn({"left-out-attributes",
-                  formatted("{}: {}{} left out: whole numbers have nothing between them", mesh.name,
-                            names, given.left_out.size() == 1 ? " is" : " are"),
-                  std::ssize(given.left_out)});
 }
 
 void AssetAttributes::add_to(GltfOptions& options) const {

@@ -23,8 +23,8 @@ namespace planish {
 /// the largest stay, four for each JOINTS_n that the mesh has, and are made to sum to 1.
 class AssetAttributes {
  public:
-  /// `surface` is a level of the fitted mesh, which is the asset's, or AdaptiveBlocks of it. What
-  /// no surface has is warned of: "left-out-attributes". Throws as fit(), Error{Cancelled};
+  /// `surface` is a level of the fitted mesh, which is the asset's, or AdaptiveBlocks of it.
+  /// Throws as fit(), Error{Cancelled};
   /// Error{InvalidArgument} for joints and morph targets where Catmull-Clark or Loop have no
   /// surface through them.
   AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted, const SurfaceBlocks& surface,

@@ -140,19 +140,22 @@ template <class Number>
 void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribute,
                      std::span<const ByteSink> sinks) {
   const auto width = static_cast<std::size_t>(attribute.width);
+  const std::size_t stride = attribute_bytes(attribute) / sizeof(Number);
   stream(
       pieces_of(vertices,
                 [&](const GltfPart& part) {
                   return attribute.is_in(part.group) && (!attribute.of_uvs || part.uv_sets > 0);
                 }),
       [&](RowRange range, RawVector<std::byte>& bytes) {
-        const auto values = values_of<Number>(bytes, width * static_cast<std::size_t>(range.count));
+        const auto values =
+            values_of<Number>(bytes, stride * static_cast<std::size_t>(range.count));
+        if (stride > width) std::ranges::fill(values, Number(0));
         for (std::int64_t i = 0; i < range.count; ++i) {
           const std::int64_t vertex = range.first + i;
           const std::int32_t uv = attribute.of_uvs ? vertices.uvs[vertex] : 0;
           const float* const from = attribute.numbers(uv, vertices.row_of(vertex));
           for (std::size_t k = 0; k < width; ++k)
-            values[width * static_cast<std::size_t>(i) + k] = static_cast<Number>(from[k]);
+            values[stride * static_cast<std::size_t>(i) + k] = static_cast<Number>(from[k]);
         }
       },
       sinks);
@@ -179,9 +182,23 @@ std::optional<GltfBounds> attribute_bounds(const GltfVertices& vertices, const G
   return bounds;
 }
 
+bool encodes_ngons(const GltfPart& part, const GltfOptions& options) {
+  return !options.ngon_groups.empty() && options.ngon_groups[std::max(part.group, 0)] != 0;
+}
+
+// The face of a part that is written before one; -1: there is none.
+std::int64_t face_before(const GltfPart& part, std::int64_t face) {
+  std::int64_t before = -1;
+  for (const RowRange& run : part.faces) {
+    if (run.first >= face) break;
+    before = std::min(run.first + run.count, face) - 1;
+  }
+  return before;
+}
+
 template <class Index>
 void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, const GltfPart& part,
-                   std::span<const ByteSink> sinks) {
+                   bool is_of_ngons, std::span<const ByteSink> sinks) {
   std::vector<RowRange> pieces;
   for (const RowRange& run : part.faces) {
     for (RowRange piece : ranges_of(run.count, kBufferFaces)) {
@@ -192,7 +209,12 @@ void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, c
   stream(
       pieces,
       [&](RowRange faces, RawVector<std::byte>& bytes) {
-        FaceWriter<Index>(surface, vertices)(faces, bytes);
+        FaceWriter<Index> write(surface, vertices);
+        if (is_of_ngons) {
+          write.ngons(faces, face_before(part, faces.first), bytes);
+        } else {
+          write(faces, bytes);
+        }
       },
       sinks);
 }
@@ -211,7 +233,9 @@ GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertice
                                  .uv_sets = part.uv_sets,
                                  .name = group.name,
                                  .material = group.material,
-                                 .group = part.group});
+                                 .group = part.group,
+                                 .encodes_ngons = encodes_ngons(part, options),
+                                 .bounds = {}});
     for (const GltfAttribute& attribute : layout.attributes)
       layout.primitives.back().bounds.push_back(attribute_bounds(vertices, part, attribute));
   }
@@ -246,9 +270,11 @@ void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
   const std::array<std::byte, 4> zeros{};
   for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
     if (layout.primitives[i].index_size() == 2) {
-      write_indices<std::uint16_t>(surface, vertices, vertices.parts[i], all);
+      write_indices<std::uint16_t>(surface, vertices, vertices.parts[i],
+                                   layout.primitives[i].encodes_ngons, all);
     } else {
-      write_indices<std::uint32_t>(surface, vertices, vertices.parts[i], all);
+      write_indices<std::uint32_t>(surface, vertices, vertices.parts[i],
+                                   layout.primitives[i].encodes_ngons, all);
     }
     if (written % 4 == 0) continue;
     for (const ByteSink& sink : all) sink(std::span(zeros).first(4 - written % 4));

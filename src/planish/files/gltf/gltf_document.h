@@ -52,7 +52,8 @@ struct GltfArrays {
   std::map<std::string, std::size_t> attributes;
   std::size_t indices = 0;
   std::string name, material;
-  std::int32_t group = -1;  ///< of the surface; -1: it has none
+  std::int32_t group = -1;     ///< of the surface; -1: it has none
+  bool encodes_ngons = false;  ///< see GltfOptions::ngon_groups
   std::size_t mesh = 0;
 };
 

@@ -41,7 +41,64 @@ class FaceWriter {
     }
   }
 
+  /// The same as FB_ngon_encoding has it: triangles of one face follow each other and begin with
+  /// one vertex, which is none that those of the face before it, `before` (-1: none), could begin
+  /// with. Faces of more than four corners are triangles of their own.
+  void ngons(RowRange faces, std::int64_t before, RawVector<std::byte>& bytes) {
+    const SurfaceInfo& info = surface_.info();
+    std::vector<Index> taken;
+    if (before >= 0) {
+      take_with_positions({before, 1});
+      taken.assign(corners_.begin(), corners_.end());
+    }
+    take_with_positions(faces);
+    const std::int64_t first = info.first_corner(faces.first);
+    const std::size_t triangles = corners_.size() - 2 * static_cast<std::size_t>(faces.count);
+    Index* to = values_of<Index>(bytes, 3 * triangles).data();
+    for (std::int64_t f = faces.first; f < faces.first + faces.count; ++f) {
+      const auto begin = static_cast<std::size_t>(info.first_corner(f) - first);
+      const auto end = static_cast<std::size_t>(info.first_corner(f + 1) - first);
+      Index* const written = to;
+      if (end - begin == 4) {
+        to = fan(begin, taken, to);
+        taken = {*written};
+        continue;
+      }
+      to = polygon(begin, end - begin, to);
+      for (Index* triangle = written; triangle < to; triangle += 3) {
+        for (int turn = 0; turn < 2 && is_in(taken, triangle[0]); ++turn)
+          std::rotate(triangle, triangle + 1, triangle + 3);
+        taken = {triangle[0]};
+      }
+    }
+  }
+
  private:
+  void take_with_positions(RowRange faces) {
+    const std::int64_t first = surface_.info().first_corner(faces.first);
+    const std::int64_t last = surface_.info().first_corner(faces.first + faces.count);
+    take_corners(faces, static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
+    positions_.resize(corners_.size());
+    normals_.resize(corners_.size());
+    surface_.corners(faces, positions_, normals_);
+  }
+
+  [[nodiscard]] static bool is_in(const std::vector<Index>& taken, Index vertex) {
+    return std::ranges::find(taken, vertex) != taken.end();
+  }
+
+  // The two triangles of a quad at an end of the diagonal that cuts it, one that is not taken.
+  Index* fan(std::size_t at, const std::vector<Index>& taken, Index* to) const {
+    const glm::dvec3* p = positions_.data() + at;
+    const auto split = split_quad(p[0], p[1], p[2], p[3]);
+    std::size_t start = split[0] == split[3] ? 0 : 1;
+    if (is_in(taken, static_cast<Index>(corners_[at + start]))) start += 2;
+    for (std::size_t k = 1; k < 3; ++k)
+      for (const std::size_t corner : {start, start + k, start + k + 1})
+        *to++ = static_cast<Index>(corners_[at + corner % 4]);
+    return to;
+  }
+
   void take_corners(RowRange faces, std::size_t first, std::size_t count) {
     if (!vertices_.corners.empty()) {
       corners_ = std::span(vertices_.corners).subspan(first, count);

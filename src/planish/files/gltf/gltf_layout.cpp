@@ -127,6 +127,10 @@ GltfDocument plain_document(const GltfLayout& layout, std::span<const GltfBounds
       GltfArray array{.type = attribute.type,
                       .component = attribute.component,
                       .count = primitive.vertex_count};
+      // Bytes that are skipped.
+      if (attribute.given != nullptr && attribute.given->is_integer &&
+          attribute.given->width % 2 != 0)
+        array.stride = static_cast<std::uint32_t>(attribute.bytes);
       if (attribute.name == "POSITION") array.bounds = bounds[i];
       if (attribute.place >= 0 && !primitive.bounds.empty())
         array.bounds = primitive.bounds[attribute.place];
@@ -146,6 +150,7 @@ GltfDocument plain_document(const GltfLayout& layout, std::span<const GltfBounds
     document.primitives[i].name = primitive.name;
     document.primitives[i].material = primitive.material;
     document.primitives[i].group = primitive.group;
+    document.primitives[i].encodes_ngons = primitive.encodes_ngons;
   }
   return document;
 }

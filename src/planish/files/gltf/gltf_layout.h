@@ -16,7 +16,8 @@ struct GltfPrimitive {
   std::uint64_t vertex_count = 0, triangle_count = 0;
   int uv_sets = 0;  ///< TEXCOORD_0, TEXCOORD_1 ...
   std::string name, material;
-  std::int32_t group = -1;  ///< of the surface; -1: it has none
+  std::int32_t group = -1;     ///< of the surface; -1: it has none
+  bool encodes_ngons = false;  ///< see GltfOptions::ngon_groups
   /// Of each of GltfLayout::attributes, where the format wants them.
   std::vector<std::optional<GltfBounds>> bounds;
 
@@ -48,10 +49,9 @@ inline constexpr std::uint64_t kMaxShortIndexVertices = 65534;
 /// "TEXCOORD_1" of set 1.
 [[nodiscard]] inline std::string uv_name(int set) { return "TEXCOORD_" + std::to_string(set); }
 
-/// Bytes of a vertex. Only attributes of width 2 and 4 are integers: each starts on a multiple
-/// of 4.
+/// Bytes of a vertex, a multiple of 4: integers that are fewer have zeros behind them.
 [[nodiscard]] inline std::uint64_t attribute_bytes(const GltfAttribute& attribute) {
-  return static_cast<std::uint64_t>(attribute.width) * (attribute.is_integer ? 2 : 4);
+  return padded(static_cast<std::uint64_t>(attribute.width) * (attribute.is_integer ? 2 : 4));
 }
 
 /// Fields and attributes of the options, as they are written.

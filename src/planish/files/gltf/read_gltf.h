@@ -6,7 +6,8 @@
 namespace planish {
 
 /// Reads a .glb or .gltf file: the triangles of the default scene (scene 0 where none is named)
-/// with all node transforms applied, welded by position across primitives. Texture
+/// with all node transforms applied, of skinned meshes those of their joints, welded by position
+/// across primitives; what KHR_node_visibility hides is left out. Texture
 /// coordinates (TEXCOORD_0) stay with the corners, colours (COLOR_0) with the vertices, material
 /// names become groups. External buffers are read from beside the file only; absolute and parent
 /// paths are refused.

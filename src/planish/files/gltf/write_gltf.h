@@ -73,6 +73,9 @@ struct GltfOptions {
   /// How many sets of texture coordinates the primitive of each group has; empty: all of them,
   /// unless they are all zero.
   std::vector<int> uv_sets;
+  /// One flag for each group whose triangles are written so that they encode the surface's faces as
+  /// FB_ngon_encoding has it; empty: none are. Meshopt's order of triangles encodes none.
+  std::vector<std::uint8_t> ngon_groups;
   /// In the place of plain materials for groups of their names; must outlive the call.
   const GltfMaterials* materials = nullptr;
   /// Where their images stand, as a relative URI with a slash at its end; empty: in the file. A

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "planish/core/counted.h"
 #include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
@@ -12,9 +13,20 @@
 namespace planish {
 namespace {
 
-constexpr int kJointsOfSet = 4;
+constexpr int kNumbersOfSet = 8;  // four joints and their weights
 
 bool is_vertex_color(std::string_view name) { return name.starts_with("COLOR_"); }
+// What a primitive without the attribute has, and the fourth number of a colour of three.
+float missing(std::string_view name) { return is_vertex_color(name) ? 1.0f : 0.0f; }
+
+// "COLOR_0", "COLOR_0 of morph target 1".
+std::string shown_name(const std::string& name) {
+  constexpr std::string_view kTarget = "target/";
+  if (!name.starts_with(kTarget)) return name;
+  const std::size_t slash = name.rfind('/');
+  return name.substr(slash + 1) + " of morph target " +
+         name.substr(kTarget.size(), slash - kTarget.size());
+}
 
 }  // namespace
 
@@ -24,6 +36,7 @@ int AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitiv
   uvs_.clear();
   uv_places_.clear();
   arrays_.clear();
+  uv_moves_.clear();
   targets_.clear();
   find_uvs(attributes, primitive, budget);
   find_arrays(attributes, primitive, budget);
@@ -66,6 +79,17 @@ void AssetCollector::read_uvs(std::vector<glm::dvec2>& first) {
     }
   }
   for (std::vector<glm::dvec2>& set : made_.further_uvs) set.resize(first.size(), glm::dvec2(0.0));
+  for (const UvSource& source : uv_moves_) {
+    std::vector<glm::dvec2>& to = made_.uv_moves[source.of].values;
+    to.resize(before, glm::dvec2(0.0));
+    for (std::int64_t i = 0; i < source.moves.count(); ++i) {
+      const glm::dvec2 move = source.moves.texture_coordinate(i);
+      if (!std::isfinite(move.x) || !std::isfinite(move.y))
+        source.place.fail("the move of vertex {} is not finite", i);
+      to.push_back(move);
+    }
+  }
+  for (AssetUvMoves& moves : made_.uv_moves) moves.values.resize(first.size(), glm::dvec2(0.0));
 }
 
 void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimitive& primitive,
@@ -73,33 +97,39 @@ void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimit
   for (const std::string& name : attributes.keys()) {
     const bool is_further_color = is_vertex_color(name) && name != "COLOR_0";
     if (!is_further_color && !name.starts_with("_")) continue;
-    auto values = primitive.attribute(name, GltfAccessor::Use::Vectors);
-    // Numbers of things have nothing between them.
-    if (values->is_integer()) {
-      if (std::ranges::find(made_.left_out, name) == made_.left_out.end())
-        made_.left_out.push_back(name);
-      continue;
-    }
-    const int width = is_further_color ? 4 : static_cast<int>(values->number_count());
-    budget.add_numbers(attributes[name], width * values->count());
-    auto known = std::ranges::find(made_.arrays, name, &AssetArray::name);
-    if (known == made_.arrays.end()) {
-      const float missing = is_further_color ? 1.0f : 0.0f;
-      made_.arrays.push_back({.name = name, .width = width, .values = {}});
-      known = made_.arrays.end() - 1;
-      known->values.resize(static_cast<std::size_t>(width * vertex_count_), missing);
-    } else if (known->width != width) {
-      attributes[name].fail("{} numbers a vertex, and another primitive of the mesh has {}",
-                            values->number_count(), known->width);
-    }
-    arrays_.push_back({*values, static_cast<std::size_t>(known - made_.arrays.begin())});
+    const auto values = primitive.attribute(name, GltfAccessor::Use::Vectors);
+    add_array(attributes[name], *values,
+              {.name = name,
+               .width = is_further_color ? 4 : static_cast<int>(values->number_count()),
+               .values = {},
+               .is_of_things = values->is_integer() || name.starts_with("_FEATURE_ID_"),
+               .is_integer = values->is_short()},
+              budget);
   }
+}
+
+void AssetCollector::add_array(const JsonPlace& place, const GltfAccessor& values,
+                               const AssetArray& kind, GltfBudget& budget) {
+  budget.add_numbers(place, kind.width * values.count());
+  auto known = std::ranges::find(made_.arrays, kind.name, &AssetArray::name);
+  if (known == made_.arrays.end()) {
+    made_.arrays.push_back(kind);
+    differing_.emplace_back();
+    known = made_.arrays.end() - 1;
+    known->values.resize(static_cast<std::size_t>(kind.width * vertex_count_), missing(kind.name));
+  } else if (known->width != kind.width) {
+    place.fail("{} numbers a vertex, and another primitive of the mesh has {}", kind.width,
+               known->width);
+  }
+  known->is_of_things |= kind.is_of_things;
+  known->is_integer &= kind.is_integer;
+  arrays_.push_back({values, static_cast<std::size_t>(known - made_.arrays.begin())});
 }
 
 void AssetCollector::find_joints(const SourcePrimitive& primitive, GltfBudget& budget) {
   joints_ = primitive.joint_sets();
   for (const JointSet& set : joints_)
-    budget.add_numbers(set.place, 2 * kJointsOfSet * set.joints.count());
+    budget.add_numbers(set.place, kNumbersOfSet * set.joints.count());
   made_.joint_sets = std::max(made_.joint_sets, static_cast<int>(joints_.size()));
   if (!joints_.empty() && made_.first_influence.empty())
     made_.first_influence.assign(static_cast<std::size_t>(vertex_count_) + 1, 0);
@@ -118,9 +148,35 @@ void AssetCollector::find_targets(const JsonPlace& place, const SourcePrimitive&
     const JsonPlace target = (*targets)[static_cast<std::int64_t>(k)];
     const auto moves = target.find("POSITION");
     targets_.emplace_back();
+    find_target(target, k, primitive, budget);
     if (!moves) continue;
     budget.add_numbers(*moves, 6 * primitive.positions().count());
     targets_.back() = Target{*moves, primitive.target(*moves, GltfAccessor::Use::Positions)};
+  }
+}
+
+// What a target moves besides positions; normals are made anew.
+void AssetCollector::find_target(const JsonPlace& target, std::size_t number,
+                                 const SourcePrimitive& primitive, GltfBudget& budget) {
+  for (const std::string& name : target.keys()) {
+    if (name == "POSITION" || name == "NORMAL") continue;
+    const JsonPlace place = target[name];
+    const std::string full = formatted("target/{}/{}", number, name);
+    if (is_vertex_color(name)) {
+      add_array(place, primitive.target(place, GltfAccessor::Use::Colors),
+                {.name = full, .width = 4, .values = {}}, budget);
+    } else if (name.starts_with("TEXCOORD_") && uv_set_count() > 0) {
+      const GltfAccessor moves = primitive.target(place, GltfAccessor::Use::TextureCoordinates);
+      budget.add_uvs(place, moves.count());
+      auto known = std::ranges::find(made_.uv_moves, full, &AssetUvMoves::name);
+      if (known == made_.uv_moves.end()) {
+        made_.uv_moves.push_back({full, {}});
+        known = made_.uv_moves.end() - 1;
+      }
+      uv_moves_.push_back({place, moves, static_cast<std::size_t>(known - made_.uv_moves.begin())});
+    } else {
+      lost_targets_.insert(name);
+    }
   }
 }
 
@@ -158,7 +214,10 @@ std::int32_t AssetCollector::weld(Welder& welder, const glm::dvec3& position, st
     append(vertex);
     return welded;
   }
-  if (!made_.moves()) return welded;
+  if (!made_.moves()) {
+    compare(welded, vertex);
+    return welded;
+  }
   while (!moves_like(welded, position)) {
     const auto [next, is_new] = apart_.try_emplace(welded, before);
     if (is_new) {
@@ -167,22 +226,38 @@ std::int32_t AssetCollector::weld(Welder& welder, const glm::dvec3& position, st
     }
     welded = next->second;
   }
+  compare(welded, vertex);
   return welded;
+}
+
+float AssetCollector::number(const Source& source, std::int64_t vertex, int k) const {
+  return k < source.accessor.number_count() ? static_cast<float>(source.accessor.value(vertex, k))
+                                            : missing(made_.arrays[source.array].name);
+}
+
+void AssetCollector::compare(std::int32_t welded, std::int64_t vertex) {
+  for (const Source& source : arrays_) {
+    const AssetArray& array = made_.arrays[source.array];
+    for (int k = 0; k < array.width; ++k) {
+      if (array.values[static_cast<std::size_t>(array.width * welded + k)] ==
+          number(source, vertex, k))
+        continue;
+      Differing& differing = differing_[source.array];
+      if (differing.count++ == 0) differing.first = welded;
+      break;
+    }
+  }
 }
 
 void AssetCollector::append(std::int64_t vertex) {
   ++vertex_count_;
   for (const Source& source : arrays_) {
     AssetArray& array = made_.arrays[source.array];
-    for (int k = 0; k < array.width; ++k)
-      array.values.push_back(k < source.accessor.number_count()
-                                 ? static_cast<float>(source.accessor.value(vertex, k))
-                                 : 1.0f);
+    for (int k = 0; k < array.width; ++k) array.values.push_back(number(source, vertex, k));
   }
   // Of those that this primitive lacks.
   for (AssetArray& array : made_.arrays)
-    array.values.resize(static_cast<std::size_t>(array.width * vertex_count_),
-                        is_vertex_color(array.name) ? 1.0f : 0.0f);
+    array.values.resize(static_cast<std::size_t>(array.width * vertex_count_), missing(array.name));
   if (!made_.first_influence.empty()) {
     made_.influences.insert(made_.influences.end(), influences_.begin(), influences_.end());
     made_.first_influence.push_back(std::ssize(made_.influences));
@@ -190,6 +265,37 @@ void AssetCollector::append(std::int64_t vertex) {
   for (std::size_t k = 0; k < moves_.size(); ++k) made_.targets[k].push_back(moves_[k]);
 }
 
-AssetVertices AssetCollector::finish() { return std::move(made_); }
+void AssetCollector::leave_out_differing() {
+  for (std::size_t i = 0; i < differing_.size(); ++i) {
+    AssetArray& array = made_.arrays[i];
+    const Differing& differing = differing_[i];
+    if (differing.count == 0) continue;
+    made_.warnings.push_back(
+        {array.is_of_things ? "left-out-attributes" : "shared-attributes",
+         formatted("{} {} another {} at a place they share: {}", counted(differing.count, "vertex"),
+                   differing.count == 1 ? "has" : "have", shown_name(array.name),
+                   array.is_of_things ? "it is left out" : "there the first one's is taken"),
+         differing.count, differing.first});
+    if (array.is_of_things) made_.left_out.push_back(array.name);
+  }
+  std::erase_if(made_.arrays, [&](const AssetArray& array) {
+    return std::ranges::find(made_.left_out, array.name) != made_.left_out.end();
+  });
+}
+
+AssetVertices AssetCollector::finish() {
+  leave_out_differing();
+  if (!lost_targets_.empty()) {
+    std::string names;
+    for (const std::string& name : lost_targets_) names += (names.empty() ? "" : ", ") + name;
+    made_.warnings.push_back(
+        {"left-out-targets",
+         formatted("morph targets move no {} any more; positions, normals, colours and texture "
+                   "coordinates they move",
+                   names),
+         std::ssize(lost_targets_)});
+  }
+  return std::move(made_);
+}
 
 }  // namespace planish

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -31,6 +32,8 @@ class AssetCollector {
   void read_uvs(std::vector<glm::dvec2>& first);
   /// The vertex of the mesh that stands for one of the primitive's.
   std::int32_t weld(Welder& welder, const glm::dvec3& position, std::int64_t vertex);
+  /// Of numbers that differ at one place the first ones stay, with the warning "shared-attributes";
+  /// those of things are left out.
   [[nodiscard]] AssetVertices finish();
 
  private:
@@ -42,12 +45,30 @@ class AssetCollector {
     JsonPlace place;
     GltfAccessor moves;
   };
+  // Moves of texture coordinates of the current primitive.
+  struct UvSource {
+    JsonPlace place;
+    GltfAccessor moves;
+    std::size_t of;  // AssetVertices::uv_moves
+  };
+  // Of an array: vertices that have other numbers than the one at their place.
+  struct Differing {
+    std::int64_t count = 0, first = -1;
+  };
 
   void find_uvs(const JsonPlace& attributes, const SourcePrimitive& primitive, GltfBudget& budget);
   void find_arrays(const JsonPlace& attributes, const SourcePrimitive& primitive,
                    GltfBudget& budget);
+  void add_array(const JsonPlace& place, const GltfAccessor& values, const AssetArray& kind,
+                 GltfBudget& budget);
   void find_joints(const SourcePrimitive& primitive, GltfBudget& budget);
   void find_targets(const JsonPlace& place, const SourcePrimitive& primitive, GltfBudget& budget);
+  void find_target(const JsonPlace& target, std::size_t number, const SourcePrimitive& primitive,
+                   GltfBudget& budget);
+  void compare(std::int32_t welded, std::int64_t vertex);
+  // The numbers of a vertex of the current primitive in an array.
+  [[nodiscard]] float number(const Source& source, std::int64_t vertex, int k) const;
+  void leave_out_differing();
   // How the current primitive's vertex moves, into influences_ and moves_.
   void read_motion(std::int64_t vertex);
   [[nodiscard]] bool moves_like(std::int32_t welded, const glm::dvec3& position) const;
@@ -57,11 +78,14 @@ class AssetCollector {
   std::map<std::string, int, std::less<>> group_of_;  // by what a primitive has besides vertices
   std::int64_t next_primitive_ = 0, vertex_count_ = 0;
   std::unordered_map<std::int32_t, std::int32_t> apart_;  // the next vertex at the same place
+  std::vector<Differing> differing_;                      // by array
+  std::set<std::string> lost_targets_;                    // attributes of morph targets
 
   // Of the current primitive.
   std::vector<GltfAccessor> uvs_;
   std::vector<JsonPlace> uv_places_;
   std::vector<Source> arrays_;
+  std::vector<UvSource> uv_moves_;
   std::vector<JointSet> joints_;
   std::vector<std::optional<Target>> targets_;
   std::vector<JointWeight> influences_;

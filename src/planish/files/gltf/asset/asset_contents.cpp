@@ -4,6 +4,7 @@
 #include <set>
 
 #include "planish/core/json.h"
+#include "planish/files/gltf/asset/geometry_extensions.h"
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/asset/tangent_sets.h"
@@ -16,22 +17,20 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kFloat = 5126;
-
-bool is_number_of_things(const json& document, const json& accessor) {
-  const json& of = document.at("accessors").at(accessor.get<std::size_t>());
-  return of.value("componentType", kFloat) != kFloat && !of.value("normalized", false);
-}
-
 bool has_tangents(const json& document, const json& primitive) {
   const int set = tangent_set(document, primitive);
   return set >= 0 && primitive["attributes"].contains(uv_name(set));
 }
 
 bool is_carried(const json& document, const json& primitive, const std::string& name) {
-  const json& attributes = primitive["attributes"];
-  if (name.starts_with("_")) return !is_number_of_things(document, attributes[name]);
   return name != "TANGENT" || has_tangents(document, primitive);
+}
+
+// Of a mesh or a primitive, the extensions that go with its triangles.
+void add_untrue(const json& holder, std::set<std::string>& names) {
+  if (!holder.contains("extensions") || !holder["extensions"].is_object()) return;
+  for (const auto& [name, extension] : holder["extensions"].items())
+    if (describes_triangles(name, extension)) names.insert(name);
 }
 
 AssetContents counted_contents(const GltfAsset& asset) {
@@ -42,10 +41,14 @@ AssetContents counted_contents(const GltfAsset& asset) {
     if (document.contains(list) && !document[list].empty())
       contents.counts.emplace_back(list, std::ssize(document[list]));
   std::set<std::string> carried, left_out;
+  if (document.contains("scenes") && has_extension(document["scenes"], kCountsExtension))
+    left_out.insert(kCountsExtension);
   for (const std::int64_t number : asset.surfaces()) {
     const json& primitives = document["meshes"][number]["primitives"];
+    add_untrue(document["meshes"][number], left_out);
     for (const json& primitive : primitives) {
       if (!is_surface(primitive)) continue;
+      add_untrue(without_vertices(primitive), left_out);
       for (const auto& [name, accessor] : primitive["attributes"].items())
         (is_carried(document, primitive, name) ? carried : left_out).insert(name);
       if (has_tangents(document, primitive)) carried.insert("TANGENT");
@@ -57,7 +60,8 @@ AssetContents counted_contents(const GltfAsset& asset) {
   contents.left_out.assign(left_out.begin(), left_out.end());
   if (document.contains("extensionsUsed"))
     for (const json& name : document["extensionsUsed"])
-      if (name != kMeshoptExtension && name != kDracoExtension && name != "KHR_mesh_quantization")
+      if (name != kMeshoptExtension && name != kDracoExtension && name != "KHR_mesh_quantization" &&
+          !left_out.contains(name.get<std::string>()))
         contents.extensions.push_back(name.get<std::string>());
   return contents;
 }

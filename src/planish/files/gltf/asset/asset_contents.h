@@ -16,7 +16,7 @@ struct AssetContents {
   std::int64_t morph_targets = 0;       ///< of all meshes
   std::vector<std::string> extensions;  ///< used, which pass; those that pack vertices aside
   std::vector<std::string> carried;     ///< attributes of triangles that are made on the surface
-  std::vector<std::string> left_out;    ///< those that are not
+  std::vector<std::string> left_out;    ///< those that are not, and extensions that describe these
 };
 
 [[nodiscard]] AssetContents contents_of(const GltfAsset& asset);

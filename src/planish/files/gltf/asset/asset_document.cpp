@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planish/core/formatted.h"
+#include "planish/core/number_text.h"
 #include "planish/core/version.h"
 #include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
@@ -156,7 +157,10 @@ json AssetDocument::primitives_of(std::int64_t mesh, const AssetVertices& vertic
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const auto group = static_cast<std::size_t>(std::max(document.primitives[i].group, 0));
     const auto source = static_cast<std::size_t>(vertices.groups[group].primitive);
-    all.push_back(primitive_of(primitives[i], without_vertices(given[source]), accessors));
+    json rest = without_vertices(given[source]);
+    drop_untrue_extensions(
+        rest, {asset_.root().value(), vertices, document.primitives[i].encodes_ngons}, lost_);
+    all.push_back(primitive_of(primitives[i], rest, accessors));
   }
   for (const json& primitive : given)
     if (!is_surface(primitive)) all.push_back(primitive);
@@ -167,6 +171,7 @@ void AssetDocument::replace(std::int64_t mesh, const AssetVertices& vertices,
                             const GltfDocument& document, const json& made, double least_coverage) {
   json primitives = primitives_of(mesh, vertices, document, made);
   json_["meshes"][mesh]["primitives"] = std::move(primitives);
+  drop_untrue_extensions(json_["meshes"][mesh], {asset_.root().value(), vertices}, lost_);
   levels_[mesh] = {{mesh, document.scale, document.translation, least_coverage}};
 }
 
@@ -205,13 +210,35 @@ void AssetDocument::drop_unused_places(const char* list, Places& places, const j
   if (all.empty()) json_.erase(list);
 }
 
+void AssetDocument::tell_lost_extensions() {
+  if (lost_.empty()) return;
+  const auto required = asset_.root().find("extensionsRequired");
+  for (std::int64_t i = 0; required && i < required->array_size(); ++i)
+    if (lost_.contains((*required)[i].text()))
+      (*required)[i].fail(
+          "{} describes triangles that give way, and cannot be kept; save the file "
+          "without it",
+          quote((*required)[i].text()));
+  std::int64_t places = 0;
+  for (const auto& [name, count] : lost_) places += count;
+  warnings_.push_back({"left-out-extensions",
+                       formatted("{}: left out, since they describe the triangles that give way: "
+                                 "{}",
+                                 asset_.file().name, names_of(lost_)),
+                       places});
+}
+
 void AssetDocument::settle_extensions() {
+  drop_untrue_scenes(json_, lost_);
+  tell_lost_extensions();
   // What concerns bytes that are unpacked now, or attributes that gave way.
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     std::set<std::string> names;
     if (json_.contains(list))
       for (const json& name : json_[list]) names.insert(name.get<std::string>());
     names.erase(kMeshoptExtension);
+    for (const auto& [name, count] : lost_)
+      if (!has_extension(json_, name)) names.erase(name);
     if (!keeps_vertices_) names.erase(kDracoExtension), names.erase(kQuantization);
     const bool is_required = list == std::string_view("extensionsRequired");
     // Readers that know no levels of detail show the finest.

@@ -10,6 +10,7 @@
 
 #include "planish/core/json.h"
 #include "planish/files/gltf/asset/asset_references.h"
+#include "planish/files/gltf/asset/geometry_extensions.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/files/gltf/asset/mesh_levels.h"
 #include "planish/files/gltf/gltf_document.h"
@@ -37,7 +38,8 @@ class AssetDocument {
                  const nlohmann::json& made, double least_coverage);
   /// Adds what stands in `extras` to asset.extras, unless the asset has that already.
   void add_extras(const nlohmann::json& extras);
-  /// The text, with `uri` for the buffer of a .gltf.
+  /// The text, with `uri` for the buffer of a .gltf. Throws Error{UnreadableInput} where the asset
+  /// requires an extension that its new triangles make untrue.
   [[nodiscard]] std::string text(const std::string& uri);
 
   /// Bytes that come before those of the surfaces, each piece padded to a multiple of four.
@@ -62,6 +64,7 @@ class AssetDocument {
   nlohmann::json primitives_of(std::int64_t mesh, const AssetVertices& vertices,
                                const GltfDocument& document, const nlohmann::json& made);
   void drop_unused_places(const char* list, Places& places, const nlohmann::json& filler);
+  void tell_lost_extensions();
   void settle_extensions();
 
   const GltfAsset& asset_;
@@ -72,6 +75,7 @@ class AssetDocument {
   std::uint64_t buffer_bytes_ = 0, decoded_bytes_ = 0;
   std::set<std::string> new_extensions_;
   std::vector<Warning> warnings_;
+  LostExtensions lost_;
   std::map<std::int64_t, std::vector<MeshLevel>> levels_;  // by the mesh that gave way
   bool keeps_vertices_ = false;                            // of some primitive
 };

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "planish/core/json.h"
+#include "planish/files/gltf/asset/geometry_extensions.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/draco_stream.h"
 
@@ -45,6 +46,18 @@ std::set<std::int64_t> views_of(const json& document, const std::set<std::int64_
   return views;
 }
 
+// What a mesh or a primitive has besides vertices; extensions that describe those go with them.
+void add_besides(const json& holder, bool gives_way, AssetReferences& replaced,
+                 AssetReferences& kept) {
+  json rest = holder;
+  if (gives_way && rest.contains("extensions") && rest["extensions"].is_object()) {
+    for (const auto& [name, extension] : rest["extensions"].items())
+      (describes_triangles(name, extension) ? replaced : kept).add_all(extension);
+    rest.erase("extensions");
+  }
+  kept.add_all(rest);
+}
+
 }  // namespace
 
 void AssetReferences::add_primitive(const json& primitive) {
@@ -79,11 +92,13 @@ FreePlaces free_places(const json& document, const std::set<std::int64_t>& repla
   if (document.contains("meshes")) {
     for (std::size_t m = 0; m < document["meshes"].size(); ++m) {
       const bool gives_way = replaced_meshes.contains(static_cast<std::int64_t>(m));
-      for (const auto& [key, value] : document["meshes"][m].items())
-        if (key != "primitives") kept.add_all(value);
+      json mesh = document["meshes"][m];
+      mesh.erase("primitives");
+      add_besides(mesh, gives_way, replaced, kept);
       for (const json& primitive : document["meshes"][m]["primitives"]) {
-        (gives_way && is_surface(primitive) ? replaced : kept).add_primitive(primitive);
-        kept.add_all(without_vertices(primitive));
+        const bool is_replaced = gives_way && is_surface(primitive);
+        (is_replaced ? replaced : kept).add_primitive(primitive);
+        add_besides(without_vertices(primitive), is_replaced, replaced, kept);
       }
     }
   }

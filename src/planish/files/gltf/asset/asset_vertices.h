@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "planish/core/callbacks.h"
+
 namespace planish {
 
 /// A part of a mesh with one material: primitives that differ in their vertices only.
@@ -19,9 +21,18 @@ struct AssetGroup {
 
 /// Numbers of each vertex, linear between them on the surface as colours are.
 struct AssetArray {
-  std::string name;  ///< "COLOR_1", "_TEMPERATURE"
+  std::string name;  ///< "COLOR_1", "_TEMPERATURE", "target/0/COLOR_0"
   int width = 1;
   std::vector<float> values;  ///< `width` for each vertex
+  /// Numbers of things ("_FEATURE_ID_0"): between vertices there is the nearest one's.
+  bool is_of_things = false;
+  bool is_integer = false;  ///< without a sign, below 2^16
+};
+
+/// How far a morph target takes texture coordinates, as the file has them.
+struct AssetUvMoves {
+  std::string name;                ///< "target/0/TEXCOORD_0"
+  std::vector<glm::dvec2> values;  ///< as many as PolygonMesh::uvs
 };
 
 /// How far a joint takes a vertex along.
@@ -36,6 +47,7 @@ struct AssetVertices {
   std::vector<AssetGroup> groups;
   /// TEXCOORD_1, TEXCOORD_2 ...: as many as PolygonMesh::uvs, whose indices they have.
   std::vector<std::vector<glm::dvec2>> further_uvs;
+  std::vector<AssetUvMoves> uv_moves;
   std::vector<AssetArray> arrays;
   /// Joints of vertex v: [first_influence[v], first_influence[v + 1]); empty: there are none.
   std::vector<std::int64_t> first_influence;
@@ -43,7 +55,9 @@ struct AssetVertices {
   int joint_sets = 0;  ///< of four each: JOINTS_0, JOINTS_1 ...
   /// By morph target: how far it takes each vertex.
   std::vector<std::vector<glm::dvec3>> targets;
-  std::vector<std::string> left_out;  ///< attributes that no surface can have, by name
+  /// Attributes of things that are left out, by name: vertices at one place have several.
+  std::vector<std::string> left_out;
+  std::vector<Warning> warnings;  ///< of what else of the file is not here
 
   [[nodiscard]] std::span<const JointWeight> influences_of(std::int64_t vertex) const {
     const auto first = static_cast<std::size_t>(first_influence[vertex]);
@@ -53,7 +67,7 @@ struct AssetVertices {
   /// Bytes of a vertex that a file has for all this, uncompressed.
   [[nodiscard]] std::uint64_t bytes_of_vertex() const {
     constexpr std::uint64_t kUv = 8, kJoints = 8 + 16, kTarget = 12 + 12, kTangent = 16;
-    std::uint64_t bytes = kUv * further_uvs.size() + kTarget * targets.size() +
+    std::uint64_t bytes = kUv * (further_uvs.size() + uv_moves.size()) + kTarget * targets.size() +
                           kJoints * static_cast<std::uint64_t>(joint_sets);
     for (const AssetArray& array : arrays) bytes += 4 * static_cast<std::uint64_t>(array.width);
     if (has_tangents()) bytes += kTangent;

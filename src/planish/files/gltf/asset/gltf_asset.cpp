@@ -83,6 +83,8 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
                   .read_mesh(format_, number, collector);
   mesh.vertices = collector.finish();
+  const std::vector<Warning>& warnings = mesh.vertices.warnings;
+  mesh.file.warnings.insert(mesh.file.warnings.end(), warnings.begin(), warnings.end());
   mesh.file.stands_alone = !mesh.vertices.moves() && mesh.vertices.further_uvs.empty();
   require_joints(number, mesh.vertices);
   for (AssetGroup& group : mesh.vertices.groups) {

@@ -105,6 +105,7 @@ void cut_mirrored_charts(PolygonMesh& mesh, AssetVertices& vertices) {
         mesh.uvs.push_back(mesh.uvs[uv]);
         for (std::vector<glm::dvec2>& further : vertices.further_uvs)
           further.push_back(further[uv]);
+        for (AssetUvMoves& moves : vertices.uv_moves) moves.values.push_back(moves.values[uv]);
         ways.push_back(way);
       }
       uv = copy->second;

@@ -21,9 +21,23 @@ namespace {
 
 using nlohmann::json;
 
+// By group, whether its triangles are to encode polygons; packing by Meshopt brings triangles into
+// another order.
+std::vector<std::uint8_t> ngon_groups(const GltfAsset& asset, const AssetSurface& one) {
+  std::vector<std::uint8_t> flags;
+  if (one.options.compression == GltfCompression::Meshopt) return flags;
+  const json& primitives = asset.root().value()["meshes"][one.mesh]["primitives"];
+  for (const AssetGroup& group : one.vertices->groups) {
+    const json& given = primitives[group.primitive];
+    flags.push_back(given.contains("extensions") && given["extensions"].contains(kNgonExtension));
+  }
+  return flags;
+}
+
 // Options of each surface that tell how far all of them are: first one after another is surveyed,
 // or packed, then one after another is written.
-std::vector<GltfOptions> options_of_all(std::span<const AssetSurface> surfaces,
+std::vector<GltfOptions> options_of_all(const GltfAsset& asset,
+                                        std::span<const AssetSurface> surfaces,
                                         const Callbacks& common,
                                         const std::shared_ptr<const bool>& is_writing) {
   double all = 0, done = 0;
@@ -33,6 +47,7 @@ std::vector<GltfOptions> options_of_all(std::span<const AssetSurface> surfaces,
   const auto farthest = std::make_shared<double>(0);
   for (const AssetSurface& one : surfaces) {
     GltfOptions& own = options.emplace_back(one.options);
+    own.ngon_groups = ngon_groups(asset, one);
     const double begin = done / all;
     done += static_cast<double>(one.surface->info().corner_count);
     const double end = done / all;
@@ -63,7 +78,7 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
   AssetDocument document(asset, replaced, keeps_files);
   const auto is_writing = std::make_shared<bool>(false);
   const auto options = std::make_shared<const std::vector<GltfOptions>>(
-      options_of_all(surfaces, common, is_writing));
+      options_of_all(asset, surfaces, common, is_writing));
   auto payloads = std::make_shared<std::vector<GltfPayload>>();
   GltfWhole whole;
   std::set<std::int64_t> replaced_now;
