@@ -5,6 +5,7 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "cli/json_schema.h"
@@ -39,8 +40,12 @@ class AssetCommand : public FolderTest {
 TEST_F(AssetCommand, WritesWhatTheLibraryDoes) {
   const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--report", path("r.json")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, AllOf(HasSubstr("asset.glb: 3 meshes, "), HasSubstr("surfaces  "),
-                                Not(HasSubstr("warning"))));
+  EXPECT_THAT(
+      result.err,
+      AllOf(
+          HasSubstr("asset.glb: 3 meshes, "),
+          HasSubstr("surfaces    3 fair; 3 with triangles joined to quads; normals off by up to "),
+          Not(HasSubstr("warning"))));
   (void)fit_file(input_, path("library.glb"));
   EXPECT_EQ(read("out.glb"), read("library.glb"));
   const json report = read_json("r.json");
@@ -153,13 +158,53 @@ TEST_F(AssetCommand, AMergedSceneHasAllInstances) {
                                  HasSubstr("another attribute has 2")));
 }
 
+// What many meshes are warned of is one line with the first of them, and the path once.
+TEST_F(AssetCommand, WarningsOfMeshesAreOneLineAKind) {
+  json& meshes = sample_.json["meshes"];
+  const json ball = meshes[1];
+  for (int copy = 0; copy < 3; ++copy) {
+    json& mesh = meshes.emplace_back(ball);
+    mesh["name"] = "copy " + std::to_string(copy);
+    // As many triangles without area besides.
+    json indices = sample_.json["accessors"][ball["primitives"][0]["indices"].get<std::size_t>()];
+    const json view = sample_.json["bufferViews"][indices["bufferView"].get<std::size_t>()];
+    const std::string given = sample_.bytes.substr(view["byteOffset"].get<std::size_t>(),
+                                                   view["byteLength"].get<std::size_t>());
+    const std::string further(std::size_t{6} * (copy + 1), '\0');
+    sample_.bytes.resize((sample_.bytes.size() + 3) / 4 * 4, '\0');
+    sample_.json["bufferViews"].push_back({{"buffer", 0},
+                                           {"byteOffset", sample_.bytes.size()},
+                                           {"byteLength", given.size() + further.size()}});
+    sample_.bytes += given + further;
+    indices["bufferView"] = sample_.json["bufferViews"].size() - 1;
+    indices["count"] = indices["count"].get<int>() + 3 * (copy + 1);
+    sample_.json["accessors"].push_back(indices);
+    mesh["primitives"][0]["indices"] = sample_.json["accessors"].size() - 1;
+    sample_.json["scenes"][0]["nodes"].push_back(sample_.json["nodes"].size());
+    sample_.json["nodes"].push_back({{"mesh", meshes.size() - 1}});
+  }
+  const std::string input = write("asset.glb", sample_.glb());
+  const ProcessResult result = fit(input, {"-o", path("out.glb"), "--report", path("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::vector<std::string> lines;
+  std::istringstream all(result.err);
+  for (std::string line; std::getline(all, line);)
+    if (line.find("warning: ") != std::string::npos) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 1u) << result.err;
+  EXPECT_EQ(lines[0], "planish: warning: " + input +
+                          ": 3 meshes, first copy 0: 1 triangle without area was left out");
+  const json report = read_json("r.json");
+  for (int copy = 0; copy < 3; ++copy)
+    EXPECT_EQ(report["meshes"][3 + copy]["warnings"].size(), 1u) << copy;
+}
+
 // A missing image keeps nobody from the shape.
 TEST_F(AssetCommand, MissingImagesOfAMergedSceneAreAWarning) {
   const std::string input = write("asset.gltf", sample_.gltf("asset.bin", "none.png"));
   write("asset.bin", sample_.bytes);
   const ProcessResult result = fit(input, {"-o", path("out.glb"), "--asset", "merge"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("none.png"), HasSubstr("materials are left out")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("none.png"), HasSubstr("materials are as without it")));
 }
 
 TEST_F(AssetCommand, CompressedNodesKeepTheirPlaces) {
@@ -184,14 +229,16 @@ TEST_F(AssetCommand, InspectSaysWhatPasses) {
   sample_.json["accessors"].push_back(
       {{"bufferView", 0}, {"componentType", 5121}, {"count", vertices}, {"type", "SCALAR"}});
   attributes["_FEATURE_ID_0"] = sample_.json["accessors"].size() - 1;
+  sample_.json["meshes"][1]["extensions"]["EXT_mesh_manifold"]["mergeIndices"]["accessor"] = 0;
+  sample_.json["extensionsUsed"].push_back("EXT_mesh_manifold");
   const std::string input = write("asset.glb", sample_.glb());
   const json seen = json::parse(run_planish({"inspect", input, "--json"}).out);
   const json schema = json::parse(std::ifstream(PLANISH_REPORT_SCHEMA));
   EXPECT_THAT(schema_problems(seen, schema), testing::IsEmpty());
   const ProcessResult result = fit(input, {"-o", path("out.glb")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("ball: _FEATURE_ID_0 is left out"));
-  EXPECT_EQ(seen["asset"]["left_out"], json::array({"_FEATURE_ID_0"}));
+  EXPECT_THAT(result.err, HasSubstr("triangles that give way: EXT_mesh_manifold"));
+  EXPECT_EQ(seen["asset"]["left_out"], json::array({"EXT_mesh_manifold"}));
   const json made = document_of(read("out.glb"));
   for (const auto& [list, count] : seen["asset"]["counts"].items())
     EXPECT_EQ(made[list].size(), count) << list;

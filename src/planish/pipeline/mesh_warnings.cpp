@@ -24,10 +24,10 @@ std::optional<Warning> unused_warning(const FittedMesh& fitted, std::string_view
   first = given_one(fitted.source_vertices, first);
   return Warning{
       "unused-vertices",
-      formatted("{}: {} of {}{}{}); {} in the cage", name, with_separators(count),
-                counted(prepared.given_vertex_count, "vertex"),
+      formatted("{}: {} of {}{}{}); the surface leaves {} out", name, with_separators(count),
+                counted(mesh.given_vertex_count, "vertex"),
                 count == 1 ? " belongs to no face (" : " belong to no face (the first is ", first,
-                count == 1 ? "it stays where it is" : "they stay where they are"),
+                count == 1 ? "it" : "them"),
       count, first};
 }
 

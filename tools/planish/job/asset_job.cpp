@@ -4,6 +4,7 @@
 #include <cmath>
 #include <list>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "job/forecast.h"
@@ -55,8 +56,10 @@ void prepare_part(const AssetJob& work, AssetPart& part, std::int64_t number) {
                  .device = work.report.device,
                  .settings = work.report.settings};
   part.mesh = timed(part.report.timing.read, [&] { return work.asset.read(number); });
-  if (work.asset.surfaces().size() > 1)
+  if (work.asset.surfaces().size() > 1) {
     part.report.label = named_message(work.report.label, part.mesh.name);
+    part.report.is_told_with_others = true;
+  }
   part.made.input = {.name = part.report.label.empty() ? work.file.name : part.report.label,
                      .file = std::move(part.mesh.file),
                      .sha256 = {}};
@@ -80,6 +83,53 @@ void fit_part(const AssetJob& work, AssetPart& part) {
     warn_of_unused_settings(work.job, part.made, part.report, work.context.console);
   part.surface = std::make_unique<JobSurface>(part.made.fitted, work.backend,
                                               callbacks_for(part.report, work.context));
+}
+
+// Meshes of an asset that have warnings of one kind.
+struct MeshWarnings {
+  std::int64_t meshes = 0;
+  std::string first_mesh, message;  // of the first
+};
+
+// Without the names of file and mesh, which messages may begin with.
+std::string bare_message(std::string message, std::initializer_list<std::string> names) {
+  for (const std::string& name : names)
+    if (!name.empty() && message.starts_with(name + ": ")) message.erase(0, name.size() + 2);
+  return message;
+}
+
+// One line for each kind of warning that meshes have; a line for each mesh would be hundreds. Those
+// from `told` on, by part, which then is all.
+void tell_warnings_of_meshes(const AssetJob& work, const std::list<AssetPart>& parts,
+                             std::vector<std::size_t>& told) {
+  const std::string file = input_name(work.report.input.path);
+  std::vector<std::pair<std::string, MeshWarnings>> kinds;
+  told.resize(parts.size(), 0);
+  auto place = told.begin();
+  for (const AssetPart& part : parts) {
+    const std::vector<Warning>& warnings = part.report.warnings;
+    std::set<std::string> known;
+    for (; part.report.is_told_with_others && *place < warnings.size(); ++*place) {
+      const Warning& warning = warnings[*place];
+      if (!known.insert(warning.code).second) continue;
+      auto kind = std::ranges::find(kinds, warning.code, &decltype(kinds)::value_type::first);
+      if (kind == kinds.end()) {
+        kinds.push_back(
+            {warning.code,
+             {0, part.mesh.name,
+              bare_message(warning.message, {file, part.report.label, part.mesh.name})}});
+        kind = kinds.end() - 1;
+      }
+      ++kind->second.meshes;
+    }
+    ++place;
+  }
+  for (const auto& [code, kind] : kinds) {
+    const std::string whose =
+        kind.meshes == 1 ? kind.first_mesh
+                         : formatted("{}, first {}", counted(kind.meshes, "mesh"), kind.first_mesh);
+    work.context.console.warning(formatted("{}: {}: {}", file, whose, kind.message));
+  }
 }
 
 // Progress of a mesh while it lives.
@@ -286,6 +336,8 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
 
 std::vector<std::byte> run_asset(const AssetJob& work) {
   std::list<AssetPart> parts = fit_parts(work);
+  std::vector<std::size_t> told;
+  tell_warnings_of_meshes(work, parts, told);
   std::vector<std::byte> stdout_bytes;
   std::vector<WrittenOutput>& written = work.report.outputs;
   written.resize(work.outputs.size());
@@ -316,6 +368,7 @@ std::vector<std::byte> run_asset(const AssetJob& work) {
   }
   for (const WrittenOutput& output : written)
     warn_of_rounding(parts.front().report, work.context.console, output);
+  tell_warnings_of_meshes(work, parts, told);
   settle_report(parts, work.report);
   return stdout_bytes;
 }

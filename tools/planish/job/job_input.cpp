@@ -21,7 +21,7 @@ void add_warning(JobReport& report, Console& console, const Warning& warning) {
   // Every level of a surface meets the same places.
   if (std::ranges::any_of(report.warnings, same)) return;
   report.warnings.push_back(warning);
-  console.warning(named_message(report.label, warning.message));
+  if (!report.is_told_with_others) console.warning(named_message(report.label, warning.message));
 }
 
 Callbacks callbacks_for(JobReport& report, const JobContext& context) {

@@ -129,6 +129,8 @@ struct JobReport {
   JobTiming timing;
   std::uint64_t host_peak_bytes = 0, device_bytes = 0;
   std::vector<Warning> warnings;
+  /// Of one of several meshes of an asset: its warnings are told with those of the others.
+  bool is_told_with_others = false;
 };
 
 /// The stable JSON form; keys keep their order. Text that is no UTF-8 is made so.

@@ -248,12 +248,29 @@ std::string within_text(const WithinFit& within) {
 
 namespace {
 
+// "9 fair, 6 progressive; 4 with edges kept sharp; 12 with triangles joined to quads".
+std::string choices_text(const std::vector<JobReport>& meshes) {
+  const auto count_of = [&](const auto& is_of) { return std::ranges::count_if(meshes, is_of); };
+  const auto fair =
+      count_of([](const JobReport& mesh) { return mesh.method == InterpolationMethod::Fair; });
+  const auto creased = count_of([](const JobReport& mesh) {
+    return mesh.settings.creases.dihedral_degrees || mesh.settings.creases.split_normals;
+  });
+  const auto joined = count_of([](const JobReport& mesh) { return mesh.input.joined > 0; });
+  const std::int64_t progressive = std::ssize(meshes) - fair;
+  std::string text;
+  if (fair > 0) text += with_separators(fair) + " fair";
+  if (progressive > 0)
+    text += (text.empty() ? "" : ", ") + with_separators(progressive) + " progressive";
+  if (creased > 0) text += formatted("; {} with edges kept sharp", with_separators(creased));
+  if (joined > 0) text += formatted("; {} with triangles joined to quads", with_separators(joined));
+  return text;
+}
+
 // How many meshes have which, and the worst figures of all.
 std::string asset_summary(const JobReport& report, bool is_full) {
-  std::int64_t fair = 0;
   const JobReport *folded = nullptr, *off = nullptr;
   for (const JobReport& mesh : report.meshes) {
-    if (mesh.method == InterpolationMethod::Fair) ++fair;
     if (!mesh.surface) continue;
     const SurfaceQuality& quality = mesh.surface->quality;
     if (quality.folded_area >= kSoundFoldedArea &&
@@ -267,9 +284,7 @@ std::string asset_summary(const JobReport& report, bool is_full) {
       formatted("{}: {}, {}, {}, {}\n  surfaces    ", input_name(report.input.path),
                 counted(count, "mesh"), counted(report.input.file_vertices, "vertex"),
                 counted(report.input.file_faces, "face"), duration(report.timing.total));
-  if (fair > 0) text += with_separators(fair) + " fair";
-  if (fair > 0 && fair < count) text += ", ";
-  if (fair < count) text += with_separators(count - fair) + " " + "progressive";
+  text += choices_text(report.meshes);
   if (folded != nullptr)
     text += formatted("; {} of {}", folds_text(folded->surface->quality), folded->mesh_name);
   if (off != nullptr)

@@ -96,7 +96,7 @@ bool AssetDocument::stays(const JsonPlace& uri) const {
   if (uri.text().find("://") != std::string::npos) return true;
   if (!keeps_files_) return false;
   if (is_data_uri(uri.text())) return true;
-  const auto name = decode_relative_uri(uri.text());
+  const auto name = decode_uri_path(uri.text());
   std::error_code error;
   return name && std::filesystem::is_regular_file(asset_.file().path.parent_path() / *name, error);
 }
