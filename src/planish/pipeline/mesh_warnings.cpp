@@ -25,7 +25,7 @@ std::optional<Warning> unused_warning(const FittedMesh& fitted, std::string_view
   return Warning{
       "unused-vertices",
       formatted("{}: {} of {}{}{}); the surface leaves {} out", name, with_separators(count),
-                counted(mesh.given_vertex_count, "vertex"),
+                counted(prepared.given_vertex_count, "vertex"),
                 count == 1 ? " belongs to no face (" : " belong to no face (the first is ", first,
                 count == 1 ? "it" : "them"),
       count, first};
