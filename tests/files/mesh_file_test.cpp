@@ -283,11 +283,15 @@ TEST(WriteMesh, RefusesWhatCouldNotBeReadBack) {
   EXPECT_EQ(error_of(FileFormat::Obj, mesh, {.header = {"a\nv 1 2 3"}}),
             path.string() + ": a header line holds a line break");
   mesh.uvs = {{0, std::numeric_limits<double>::infinity()}};
-  EXPECT_EQ(error_of(FileFormat::Obj, mesh, {}),
-            path.string() + ": texture coordinate 0 is not finite");
+  EXPECT_EQ(
+      error_of(FileFormat::Obj, mesh, {}),
+      path.string() +
+          ": texture coordinate 0 is not finite: (0, inf); mend what made it, or leave it out");
   mesh.uvs.clear();
   mesh.positions[4].y = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(error_of(FileFormat::Obj, mesh, {}), path.string() + ": vertex 4 is not finite");
+  EXPECT_EQ(
+      error_of(FileFormat::Obj, mesh, {}),
+      path.string() + ": vertex 4 is not finite: (0, nan, 1); mend what made it, or leave it out");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 

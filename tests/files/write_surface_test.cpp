@@ -174,11 +174,14 @@ TEST(WriteSurface, NormalsAndFieldsThatAreNotFiniteAreRefused) {
   std::vector<NamedField> fields{{"error", values}};
   surface.normals[4].z = std::numeric_limits<float>::quiet_NaN();
   for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Usda})
-    EXPECT_EQ(refusal(format, surface), "the normal of vertex 4 is not finite");
+    EXPECT_EQ(
+        refusal(format, surface),
+        "the normal of vertex 4 is not finite: (0.6, 0, nan); mend what made it, or leave it out");
   surface = two_quads();
   values[3] = std::numeric_limits<float>::infinity();
   for (const FileFormat format : {FileFormat::Ply, FileFormat::Usda})
-    EXPECT_EQ(refusal(format, surface, fields), "error of vertex 3 is not finite");
+    EXPECT_EQ(refusal(format, surface, fields),
+              "error of vertex 3 is not finite: inf; mend what made it, or leave it out");
   fields[0].values = std::span(values).first(3);
   for (const FileFormat format : kPolygonFormats)
     EXPECT_EQ(refusal(format, surface, fields), "3 values of error for 6 positions");

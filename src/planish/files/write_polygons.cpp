@@ -16,6 +16,7 @@
 #include "planish/files/obj/write_mtl.h"
 #include "planish/files/polygon_stream.h"
 #include "planish/files/shared/file_buffer.h"
+#include "planish/files/shared/finite_numbers.h"
 #include "planish/files/shared/ordered_stream.h"
 #include "planish/files/shared/writable.h"
 #include "planish/surface/surface_blocks.h"
@@ -25,28 +26,11 @@ namespace {
 
 constexpr std::int64_t kWrittenRows = std::int64_t{1} << 13;
 
-bool finite(const glm::dvec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 bool fits_float(const glm::dvec3& p) {
   constexpr double kMost = std::numeric_limits<float>::max();
   return std::abs(p.x) <= kMost && std::abs(p.y) <= kMost && std::abs(p.z) <= kMost;
 }
 bool fits_float(const glm::dvec2& p) { return fits_float(glm::dvec3(p, 0.0)); }
-bool finite(const glm::dvec2& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
-bool finite(const glm::vec3& n) {
-  return std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z);
-}
-bool finite(float value) { return std::isfinite(value); }
-bool finite(const glm::vec4& c) {
-  return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b) && std::isfinite(c.a);
-}
-
-template <class Vector>
-bool all_finite(std::span<const Vector> values) {
-  return std::all_of(values.begin(), values.end(), [](const Vector& v) { return finite(v); });
-}
-
 bool is_finite_piece(const PolygonView& view) {
   return all_finite(view.positions) && all_finite(view.uvs) && all_finite(view.colors) &&
          all_finite(view.normals) && std::ranges::all_of(view.fields, [](const NamedField& field) {
@@ -54,19 +38,7 @@ bool is_finite_piece(const PolygonView& view) {
          });
 }
 
-template <class Vector>
-void require_finite(std::span<const Vector> values, std::int64_t first, const std::string& what,
-                    const std::string& name, std::size_t width = 1) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (finite(values[i])) continue;
-    const std::int64_t element = first + static_cast<std::int64_t>(i / width);
-    std::string message = name + ": ";
-    message.append(what).append(" ").append(std::to_string(element)).append(" is not finite");
-    throw Error(ErrorCode::InvalidArgument, message, element);
-  }
-}
-
-void require_finite(const PolygonView& view, std::int64_t first, const std::string& name) {
+void require_finite_piece(const PolygonView& view, std::int64_t first, const std::string& name) {
   require_finite(view.positions, first, "vertex", name);
   require_finite(view.uvs, first, "texture coordinate", name);
   require_finite(view.colors, first, "the colour of vertex", name);
@@ -277,7 +249,7 @@ void PolygonStream::refuse(PolygonPart part) const {
   const PolygonPart looked = part == PolygonPart::Triangles ? PolygonPart::Positions : part;
   for (const RowRange& range : source_.ranges(looked)) {
     source_.visit(looked, range, [&](const PolygonPiece& piece) {
-      require_finite(piece.view, range.first, name_);
+      require_finite_piece(piece.view, range.first, name_);
       if (!format_.keeps_doubles) require_floats(piece.view, range.first, name_);
     });
   }

@@ -1,10 +1,10 @@
 #include "planish/files/gltf/gltf_checks.h"
 
-#include <cmath>
 #include <span>
 
 #include "planish/core/first_where.h"
 #include "planish/core/formatted.h"
+#include "planish/files/shared/finite_numbers.h"
 #include "planish/files/shared/writable.h"
 #include "planish/mesh/mesh_arrays.h"
 
@@ -25,6 +25,23 @@ void require_faces(const SurfaceMesh& surface, const GltfOptions& options) {
                         options.name, ErrorCode::InvalidArgument, kLeastCorners);
 }
 
+constexpr std::int64_t kCheckedRows = std::int64_t{1} << 13;
+
+// Calls require(range) on all threads; of several that throw the first one's error is thrown.
+template <class Require>
+void require_pieces(const std::vector<RowRange>& pieces, const Require& require) {
+  const std::size_t wrong = first_where(pieces.size(), [&](std::size_t i) {
+    try {
+      require(pieces[i]);
+      return false;
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::InvalidArgument) throw;
+      return true;
+    }
+  });
+  if (wrong < pieces.size()) require(pieces[wrong]);
+}
+
 void require_attributes(const SurfaceMesh& surface, const GltfOptions& options) {
   const std::span<const std::int32_t> face_uvs = surface.face_uvs;
   const std::size_t bare =
@@ -35,24 +52,6 @@ void require_attributes(const SurfaceMesh& surface, const GltfOptions& options) 
         formatted("corner {} has no texture coordinate; glTF needs one for every corner or none",
                   bare),
         static_cast<std::int64_t>(bare));
-  const auto require_finite = [&](std::size_t count, const auto& is_wrong,
-                                  const std::string& what) {
-    const std::size_t wild = first_where(count, is_wrong);
-    if (wild < count)
-      refuse_to_write(options, formatted("{} {} is not finite in float32", what, wild),
-                      static_cast<std::int64_t>(wild));
-  };
-  require_finite(
-      surface.uvs.size(),
-      [&](std::size_t i) { return !is_finite(glm::vec3(stored_uv(surface.uvs[i]), 0.0f)); },
-      "texture coordinate");
-  require_finite(
-      surface.colors.size(),
-      [&](std::size_t i) {
-        const glm::vec4& color = surface.colors[i];
-        return !is_finite(glm::vec3(color)) || !std::isfinite(color.a);
-      },
-      "the colour of vertex");
 }
 
 }  // namespace
@@ -65,17 +64,35 @@ void require_a_face(std::int64_t face_count, const GltfOptions& options) {
   if (face_count < 1) refuse_to_write(options, "the surface has no face; glTF needs one");
 }
 
-void require_fields(std::int64_t row_count, const GltfOptions& options) {
-  require_field_sizes(options.fields, row_count, options.name);
-  for (const NamedField& field : options.fields) {
-    const std::size_t wild = first_where(
-        field.values.size(), [&](std::size_t i) { return !std::isfinite(field.values[i]); });
-    if (wild < field.values.size())
-      refuse_to_write(options,
-                      formatted("{} of vertex {} is not finite", field.name,
-                                wild / static_cast<std::size_t>(field.width)),
-                      static_cast<std::int64_t>(wild) / field.width);
-  }
+void require_numbers(const SurfaceBlocks& surface, const GltfOptions& options) {
+  const SurfaceInfo& info = surface.info();
+  require_field_sizes(options.fields, info.row_count, options.name);
+  for (const NamedField& field : options.fields)
+    require_finite(field.values, 0, formatted("{} of vertex", field.name), options.name,
+                   static_cast<std::size_t>(field.width));
+  for (const GltfAttribute& attribute : options.attributes)
+    for (const std::span<const float> values : {attribute.values, attribute.further_values})
+      require_finite(values, 0, formatted("{} of number", attribute.name), options.name,
+                     static_cast<std::size_t>(attribute.width));
+  for (const std::span<const glm::dvec2> set : options.further_uvs)
+    require_finite(set, 0, "further texture coordinate", options.name);
+  require_pieces(ranges_of(info.uv_count, kCheckedRows), [&](RowRange range) {
+    RawVector<glm::dvec2> uvs(static_cast<std::size_t>(range.count));
+    surface.uvs(range, uvs);
+    for (std::size_t i = 0; i < uvs.size(); ++i)
+      if (!is_finite(stored_uv(uvs[i])))
+        refuse_not_finite(options.name, "texture coordinate",
+                          range.first + static_cast<std::int64_t>(i), stored_uv(uvs[i]));
+  });
+  if (!info.has_colors) return;
+  require_pieces(sorted(surface.row_blocks(kCheckedRows)), [&](RowRange range) {
+    RawVector<glm::vec4> colors(static_cast<std::size_t>(range.count));
+    RowTarget target;
+    target.colors = colors;
+    (void)surface.rows(range, target);
+    require_finite(std::span<const glm::vec4>(colors), range.first, "the colour of vertex",
+                   options.name);
+  });
 }
 
 void require_writable(const SurfaceMesh& surface, const GltfOptions& options) {

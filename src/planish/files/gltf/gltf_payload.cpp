@@ -17,7 +17,7 @@ namespace {
 
 GltfLayout whole_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
                         const GltfOptions& options) {
-  require_fields(surface.info().row_count, options);
+  require_numbers(surface, options);
   return gltf_layout(surface, vertices, options);
 }
 
@@ -42,7 +42,7 @@ PackedGltf pack_at_once(const SurfaceBlocks& surface, const GltfOptions& given) 
 }
 
 GltfPayload packed_payload(const SurfaceBlocks& surface, const GltfOptions& options) {
-  require_fields(surface.info().row_count, options);
+  require_numbers(surface, options);
   const bool is_small = surface.info().face_count <= kPackedFaces;
   const auto packed = std::make_shared<const PackedGltf>(
       is_small ? pack_at_once(surface, options) : pack_by_blocks(surface, options));

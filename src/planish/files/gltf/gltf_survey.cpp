@@ -14,6 +14,7 @@
 #include "planish/files/gltf/float_box.h"
 #include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/stored_position.h"
+#include "planish/files/shared/finite_numbers.h"
 
 namespace planish {
 namespace {
@@ -29,6 +30,7 @@ struct Fault {
   std::int64_t row = -1;
   bool is_position = false;
   float normal_length = 1;
+  glm::vec3 position{};
   // Positions come before normals.
   [[nodiscard]] bool before(const Fault& other) const {
     if (other.row < 0 || row < 0) return row >= 0;
@@ -96,7 +98,7 @@ class Surveyor {
   void look_for_faults(RowRange range, Survey& survey) const {
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       const auto row = range.first + static_cast<std::int64_t>(i);
-      if (!is_finite(positions_[i])) note({row, true}, survey);
+      if (!is_finite(positions_[i])) note({row, true, 0, positions_[i]}, survey);
       const float length = glm::length(normals_[i]);
       if (!(std::abs(length - 1.0f) <= kUnitLengthTolerance)) note({row, false, length}, survey);
     }
@@ -135,8 +137,9 @@ class Surveyor {
 [[noreturn]] void refuse(const Fault& fault, const GltfOptions& options) {
   if (fault.is_position) {
     refuse_to_write(options,
-                    "vertex " + std::to_string(fault.row) +
-                        " has a coordinate that float32 cannot hold; scale the model down",
+                    formatted("vertex {} has a coordinate that float32 cannot hold: {}; scale the "
+                              "model down, or mend what made it",
+                              fault.row, number_words(fault.position)),
                     fault.row);
   }
   refuse_to_write(options,

@@ -152,7 +152,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
   if (extension == ".glb") {
     note(whole_of(surface, options, {}), true);
   } else if (options.compression == GltfCompression::None && bytes > options.buffer_bytes) {
-    require_fields(surface.info().row_count, options);
+    require_numbers(surface, options);
     written = SeveralBuffers(path, surface, bytes, options).write();
   } else {
     note(whole_of(surface, options, gltf_buffer_path(path, 0)), false);
