@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 namespace planish {
@@ -17,15 +18,19 @@ struct Brep {
     std::int32_t edge = 0;
     bool is_reversed = false;
   };
+  /// Through a face's first point, on whose side the face's loop is counter-clockwise.
+  struct Plane {
+    glm::dvec3 normal{}, along{};  ///< of unit length, at right angles
+  };
   struct Face {
     /// Distinct ones, ascending; the first and the last count degree + 1 times, all others once.
     /// The parameters are quads of Q_1.
     std::vector<double> knots_u, knots_v;
     /// (i, j) at i + j point_count(degree, knots_u), i along u.
     std::vector<glm::dvec3> points;
-    std::vector<Use> loop;   ///< counter-clockwise
-    std::int32_t group = 0;  ///< of the mesh's faces that it is made of
-    bool is_flat = false;    ///< all points lie in one plane, and not on a line
+    std::vector<Use> loop;       ///< counter-clockwise
+    std::int32_t group = 0;      ///< of the mesh's faces that it is made of
+    std::optional<Plane> plane;  ///< where all points lie in one, and not on a line
   };
   /// Where an edge lies in a face: its parameter t is at from + t direction.
   struct Line {
@@ -50,6 +55,13 @@ struct Brep {
     std::int32_t face = -1;  ///< -1: no face that is shown has it
     glm::dvec2 at{};
   };
+  struct Spot {
+    glm::dvec3 position{};
+    std::int32_t face = -1;  ///< of the mesh; -1: nowhere
+  };
+  /// Of the diagonal: files say that what is nearer is one place.
+  static constexpr double kSamePlace = 1e-7;
+
   std::size_t degree = 2;  ///< of faces along both parameters, and of edges
   std::vector<glm::dvec3> vertices;
   std::vector<Edge> edges;
@@ -60,8 +72,12 @@ struct Brep {
   std::int64_t extraordinary = 0;  ///< places where the surface is no polynomial, however small
   std::int64_t moved = 0;          ///< of these, where points beside are moved
   int deepest = 0;                 ///< the most halvings towards one
-  double max_angle = 0;            ///< degrees between normals across an edge that is not sharp
-  double max_deviation = 0;        ///< of cells at such places along the normal, of the diagonal
+  /// Degrees that normals jump by across an edge that is not sharp, at most: where they are
+  /// defined, which is not nearer than kSamePlace to a vertex nor where rounding chooses them.
+  double max_angle = 0;
+  /// Of faces from the surface, of the diagonal: at most.
+  double max_deviation = 0;
+  Spot max_angle_at, max_deviation_at;
 };
 
 /// The face's surface at (u, v).

@@ -23,19 +23,20 @@ Choice choose(CapMeasure& measure, std::span<const std::int32_t> corners, bool i
   Choice choice;
   for (int depth = 1;; ++depth) {
     choice.depth = depth;
-    choice.error = measure.of(corners, is_face, depth);
+    const bool is_final = depth == kDeepestCap;
+    choice.error = measure.of(corners, is_face, depth, limits, is_final);
     const double part = choice.error.part_of(limits);
     if (part <= 1) return choice;
     CapError moved;
-    if ((part <= kMostPart || depth == kDeepestCap) && measure.move(limits, moved)) {
+    if ((part <= kMostPart || is_final) && measure.move(limits, is_final, moved)) {
       const double moved_part = moved.part_of(limits);
-      if (moved_part <= 1 || (depth == kDeepestCap && moved_part < part)) {
+      if (moved_part <= 1 || (is_final && moved_part < part)) {
         choice.error = moved;
         choice.moves.assign(measure.moves().begin(), measure.moves().end());
         return choice;
       }
     }
-    if (depth == kDeepestCap) return choice;
+    if (is_final) return choice;
   }
 }
 
@@ -83,11 +84,10 @@ CapDepths cap_depths(const SplineSurface& surface, const QuadLayout& layout,
         progress.add();
       }
     });
-    CapError worst{depths.max_angle, depths.max_deviation};
     std::vector<std::int32_t> around;
     for (std::size_t i = first; i < first + count; ++i) {
       const Choice& choice = choices[i];
-      worst.add(choice.error);
+      depths.worst.add(choice.error);
       depths.of_vertex[places[i]] = static_cast<std::int8_t>(choice.depth);
       depths.deepest = std::max(depths.deepest, choice.depth);
       if (choice.moves.empty()) continue;
@@ -99,8 +99,6 @@ CapDepths cap_depths(const SplineSurface& surface, const QuadLayout& layout,
         depths.moves.push_back(choice.moves[k]);
       }
     }
-    depths.max_angle = worst.angle;
-    depths.max_deviation = worst.deviation;
   };
   choose_all(0, face_count);
   choose_all(face_count, places.size() - face_count);

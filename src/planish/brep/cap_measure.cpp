@@ -10,13 +10,15 @@
 namespace planish {
 namespace {
 
-constexpr int kFinePlaces = 32;
 constexpr int kPlaces = 8;        // along the side of a square
 constexpr int kAnglePlaces = 12;  // along an edge, for moves
 constexpr int kRounds = 8;
 constexpr double kLeastChange = 0.05;  // of a weight at once
 constexpr std::size_t kOwnPlaces = 15;
 constexpr double kDamping = 1e-12;  // where limits leave a move free
+// Rings of the exact surface inside a square; what is left within them differs by less, since
+// differences fall from ring to ring.
+constexpr int kRings = 3;
 
 // How a residual follows an unknown.
 struct Change {
@@ -52,18 +54,14 @@ CapMeasure::Cap::Border CapMeasure::Cap::border(bool along_y, double t) const {
   const std::size_t step = along_y ? degree + 1 : 1, across = along_y ? 1 : degree + 1;
   const PointNet& net = t <= 1 ? inside : along_y ? beside_y : beside_x;
   const BlossomArguments part = same_arguments(t <= 1 ? t : t - 1);
-  std::array<glm::dvec3, kMostSplineDegree + 1> along, side;
+  std::array<glm::dvec3, kMostSplineDegree + 1> line, along, side;
   for (std::size_t k = 0; k <= degree; ++k) {
+    line[k] = net[k * step];
     side[k] = net[k * step + across] - net[k * step];
     if (k < degree) along[k] = net[(k + 1) * step] - net[k * step];
   }
-  return {bezier_blossom(along.data(), degree - 1, part),
+  return {bezier_blossom(line.data(), degree, part), bezier_blossom(along.data(), degree - 1, part),
           bezier_blossom(side.data(), degree, part)};
-}
-
-glm::dvec3 CapMeasure::Cap::normal(bool along_y, double t) const {
-  const Border b = border(along_y, t);
-  return along_y ? glm::cross(b.side, b.along) : glm::cross(b.along, b.side);
 }
 
 void CapMeasure::Cap::add(const CapBasis& basis, const CapMove& move) {
@@ -86,22 +84,20 @@ CornerPieces pieces_of(SplinePatch& patch, std::int32_t corner, const QuadLayout
   return pieces;
 }
 
-CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int depth) {
+CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int depth,
+                        const CapLimits& limits, bool is_final) {
   corners_.assign(corners.begin(), corners.end());
   is_face_ = is_face;
+  depth_ = depth;
   caps_.assign(corners.size(), {});
   places_.resize(corners.size());
+  checks_.clear();
   CapError error;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::int32_t c = corners[i];
     places_[i].clear();
     if (layout_.is_hidden(c)) continue;
-    patch_->move_to(c);
-    const std::int32_t face = layout_.origin(4 * c + 2);
-    CornerPieces pieces(*patch_, surface_.degree(),
-                        {depth, is_face ? depth : depths_.of_vertex[face]});
-    const std::int32_t across = is_face ? -1 : depths_.of_corner[c][1];
-    if (across >= 0) pieces.move(depths_.moves[across], true, depths_.of_vertex[face]);
+    const CornerPieces pieces = written_pieces(c);
     const double size = std::ldexp(1.0, -depth);
     const auto net = [&](double x, double y) {
       const SquarePiece& piece =
@@ -112,13 +108,106 @@ CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int
       return turned;
     };
     caps_[i] = {surface_.degree(), net(0.5, 0.5), net(1.5, 0.5), net(0.5, 1.5)};
+    point_ = caps_[i].inside.front();
     add_places(c, depth, pieces, places_[i]);
     for (std::size_t k = 0; k < kOwnPlaces; ++k)
-      error.deviation =
-          std::max(error.deviation, off_surface(places_[i][k].apart, places_[i][k].normal));
+      error.add_deviation(off_surface(places_[i][k].apart, places_[i][k].normal), {});
   }
-  error.angle = angle(1, kFinePlaces / 2);
+  error.add_angle(sampled_angle(1), {});
+  return is_final || error.part_of(limits) <= 1 ? bound({}, limits, is_final) : error;
+}
+
+// A corner's polynomials with the depths that are measured, and the moves at its face's centre.
+CornerPieces CapMeasure::written_pieces(std::int32_t corner) {
+  patch_->move_to(corner);
+  const std::int32_t face = layout_.origin(4 * corner + 2);
+  CornerPieces pieces(*patch_, surface_.degree(),
+                      {depth_, is_face_ ? depth_ : depths_.of_vertex[face]});
+  const std::int32_t across = is_face_ ? -1 : depths_.of_corner[corner][1];
+  if (across >= 0) pieces.move(depths_.moves[across], true, depths_.of_vertex[face]);
+  return pieces;
+}
+
+// Squares of the exact surface, as far as moves reach.
+void CapMeasure::add_checks(std::int32_t corner, std::vector<Check>& checks) {
+  const CornerPieces written = written_pieces(corner);
+  const std::int32_t face = layout_.origin(4 * corner + 2);
+  std::vector<SquarePiece> exact;
+  std::vector<SplinePatch::End> ends;
+  patch_->add_pieces({depth_ + kRings, (is_face_ ? depth_ : depths_.of_vertex[face]) + kRings},
+                     exact, ends);
+  const std::size_t degree = surface_.degree();
+  const double scale = std::ldexp(1.0, depth_);
+  for (const SquarePiece& piece : exact) {
+    const double x = scale * (is_face_ ? 1 - piece.u - piece.size : piece.u);
+    const double y = scale * (is_face_ ? 1 - piece.v - piece.size : piece.v);
+    if (x >= 2 || y >= 2) continue;
+    const double u = piece.u + 0.5 * piece.size, v = piece.v + 0.5 * piece.size;
+    const SquarePiece& there = written.at(u, v);
+    Check check{
+        x,
+        y,
+        scale * piece.size,
+        {there.blossom(same_arguments(u), same_arguments(v)), surface_.topology().face_of(corner)},
+        PieceBound(piece),
+        {}};
+    for (std::size_t j = 0; j <= degree; ++j) {
+      const BlossomArguments along_v = bezier_arguments(degree, j, piece.v, piece.v + piece.size);
+      for (std::size_t i = 0; i <= degree; ++i) {
+        const std::size_t k = i + (degree + 1) * j;
+        check.apart[k] =
+            there.blossom(bezier_arguments(degree, i, piece.u, piece.u + piece.size), along_v) -
+            piece.net[k];
+      }
+    }
+    checks.push_back(check);
+  }
+}
+
+CapError CapMeasure::bound(std::span<const CapMove> moves, const CapLimits& limits, bool is_final) {
+  if (checks_.empty()) {
+    checks_.resize(corners_.size());
+    for (std::size_t i = 0; i < corners_.size(); ++i)
+      if (!layout_.is_hidden(corners_[i])) add_checks(corners_[i], checks_[i]);
+  }
+  CapError error;
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    for (const Check& check : checks_[i]) {
+      PointNet apart = check.apart;
+      if (!moves.empty()) {
+        PointNet by{};
+        basis_.add_move(moves[i], check.x, check.y, check.size, by);
+        const std::size_t count = (surface_.degree() + 1) * (surface_.degree() + 1);
+        for (std::size_t k = 0; k < count; ++k) apart[k] += by[is_face_ ? count - 1 - k : k];
+      }
+      error.add_deviation(check.exact.distance(apart, error.deviation), check.middle);
+      if (!is_final && error.part_of(limits) > 1) return error;
+    }
+  }
+  for_edges([&](const Cap& cap, const Cap& other, std::int32_t corner) {
+    Jump jump;
+    for (const bool is_beside : {true, false}) {
+      if (is_beside && moves.empty()) continue;  // goes on as it is
+      add_jump(sides(cap, other, is_beside), point_, jump);
+    }
+    error.add_angle(jump.angle * 180 / std::numbers::pi,
+                    {jump.position, surface_.topology().face_of(corner)});
+  });
   return error;
+}
+
+MeetingSides CapMeasure::sides(const Cap& cap, const Cap& other, bool is_beside) {
+  const std::size_t row = cap.degree + 1;
+  const PointNet& left = is_beside ? cap.beside_y : cap.inside;
+  const PointNet& right = is_beside ? other.beside_x : other.inside;
+  MeetingSides sides;
+  sides.degree = cap.degree;
+  for (std::size_t k = 0; k < row; ++k) {
+    sides.line[k] = left[row * k];
+    sides.left[k] = left[row * k + 1] - left[row * k];
+    sides.right[k] = right[k + row] - right[k];
+  }
+  return sides;
 }
 
 // In the corner's own square, in those that moves change and, where these reach into the square at
@@ -163,22 +252,33 @@ void CapMeasure::add_square(const SquarePiece& piece, bool is_at_face, int depth
   }
 }
 
-// Across the edges that corners' squares share with the next ones', from the point on.
-double CapMeasure::angle(double until, int places) const {
+// Of each edge that corners' squares share with the next ones', from the point on.
+template <class Use>
+void CapMeasure::for_edges(const Use& use) const {
   const MeshTopology& topology = surface_.topology();
-  double largest = 0;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const std::int32_t c = corners_[i];
     if (layout_.is_hidden(c)) continue;
     const std::int32_t next = is_face_ ? topology.next(c) : topology.ccw(c);
     if (next < 0 || layout_.is_hidden(next)) continue;
     if (!is_face_ && layout_.is_sharp(4 * c + 3)) continue;
-    const Cap& other = caps_[(i + 1) % corners_.size()];
-    for (int k = 0; k <= places * until; ++k) {
-      const double t = double(k) / places;
-      largest = std::max(largest, angle_between(caps_[i].normal(true, t), other.normal(false, t)));
-    }
+    use(caps_[i], caps_[(i + 1) % corners_.size()], c);
   }
+}
+
+// Where normals are told by more than rounding.
+double CapMeasure::sampled_angle(double until) const {
+  double largest = 0;
+  for_edges([&](const Cap& cap, const Cap& other, std::int32_t) {
+    for (int k = 1; k <= kPlaces * until; ++k) {
+      const double t = double(k) / kPlaces;
+      const Cap::Border a = cap.border(true, t), b = other.border(false, t);
+      if (glm::length(a.line - point_) <= Brep::kSamePlace) continue;
+      const glm::dvec3 left = glm::cross(a.side, a.along), right = glm::cross(b.along, b.side);
+      largest = std::max(largest, angle_between(left, right) - a.turned_by_rounding(left) -
+                                      b.turned_by_rounding(right));
+    }
+  });
   return largest * 180 / std::numbers::pi;
 }
 
@@ -192,7 +292,7 @@ bool CapMeasure::can_move() const {
   });
 }
 
-bool CapMeasure::move(const CapLimits& limits, CapError& moved) {
+bool CapMeasure::move(const CapLimits& limits, bool is_final, CapError& moved) {
   if (!can_move()) return false;
   patch_->move_to(corners_.front());
   const double end = is_face_ ? 1 : 0;
@@ -206,7 +306,7 @@ bool CapMeasure::move(const CapLimits& limits, CapError& moved) {
     improve_moves(across / length, limits, moved.part_of(limits));
     CapError error = moved_error();
     // Parts that are made alike are largest between places.
-    if (error.part_of(limits) <= 1) error.angle = angle(2, kFinePlaces);
+    if (is_final || error.part_of(limits) <= 1) error = bound(moves_, limits, is_final);
     if (round == 0 || error.part_of(limits) < moved.part_of(limits)) {
       moved = error;
       best = moves_;
@@ -219,12 +319,12 @@ bool CapMeasure::move(const CapLimits& limits, CapError& moved) {
 
 CapError CapMeasure::moved_error() const {
   CapError error;
-  error.angle = angle(2, kPlaces);
+  error.add_angle(sampled_angle(2), {});
   for (std::size_t i = 0; i < places_.size(); ++i)
     for (const Place& place : places_[i])
-      error.deviation = std::max(
-          error.deviation,
-          off_surface(place.apart + basis_.moved_by(moves_[i], place.x, place.y), place.normal));
+      error.add_deviation(
+          off_surface(place.apart + basis_.moved_by(moves_[i], place.x, place.y), place.normal),
+          {});
   return error;
 }
 
@@ -260,7 +360,7 @@ void CapMeasure::improve_moves(const glm::dvec3& normal, const CapLimits& limits
       const glm::dvec3 left = glm::cross(a.side, a.along), other = glm::cross(b.along, b.side);
       const double scale =
           glm::length(left) * glm::length(other) * glm::length(a.along) * angle_limit;
-      if (!(scale > 0)) continue;
+      if (!(a.turned_by_rounding(left) + b.turned_by_rounding(other) < angle_limit)) continue;
       const glm::dvec3 left_side = glm::cross(normal, a.along),
                        other_side = glm::cross(b.along, normal);
       const auto change = [&](std::size_t unknown, const glm::dvec3& of_left,

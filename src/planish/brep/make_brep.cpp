@@ -110,20 +110,48 @@ void require_memory_for(const QuadLayout& layout, const CapDepths& depths) {
                   " are free; allow a larger angle and deviation, or take a coarser mesh");
 }
 
-// Within what no program tells from nothing.
-bool is_flat(std::span<const glm::dvec3> points, double diagonal) {
-  constexpr double kFlat = 1e-9;  // of the diagonal
-  const glm::dvec3 origin = points.front();
-  glm::dvec3 normal(0.0);
-  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-    const glm::dvec3 area = glm::cross(points[i] - origin, points[i + 1] - origin);
-    if (glm::dot(area, area) > glm::dot(normal, normal)) normal = area;
+// Places on a face's border, around it as its loop: at its knots and between them.
+std::vector<glm::dvec3> border_of(const Brep& brep, const Brep::Face& face) {
+  std::vector<glm::dvec3> border;
+  for (int side = 0; side < 4; ++side) {
+    const bool along_v = side % 2 == 1, is_back = side >= 2;
+    const std::vector<double>& knots = along_v ? face.knots_v : face.knots_u;
+    const double across = side == 1 ? face.knots_u.back() : side == 2 ? face.knots_v.back() : 0;
+    const std::size_t last = 2 * (knots.size() - 1);
+    for (std::size_t i = 0; i < last; ++i) {
+      const std::size_t place = is_back ? last - i : i;
+      const double t = 0.5 * (knots[place / 2] + knots[(place + 1) / 2]);
+      border.push_back(
+          point_of(brep, face, along_v ? glm::dvec2(across, t) : glm::dvec2(t, across)));
+    }
   }
-  const double length = glm::length(normal);
-  if (!(length > 0)) return false;
-  return std::ranges::all_of(points, [&](const glm::dvec3& p) {
-    return std::abs(glm::dot(p - origin, normal)) <= kFlat * diagonal * length;
-  });
+  return border;
+}
+
+// Where all control points lie within `reach` of a plane, which the whole border tells: at a corner
+// of half a turn both sides have one direction. None of what is no wider than that, where rounding
+// would choose the plane.
+std::optional<Brep::Plane> plane_of(const Brep& brep, const Brep::Face& face, double reach,
+                                    double& off) {
+  const glm::dvec3 origin = face.points.front();
+  const std::vector<glm::dvec3> border = border_of(brep, face);
+  glm::dvec3 area(0.0), longest(0.0);  // twice the area, as Newell has it
+  double around = 0;
+  for (std::size_t i = 0; i < border.size(); ++i) {
+    const glm::dvec3& next = border[(i + 1) % border.size()];
+    area += glm::cross(border[i] - origin, next - origin);
+    const glm::dvec3 along = next - border[i];
+    if (glm::length(along) > glm::length(longest)) longest = along;
+    around += glm::length(along);
+  }
+  if (!(glm::length(area) > 2 * reach * around)) return std::nullopt;
+  Brep::Plane plane;
+  plane.normal = glm::normalize(area);
+  for (const glm::dvec3& p : face.points)
+    off = std::max(off, std::abs(glm::dot(p - origin, plane.normal)));
+  if (off > reach) return std::nullopt;
+  plane.along = glm::normalize(longest - glm::dot(longest, plane.normal) * plane.normal);
+  return plane;
 }
 
 // Of a rectangle's cells whose quad's vertex is one of the mesh.
@@ -156,19 +184,30 @@ Brep make_brep(const SplineSurface& surface, const BrepOptions& options, const C
   brep.extraordinary = depths.count;
   brep.moved = depths.moved;
   brep.deepest = depths.deepest;
-  brep.max_angle = depths.max_angle;
-  brep.max_deviation = depths.max_deviation;
+  const auto spot = [&](const Brep::Spot& unit) {
+    return Brep::Spot{surface.placement().to_model(unit.position), unit.face};
+  };
+  brep.max_angle = depths.worst.angle;
+  brep.max_angle_at = spot(depths.worst.angle_at);
+  brep.max_deviation = depths.worst.deviation;
+  brep.max_deviation_at = spot(depths.worst.deviation_at);
   const auto half_edges = 4 * static_cast<std::size_t>(surface.topology().corner_count());
   const std::vector<FaceEdges> edges = make_topology(layout, half_edges, brep);
   brep.places.resize(static_cast<std::size_t>(surface.topology().vertex_count()));
   for (std::size_t f = 0; f < brep.faces.size(); ++f)
     place_vertices(layout, static_cast<std::int32_t>(f), brep);
+  // Within what no program tells from nothing.
+  constexpr double kFlat = 1e-9;  // of the diagonal
+  const double diagonal = surface.placement().diagonal,
+               flat = diagonal * std::min(kFlat, options.deviation);
+  std::vector<double> off_planes(brep.faces.size());
   LoopProgress progress(callbacks, "faces", kDepthsShare, 1, std::ssize(brep.faces));
   parallel_each(brep.faces.size(), 1, [&](std::int32_t f) {
     const SplineFace spline(surface, layout, depths, f);
     Brep::Face& face = brep.faces[f];
     spline.fill(face);
-    face.is_flat = is_flat(face.points, surface.placement().diagonal);
+    face.plane = plane_of(brep, face, flat, off_planes[f]);
+    if (!face.plane) off_planes[f] = 0;
     if (!groups.empty()) {
       const std::int32_t corner = layout.rectangles()[f].cells.front().corner;
       face.group = groups[surface.topology().face_of(corner)];
@@ -186,6 +225,14 @@ Brep make_brep(const SplineSurface& surface, const BrepOptions& options, const C
   for (const Brep::Edge& edge : brep.edges) {
     brep.vertices[edge.from] = edge.points.front();
     brep.vertices[edge.to] = edge.points.back();
+  }
+  for (std::size_t f = 0; f < off_planes.size(); ++f) {
+    if (off_planes[f] > diagonal * brep.max_deviation) {
+      brep.max_deviation = off_planes[f] / diagonal;
+      brep.max_deviation_at = {
+          brep.faces[f].points.front(),
+          surface.topology().face_of(layout.rectangles()[f].cells.front().corner)};
+    }
   }
   make_shells(surface.topology(), layout, brep);
   callbacks.report("faces", 1);

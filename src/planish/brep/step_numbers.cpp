@@ -46,8 +46,8 @@ StepNumbers::StepNumbers(const Brep& brep, std::int64_t first) : brep_(brep), fi
   parallel_for(own.size(), 64, [&](std::size_t begin, std::size_t end) {
     std::vector<std::int64_t> numbers;
     for (std::size_t f = begin; f < end; ++f) {
-      const bool is_flat = brep.faces[f].is_flat;
-      own[f] = is_flat ? kPlaneEntities : points(static_cast<std::int64_t>(f), numbers) + 1;
+      own[f] =
+          brep.faces[f].plane ? kPlaneEntities : points(static_cast<std::int64_t>(f), numbers) + 1;
     }
   });
   for (std::size_t f = 0; f < own.size(); ++f) {

@@ -41,7 +41,7 @@ class StepNumbers {
   [[nodiscard]] static PlaneLine plane_line(const Brep::Line& line);
   /// Whether a side of an edge has a curve in parameters: those of planes need none.
   [[nodiscard]] bool has_curve(const Brep::Line& line) const {
-    return line.face >= 0 && !brep_.faces[line.face].is_flat;
+    return line.face >= 0 && !brep_.faces[line.face].plane;
   }
 
  private:

@@ -197,10 +197,10 @@ StepContext put_head(StepText& text, const StepOptions& options) {
   const std::int64_t length = put_unit(text, options.unit);
   const std::int64_t angle = text.entity("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
   const std::int64_t solid = text.entity("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
-  const std::int64_t near =
-      text.entity("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(",
-                  std::max(1e-7 * options.diagonal, 1e-6 / millimetres_of(options.unit)), "),",
-                  Ref{length}, ",'distance_accuracy_value','confusion accuracy')");
+  const std::int64_t near = text.entity(
+      "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(",
+      std::max(Brep::kSamePlace * options.diagonal, 1e-6 / millimetres_of(options.unit)), "),",
+      Ref{length}, ",'distance_accuracy_value','confusion accuracy')");
   context.space =
       text.entity("(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((",
                   Ref{near}, "))GLOBAL_UNIT_ASSIGNED_CONTEXT((", Ref{length}, ',', Ref{angle}, ',',

@@ -13,6 +13,8 @@
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/output_file.h"
+#include "planish/core/visible_text.h"
+#include "planish/files/shared/finite_numbers.h"
 #include "planish/files/shared/ordered_stream.h"
 
 namespace planish {
@@ -92,21 +94,16 @@ void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers, std:
               ',', Ref{curve}, ",.T.)");
 }
 
-// Through three corners of the face.
 std::int64_t put_plane(StepText& text, const Brep& brep, const StepNumbers& numbers,
                        const Brep::Face& face) {
-  const std::size_t rows = point_count(brep.degree, face.knots_u);
-  const glm::dvec3 origin = face.points.front();
-  const glm::dvec3 x = glm::normalize(face.points[rows - 1] - origin);
-  const glm::dvec3 z =
-      glm::normalize(glm::cross(x, face.points[face.points.size() - rows] - origin));
   const auto& first = face.loop.front();
   const Brep::Edge& edge = brep.edges[first.edge];
   const std::int64_t corner = first.is_reversed ? edge.to : edge.from;
   const auto put_direction = [&](const glm::dvec3& d) {
     return text.entity("DIRECTION('',(", d.x, ',', d.y, ',', d.z, "))");
   };
-  const std::int64_t normal = put_direction(z), along = put_direction(x);
+  const std::int64_t normal = put_direction(face.plane->normal),
+                     along = put_direction(face.plane->along);
   const std::int64_t place =
       text.entity("AXIS2_PLACEMENT_3D('',", Ref{numbers.first_of_vertex(corner)}, ',', Ref{normal},
                   ',', Ref{along}, ')');
@@ -143,7 +140,7 @@ void put_face(StepText& text, const Brep& brep, const StepNumbers& numbers,
               const StepOptions& options, std::int64_t f) {
   const Brep::Face& face = brep.faces[f];
   const std::int64_t surface =
-      face.is_flat ? put_plane(text, brep, numbers, face) : put_surface(text, brep, numbers, f);
+      face.plane ? put_plane(text, brep, numbers, face) : put_surface(text, brep, numbers, f);
   const std::int64_t uses = text.next_id();
   for (const Brep::Use& use : face.loop) {
     text.entity("ORIENTED_EDGE('',*,*,", Ref{numbers.edge(use.edge)},
@@ -158,6 +155,39 @@ void put_face(StepText& text, const Brep& brep, const StepNumbers& numbers,
               "),", Ref{surface}, ",.T.)");
 }
 
+// All numbers that go out, before there is a file.
+void require_finite_brep(const Brep& brep, const StepOptions& options, const std::string& name) {
+  const auto require = [&]<class Value>(const std::vector<Value>& values, std::string_view whose,
+                                        std::size_t number, std::string_view what) {
+    const std::span<const Value> all(values);
+    if (!all_finite(all)) require_finite(all, 0, formatted("{} {}: {}", whose, number, what), name);
+  };
+  require_finite(std::span<const glm::dvec3>(brep.vertices), 0, "vertex", name);
+  for (std::size_t e = 0; e < brep.edges.size(); ++e) {
+    require(brep.edges[e].points, "edge", e, "control point");
+    require(brep.edges[e].knots, "edge", e, "knot");
+  }
+  for (std::size_t f = 0; f < brep.faces.size(); ++f) {
+    const Brep::Face& face = brep.faces[f];
+    require(face.points, "face", f, "control point");
+    require(face.knots_u, "face", f, "knot");
+    require(face.knots_v, "face", f, "knot");
+    if (!face.plane) continue;
+    for (const glm::dvec3& direction : {face.plane->normal, face.plane->along})
+      if (!is_finite(direction))
+        refuse_not_finite(name, "a direction of the plane of face", static_cast<std::int64_t>(f),
+                          direction);
+  }
+  for (std::size_t g = 0; g < options.groups.size(); ++g)
+    if (options.groups[g].color && !is_finite(*options.groups[g].color))
+      refuse_not_finite(name, "the colour of group", static_cast<std::int64_t>(g),
+                        *options.groups[g].color);
+  if (!is_finite(options.diagonal))
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: the diagonal is not finite: {}; give the model's", name,
+                          number_words(options.diagonal)));
+}
+
 }  // namespace
 
 double millimetres_of(StepUnit unit) {
@@ -169,7 +199,8 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
                          const StepOptions& options) {
   if (brep.faces.empty())
     throw Error(ErrorCode::InvalidArgument,
-                path.filename().string() + ": the surface has no face; STEP needs one");
+                visible(path.filename()) + ": the surface has no face; STEP needs one");
+  require_finite_brep(brep, options, visible(path.filename()));
   const HostScope host(options.callbacks);
   constexpr std::int64_t kPiece = 64;
   StepText head(1);

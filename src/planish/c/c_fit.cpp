@@ -116,10 +116,11 @@ planish_status written_status(const FittedMesh& fitted, const StepFigures* step)
   note_of_results(
       [&] {
         return formatted(
-            "normals jump by up to {} degrees where faces meet, and faces leave the surface by up "
-            "to {} of the diagonal; allow more by options.step_angle and options.step_tolerance, "
-            "or take a more even mesh",
-            shortest(step->max_angle), shortest(step->max_deviation));
+            "normals jump by up to {} degrees where faces meet, {}, and faces leave the surface by "
+            "up to {} of the diagonal, {}; allow more by options.step_angle and "
+            "options.step_tolerance, or mend the mesh there",
+            shortest(step->max_angle), words_of(step->max_angle_at), shortest(step->max_deviation),
+            words_of(step->max_deviation_at));
       },
       "the file does not keep options.step_angle and options.step_tolerance");
   return PLANISH_NOT_CONVERGED;

@@ -24,12 +24,14 @@ namespace {
 std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
   std::string text;
   if (brep.max_angle > wanted.angle)
-    text = formatted("normals jump by up to {} degrees at edges, above the {} asked for",
-                     short_number(brep.max_angle), short_number(wanted.angle));
+    text = formatted("normals jump by up to {} degrees at edges, {}, above the {} asked for",
+                     short_number(brep.max_angle), words_of(brep.max_angle_at),
+                     short_number(wanted.angle));
   if (brep.max_deviation > wanted.deviation)
     text += formatted(
-        "{}faces leave the surface by up to {} of the diagonal, above the {} asked for",
-        text.empty() ? "" : "; ", short_number(brep.max_deviation), short_number(wanted.deviation));
+        "{}faces leave the surface by up to {} of the diagonal, {}, above the {} asked for",
+        text.empty() ? "" : "; ", short_number(brep.max_deviation), words_of(brep.max_deviation_at),
+        short_number(wanted.deviation));
   return text;
 }
 
@@ -130,7 +132,10 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, d
                   "nothing; allow a larger angle, or say in which larger unit the coordinates are",
                   short_number(span), short_number(kShortStepSpan)));
   if (const std::string limits = limits_text(brep, options.settings.faces); !limits.empty())
-    say("step-limits", limits + "; the file says so; allow more, or take a more even mesh");
+    say("step-limits",
+        limits +
+            "; the file says so; allow more, or look at the mesh there: a needle or a sharp turn "
+            "wants mending, or its edge a crease");
   const PolygonMesh& mesh = fitted.mesh;
   const std::string lost =
       lost_attributes(FileFormat::Step, {!mesh.face_uvs.empty(), !mesh.colors.empty(),
@@ -156,8 +161,8 @@ StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fit
   figures.edges = std::ssize(brep.edges);
   figures.vertices = std::ssize(brep.vertices);
   for (const Brep::Face& face : brep.faces) {
-    if (face.is_flat) ++figures.planes;
-    if (!face.is_flat) figures.control_points += std::ssize(face.points);
+    if (face.plane) ++figures.planes;
+    if (!face.plane) figures.control_points += std::ssize(face.points);
   }
   for (const Brep::Shell& shell : brep.shells)
     ++(!shell.is_closed ? figures.open_shells : shell.outer >= 0 ? figures.voids : figures.solids);
@@ -165,6 +170,8 @@ StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fit
   figures.deepest = brep.deepest;
   figures.max_angle = brep.max_angle;
   figures.max_deviation = brep.max_deviation;
+  figures.max_angle_at = brep.max_angle_at;
+  figures.max_deviation_at = brep.max_deviation_at;
   const std::string limits = limits_text(brep, wanted);
   figures.keeps_limits = limits.empty();
   figures.largest_distance = largest_distance(brep, fitted);
@@ -180,6 +187,13 @@ StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fit
 }
 
 }  // namespace
+
+std::string words_of(const Brep::Spot& spot) {
+  if (spot.face < 0) return "nowhere";
+  const auto& p = spot.position;
+  return formatted("near ({}, {}, {}) in face {}", short_number(p.x), short_number(p.y),
+                   short_number(p.z), spot.face);
+}
 
 void require_step_scheme(Scheme scheme, std::string_view where) {
   if (scheme != Scheme::Loop) return;

@@ -36,6 +36,7 @@ struct StepFigures {
   std::int64_t extraordinary = 0;  ///< see Brep, as the next three
   int deepest = 0;
   double max_angle = 0, max_deviation = 0;
+  Brep::Spot max_angle_at, max_deviation_at;
   bool keeps_limits = true;     ///< max_angle and max_deviation are within the settings
   double largest_distance = 0;  ///< of FittedMesh::points() from their places, in model units
 };
@@ -66,6 +67,9 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
 /// too, and Error{InvalidArgument} for Loop.
 StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
                               const StepFileOptions& options);
+
+/// "near (1, 2, 3) in face 4".
+[[nodiscard]] std::string words_of(const Brep::Spot& spot);
 
 /// Throws Error{InvalidArgument} where surfaces of the scheme do not become STEP.
 void require_step_scheme(Scheme scheme, std::string_view where);

@@ -51,6 +51,12 @@ OrderedJson surface_json(const JobReport& report) {
   return json;
 }
 
+OrderedJson spot_json(const Brep::Spot& spot) {
+  if (spot.face < 0) return nullptr;
+  const auto& p = spot.position;
+  return {{"position", {p.x, p.y, p.z}}, {"face", spot.face}};
+}
+
 OrderedJson step_json(const StepFigures& step) {
   return {{"unit", word_of(kStepUnitWords, step.unit)},
           {"faces", step.faces},
@@ -64,7 +70,9 @@ OrderedJson step_json(const StepFigures& step) {
           {"extraordinary", step.extraordinary},
           {"deepest", step.deepest},
           {"max_angle", step.max_angle},
+          {"max_angle_at", spot_json(step.max_angle_at)},
           {"max_deviation", step.max_deviation},
+          {"max_deviation_at", spot_json(step.max_deviation_at)},
           {"keeps_limits", step.keeps_limits}};
 }
 
