@@ -112,7 +112,7 @@ planish_status convergence_status(const FittedMesh& fitted) {
 // Of a surface that was written, as STEP where there are figures of that.
 planish_status written_status(const FittedMesh& fitted, const StepFigures* step) {
   const planish_status status = convergence_status(fitted);
-  if (status != PLANISH_OK || step == nullptr || step->keeps_limits) return status;
+  if (status != PLANISH_OK || step == nullptr || step->keeps_wishes) return status;
   note_of_results(
       [&] {
         return formatted(

@@ -252,7 +252,7 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
 
 /** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL, USD text or STEP, which has
  * no level, by extension. `level`: 0 to 6 splits, or PLANISH_LEVEL_AUTO. PLANISH_NOT_CONVERGED also
- * where STEP does not keep its limits. */
+ * where STEP does not keep limits that options set. */
 planish_status planish_fit_write(const planish_fit* fit, int32_t level, const char* path);
 void planish_fit_free(planish_fit* fit);
 

@@ -174,6 +174,10 @@ StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fit
   figures.max_deviation_at = brep.max_deviation_at;
   const std::string limits = limits_text(brep, wanted);
   figures.keeps_limits = limits.empty();
+  constexpr BrepOptions kUnasked;
+  figures.keeps_wishes =
+      (brep.max_angle <= wanted.angle || wanted.angle == kUnasked.angle) &&
+      (brep.max_deviation <= wanted.deviation || wanted.deviation == kUnasked.deviation);
   figures.largest_distance = largest_distance(brep, fitted);
   figures.byte_count = write_step(path, brep,
                                   {.name = options.name,

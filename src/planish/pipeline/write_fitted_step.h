@@ -38,6 +38,7 @@ struct StepFigures {
   double max_angle = 0, max_deviation = 0;
   Brep::Spot max_angle_at, max_deviation_at;
   bool keeps_limits = true;     ///< max_angle and max_deviation are within the settings
+  bool keeps_wishes = true;     ///< and where not, the limit is the one that nobody has set
   double largest_distance = 0;  ///< of FittedMesh::points() from their places, in model units
 };
 
