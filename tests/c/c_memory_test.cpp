@@ -196,6 +196,7 @@ TEST(CMemory, EditorsGoOnWhereThereWasNone) {
     check_rows(editor);
     expect_no_memory("planish_editor_settle",
                      [&] { return planish_editor_settle(editor, nullptr); });
+    expect_no_memory("planish_editor_refit", [&] { return planish_editor_refit(editor, nullptr); });
     check_rows(editor);
     bool is_sharp = false;
     expect_no_memory("planish_editor_set_sharp", [&] {

@@ -65,6 +65,9 @@ def test_moves_change_rows_in_place(torus, method):
     told = []
     assert edit.settle(progress=lambda step, fraction: told.append(fraction)).is_whole
     assert len(edit.settle().rows) == len(rows)
+    kept = edit.positions
+    assert edit.refit(progress=lambda step, fraction: told.append(fraction)).is_whole
+    assert edit.can_undo and edit.positions.shape == kept.shape
 
 
 def test_a_fit_of_another_pose_keeps_the_rules_of_the_first():

@@ -108,6 +108,22 @@ py::tuple select(PythonEditor& self, const py::object& vertices, double radius) 
                         take_over(std::move(selection.weights), {count}));
 }
 
+// What makes another editor of one: what was given by it before stays as it is.
+template <class Make>
+std::unique_ptr<PythonChange> replaced(PythonEditor& self, const Make& make,
+                                       const PythonCallbacks& python) {
+  std::shared_ptr<PythonEdited> next;
+  auto change = changed(
+      self,
+      [&](Editor& editor, const Callbacks& callbacks) {
+        next = std::make_shared<PythonEdited>(self.edited->first, make(editor, callbacks));
+        return next->editor.everything();
+      },
+      python);
+  self.edited = std::move(next);
+  return change;
+}
+
 std::unique_ptr<PythonChange> set_sharp(PythonEditor& self, const py::object& crease_edges,
                                         const py::object& corner_vertices, bool sharp,
                                         const py::object& progress, const py::object& cancelled) {
@@ -126,16 +142,11 @@ std::unique_ptr<PythonChange> set_sharp(PythonEditor& self, const py::object& cr
     if (which.ndim() != 1) refuse("corner_vertices: a list of numbers is wanted");
     for (const std::int32_t vertex : span_of(which)) corners.push_back({vertex, sharpness});
   }
-  std::shared_ptr<PythonEdited> next;
-  auto change = changed(self,
-                        [&](Editor& editor, const Callbacks& callbacks) {
-                          next = std::make_shared<PythonEdited>(
-                              self.edited->first, editor.with_sharp(edges, corners, callbacks));
-                          return next->editor.everything();
-                        },
-                        {progress, cancelled});
-  self.edited = std::move(next);
-  return change;
+  return replaced(self,
+                  [&](const Editor& editor, const Callbacks& callbacks) {
+                    return editor.with_sharp(edges, corners, callbacks);
+                  },
+                  {progress, cancelled});
 }
 
 FitHandle fit_now(PythonEditor& self) {
@@ -240,8 +251,19 @@ void add_editor_class(py::module_& module) {
                            {progress, cancelled});
           },
           py::kw_only(), py::arg("progress") = py::none(), py::arg("cancelled") = py::none(),
-          "Solves the whole mesh from where it is; of the fair method builds the net anew. Raises "
-          "Cancelled, and nothing has changed.")
+          "Solves the whole mesh from where it is; of the fair method builds the net anew, by what "
+          "the fit decided. Raises Cancelled, and nothing has changed.")
+      .def(
+          "refit",
+          [](PythonEditor& self, const py::object& progress, const py::object& cancelled) {
+            return replaced(self, [](const Editor& e, const Callbacks& c) { return e.refitted(c); },
+                            {progress, cancelled});
+          },
+          py::kw_only(), py::arg("progress") = py::none(), py::arg("cancelled") = py::none(),
+          "Makes what fit() makes of the mesh as it is now by the same method, with all that is "
+          "decided anew. Rows keep their numbers and moves can still be taken back; arrays and "
+          "LimitSurfaces that were given before stay as they were. Raises InvalidArgument where "
+          "the fit misses its tolerance, and Cancelled: then nothing has changed.")
       .def("fit", &fit_now, "The Fit of the mesh as it is now; later moves do not change it.")
       .def("limit_surface", &limit_surface_of,
            "The LimitSurface as it is at the time of each question, for picking while vertices are "

@@ -70,6 +70,21 @@ planish_status changing(planish_editor* editor, planish_edit_change* change, con
   return PLANISH_OK;
 }
 
+// The same of what makes another editor of one: what was given by it before stays as it is.
+template <class Make>
+planish_status replacing(planish_editor* editor, planish_edit_change* change, const Make& make) {
+  std::shared_ptr<EditedFit> next;
+  EditChange made;
+  run_on(editor->thread_count, [&] {
+    const EditedFit& now = *editor->edited;
+    next = std::make_shared<EditedFit>(now.first, make(now.editor));
+    made = next->editor.everything();
+  });
+  tell(editor, made, change);
+  editor->edited = std::move(next);
+  return PLANISH_OK;
+}
+
 // The edges and vertices of planish_editor_set_sharp().
 struct SharpTags {
   std::vector<CreaseEdge> edges;
@@ -176,17 +191,9 @@ planish_status planish_editor_set_sharp(planish_editor* editor, const int32_t* c
     require_list(corner_vertices, corner_count, "corner_vertices", "corner_count");
     const SharpTags tags =
         tags_of(crease_edges, crease_count, corner_vertices, corner_count, is_sharp != 0);
-    std::shared_ptr<EditedFit> next;
-    planish::EditChange made;
-    run_on(editor->thread_count, [&] {
-      const EditedFit& now = *editor->edited;
-      next =
-          std::make_shared<EditedFit>(now.first, now.editor.with_sharp(tags.edges, tags.corners));
-      made = next->editor.everything();
+    return replacing(editor, change, [&](const planish::Editor& edit) {
+      return edit.with_sharp(tags.edges, tags.corners);
     });
-    tell(editor, made, change);
-    editor->edited = std::move(next);
-    return PLANISH_OK;
   });
 }
 
@@ -203,6 +210,13 @@ planish_status planish_editor_redo(planish_editor* editor, planish_edit_change* 
 planish_status planish_editor_settle(planish_editor* editor, planish_edit_change* change) {
   return call([&] {
     return changing(editor, change, [](planish::Editor& edit) { return edit.settle(); });
+  });
+}
+
+planish_status planish_editor_refit(planish_editor* editor, planish_edit_change* change) {
+  return call([&] {
+    require(editor, "editor");
+    return replacing(editor, change, [](const planish::Editor& edit) { return edit.refitted(); });
   });
 }
 

@@ -87,8 +87,14 @@ planish_status planish_editor_set_sharp(planish_editor* editor, const int32_t* c
  * none. */
 planish_status planish_editor_undo(planish_editor* editor, planish_edit_change* change);
 planish_status planish_editor_redo(planish_editor* editor, planish_edit_change* change);
-/** Solves the whole mesh from where it is; of the fair method builds the net anew. */
+/** Solves the whole mesh from where it is; of the fair method builds the net anew, by what the fit
+ * decided. */
 planish_status planish_editor_settle(planish_editor* editor, planish_edit_change* change);
+/** Makes what planish_fit_mesh() makes of the mesh as it is now by the same method, with all that
+ * is decided anew. The rows keep their numbers, and moves can still be taken back; arrays that the
+ * editor gave before end, queries that it gave answer for the surface as it was. Refused where the
+ * fit misses its tolerance: nothing has changed. */
+planish_status planish_editor_refit(planish_editor* editor, planish_edit_change* change);
 
 planish_status planish_editor_view(const planish_editor* editor, planish_editor_arrays* arrays);
 /** The mesh and its surface as they are now, for all that takes a fit; later moves do not change

@@ -75,6 +75,15 @@ bool Editor::can_redo() const { return !impl_->future().empty(); }
 
 EditChange Editor::settle(const Callbacks& callbacks) { return impl_->settle(callbacks); }
 
+EditChange Editor::refit(const Callbacks& callbacks) {
+  *this = refitted(callbacks);
+  return everything();
+}
+
+Editor Editor::refitted(const Callbacks& callbacks) const {
+  return Editor(impl_->refitted(callbacks));
+}
+
 std::span<const glm::dvec3> Editor::points() const { return impl_->points(); }
 std::span<const glm::dvec3> Editor::rest_positions() const { return impl_->rest_positions(); }
 double Editor::error_bound() const { return impl_->error_bound(); }

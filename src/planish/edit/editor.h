@@ -39,9 +39,11 @@ struct EditChange {
 /// A fitted mesh whose vertices move: only what they reach is solved and evaluated again, so that a
 /// move costs what it moves, not the size of the mesh. The surface passes through all vertices
 /// within the fit's tolerance after any number of moves. Control points of a progressive fit are
-/// within a small factor of it of those of a fit from scratch; those of a fair one differ by what
-/// its polish does far off, until settle() (edit/README.md) or EditorOptions::settle_after moves.
-/// What is sharp, corner sectors and the fair method's decisions are those of the fit.
+/// within a small factor of it of those of a fit from scratch by the same decisions; those of a
+/// fair one differ by what its polish does far off, until settle() (edit/README.md) or
+/// EditorOptions::settle_after moves. Corner sectors and the fair method's decisions (what turns
+/// over, is halved, cured) are those of the fit while vertices are moved, so that nothing pops:
+/// after large moves a fit of the mesh as it is now decides otherwise. refit() does, too.
 ///
 /// Where memory runs out within a call (Error{OutOfMemory}, std::bad_alloc), the vertices may have
 /// moved; the next call makes all rows.
@@ -99,13 +101,23 @@ class Editor {
   [[nodiscard]] bool can_redo() const;
 
   /// Solves the whole mesh from where it is; of the fair method, builds the net anew with the fit's
-  /// decisions. All rows may change. Throws Error{Cancelled}, and nothing has changed.
+  /// decisions: what a host does now and then. All rows may change. Throws Error{Cancelled}, and
+  /// nothing has changed.
   EditChange settle(const Callbacks& callbacks = {});
+  /// Makes what fit() makes of the mesh as it is now, with all that it decides: what a host does at
+  /// the end of a drag or of all. The rows keep their numbers, moves can still be taken back, and
+  /// rest_positions() are those of now; but all that the editor has given before ends, as with
+  /// set_sharp(). Takes the time of a whole fit, of the fair method several times that of settle().
+  /// Throws Error{InvalidArgument} where that misses the tolerance, Error{Cancelled}: then nothing
+  /// has changed.
+  EditChange refit(const Callbacks& callbacks = {});
+  /// The same as another editor, as with_sharp() has it.
+  [[nodiscard]] Editor refitted(const Callbacks& callbacks = {}) const;
 
   /// The mesh's vertices where they are now.
   [[nodiscard]] std::span<const glm::dvec3> points() const;
-  /// Where they were in the fit, or when set_sharp() was called last: sector angles at corners stay
-  /// those of this pose.
+  /// Where they were in the fit, or when set_sharp() or refit() was called last: sector angles at
+  /// corners stay those of this pose.
   [[nodiscard]] std::span<const glm::dvec3> rest_positions() const;
   /// How far the surface is from any of them at most, as a part of the diagonal.
   [[nodiscard]] double error_bound() const;

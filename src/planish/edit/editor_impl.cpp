@@ -97,21 +97,37 @@ std::unique_ptr<Editor::Impl> Editor::Impl::with_sharp(std::span<const CreaseEdg
   }
   auto mesh = std::make_unique<PolygonMesh>(this->mesh());
   tag_sharp(*fit_.prepared, edges, corners, *mesh);
-  Fit now;
-  if (fair_) {
-    FitOptions again = options_.fit;
-    again.method = InterpolationMethod::Fair;
-    again.prepared = fit_.prepared;
-    again.callbacks = callbacks;
-    now = planish::fit(*mesh, *make_cpu_backend(), again);
-  } else {
-    now = fit();
-  }
-  auto next = std::make_unique<Impl>(std::unique_ptr<const PolygonMesh>(std::move(mesh)), now,
-                                     options_, callbacks);
-  next->past_ = past_;
-  next->future_ = future_;
-  return next;
+  const Fit now = fair_ ? fit_anew(*mesh, callbacks) : fit();
+  return next(std::move(mesh), now, callbacks);
+}
+
+std::unique_ptr<Editor::Impl> Editor::Impl::refitted(const Callbacks& callbacks) const {
+  const HostScope host(callbacks);
+  check_stop();
+  auto mesh = std::make_unique<PolygonMesh>(this->mesh());
+  const Fit now = fit_anew(*mesh, callbacks);
+  require_editable(*mesh, now, options_);
+  return next(std::move(mesh), now, callbacks);
+}
+
+// Of a mesh that differs from the first by tags and positions.
+Fit Editor::Impl::fit_anew(const PolygonMesh& mesh, const Callbacks& callbacks) const {
+  FitOptions again = options_.fit;
+  again.method = fair_ ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
+  again.fair_decisions = nullptr;
+  again.within = 0.0;
+  again.prepared = fit_.prepared;
+  again.callbacks = callbacks;
+  return planish::fit(mesh, *make_cpu_backend(), again);
+}
+
+// The session goes on with it.
+std::unique_ptr<Editor::Impl> Editor::Impl::next(std::unique_ptr<const PolygonMesh> mesh,
+                                                 const Fit& fit, const Callbacks& callbacks) const {
+  auto result = std::make_unique<Impl>(std::move(mesh), fit, options_, callbacks);
+  result->past_ = past_;
+  result->future_ = future_;
+  return result;
 }
 
 EditChange Editor::Impl::all_rows() {

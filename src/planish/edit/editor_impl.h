@@ -29,6 +29,8 @@ class Editor::Impl {
   [[nodiscard]] std::unique_ptr<Impl> with_sharp(std::span<const CreaseEdge> edges,
                                                  std::span<const CornerVertex> corners,
                                                  const Callbacks& callbacks) const;
+  /// Another one, of the mesh as it is now. Throws as Editor::refit().
+  [[nodiscard]] std::unique_ptr<Impl> refitted(const Callbacks& callbacks) const;
   /// That all is new.
   EditChange all_rows();
 
@@ -51,6 +53,9 @@ class Editor::Impl {
   [[nodiscard]] MoveHistory& future() { return future_; }
 
  private:
+  [[nodiscard]] Fit fit_anew(const PolygonMesh& mesh, const Callbacks& callbacks) const;
+  [[nodiscard]] std::unique_ptr<Impl> next(std::unique_ptr<const PolygonMesh> mesh, const Fit& fit,
+                                           const Callbacks& callbacks) const;
   [[nodiscard]] std::int32_t used_index(std::int32_t vertex) const;
   [[nodiscard]] PastMove take_moves(std::span<const std::int32_t> vertices,
                                     std::span<const glm::dvec3> positions);

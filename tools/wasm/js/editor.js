@@ -126,6 +126,12 @@ export class Editor extends Handle {
     return this.#changed((_, change) => this.module._planish_editor_settle(this.alive, change));
   }
 
+  /** Makes what a fit makes of the mesh as it is now, with all that it decides. */
+  refit() {
+    this.#forget();
+    return this.#changed((_, change) => this.module._planish_editor_refit(this.alive, change));
+  }
+
   /** The mesh and its surface as they are now. */
   fit() {
     return new Memory(this.module).use((memory) => {

@@ -194,6 +194,8 @@ export interface Editor extends Questions {
   redo(): EditChange;
   /** Solves the whole mesh from where it is. */
   settle(): EditChange;
+  /** Makes what a fit makes of the mesh as it is now, with all that it decides. */
+  refit(): EditChange;
   /** The mesh and its surface as they are now. */
   fit(): Fit;
   dispose(): void;
