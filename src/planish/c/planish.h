@@ -200,7 +200,7 @@ typedef struct planish_fit_options {
   /** For planish_verify() of a fair surface with found creases: planish_fit_smoothed_vertices(). */
   const int32_t* smoothed_vertices;
   size_t smoothed_count;
-  /** The surface of least bending that passes every vertex at no more than this fraction of the
+  /** A surface that bends less, and passes every vertex at no more than this fraction of the
    * diagonal, above the tolerance and less than 0.1; 0: through them, the default; -1: by the noise
    * that is measured. */
   double within;

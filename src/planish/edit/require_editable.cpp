@@ -18,7 +18,7 @@ constexpr double kFarthestMove = 1e6;
 
 void require_editable(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options) {
   require_level(options.level);
-  if (fit.within && fit.within->bound(options.fit.tolerance) > 0) {
+  if (!fit.points.empty()) {
     throw Error(ErrorCode::InvalidArgument,
                 "the fit leaves the vertices within a bound, so that moving one has no place to "
                 "go to; edit a fit with within = 0");

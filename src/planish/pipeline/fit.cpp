@@ -26,6 +26,8 @@ constexpr std::size_t kGrain = 4096;
 
 // Shares of the time when the mesh is checked, its sharp features are known, the system is made.
 constexpr double kChecked = 0.15, kTopologyKnown = 0.3, kSystemMade = 0.5;
+// Of the time, the fit through the given vertices where they may be left.
+constexpr double kExactOfLeaving = 0.3;
 
 class Stopwatch {
  public:
@@ -110,19 +112,6 @@ void move_to_cage(Fit& result, const PolygonMesh& mesh, const UsedPart& used) {
   });
 }
 
-// The points that the surface passes through in place of the given ones.
-void leave_points(Fit& result, const PolygonMesh& mesh, const UsedPart& used,
-                  std::span<glm::dvec3> given, const FitOptions& options) {
-  if (options.within == 0.0) return;
-  result.within =
-      bend_least(*used.prepared->topology, *result.features, result.placement, options, given);
-  if (!(result.within->bound(options.tolerance) > 0)) return;
-  result.points.assign(mesh.positions.begin(), mesh.positions.end());
-  parallel_each(given.size(), kGrain, [&](std::size_t v) {
-    result.points[used.vertices[v]] = result.placement.to_model(given[v]);
-  });
-}
-
 void fit_doo_sabin(Fit& result, const UsedPart& used, std::span<const glm::dvec3> given,
                    Backend& backend, const FitOptions& options, Stopwatch& watch) {
   const MeshTopology& topology = *used.prepared->topology;
@@ -168,9 +157,12 @@ void fit_primal(Fit& result, const UsedPart& used, PrimalScheme scheme,
 
 namespace {
 
-Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
+// Through `points`, or where there are none through the given vertices.
+Fit fitted(const PolygonMesh& mesh, std::vector<glm::dvec3> points, Backend& backend,
+           const FitOptions& options) {
   Stopwatch watch;
   Fit result;
+  result.points = std::move(points);
   result.prepared = options.prepared ? options.prepared : prepare_mesh(mesh, "mesh");
   const UsedPart used = used_part(mesh, result.prepared);
   // Before the solve, and by the mesh's own numbers.
@@ -187,7 +179,11 @@ Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options)
   options.callbacks.report("stencils", kChecked);
   result.features = std::make_shared<const SharpFeatures>(
       find_sharp_features(used.mesh, *used.prepared->topology, used.mesh.positions, options.sharp));
-  leave_points(result, mesh, used, given, options);
+  if (!result.points.empty()) {
+    parallel_each(given.size(), kGrain, [&](std::size_t v) {
+      given[v] = result.placement.to_unit(result.points[used.vertices[v]]);
+    });
+  }
   if (const auto scheme = primal_scheme(options.scheme)) {
     fit_primal(result, used, *scheme, given, backend, options, watch);
   } else {
@@ -209,8 +205,26 @@ Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   const HostScope host(options.callbacks);
   options.callbacks.report("check", 0);
   Fit result;
-  backend.run_on_host([&] { result = fitted(mesh, backend, options); });
+  const bool may_leave = options.within != 0.0;
+  FitOptions exact = options;
+  if (may_leave) exact.callbacks = share_of(options.callbacks, 0, kExactOfLeaving);
+  backend.run_on_host([&] {
+    result = fitted(mesh, {}, backend, exact);
+    if (!may_leave) return;
+    FitOptions leaving = options;
+    leaving.callbacks = share_of(options.callbacks, kExactOfLeaving, 1);
+    leave_vertices(mesh, backend, leaving, result);
+  });
   options.callbacks.report("solve", 1);
+  return result;
+}
+
+Fit fit_through(const PolygonMesh& mesh, std::vector<glm::dvec3> points, Backend& backend,
+                const FitOptions& options) {
+  require_method_fits(options);
+  const HostScope host(options.callbacks);
+  Fit result;
+  backend.run_on_host([&] { result = fitted(mesh, std::move(points), backend, options); });
   return result;
 }
 

@@ -19,6 +19,7 @@
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one.h"
+#include "planish/surface/surface_quality.h"
 
 namespace planish {
 
@@ -35,9 +36,9 @@ struct FitOptions {
   /// nothing pops.
   const FairDecisions* fair_decisions = nullptr;
   bool cures_folds = true;  ///< of the fair method, see FairOptions
-  /// Of the diagonal: the surface of least bending that passes every given vertex at no more than
-  /// this (see fair/least_bending.h); 0: through them. Empty: kNoiseBound of the noise that is
-  /// measured. What is not above the tolerance is 0.
+  /// Of the diagonal: a surface that bends less and passes every given vertex at no more than this
+  /// (see bend_least.h); 0: through them. Empty: kNoiseBound of the noise that is measured. What is
+  /// not above the tolerance is 0.
   std::optional<double> within = 0.0;
   SharpFeatureOptions sharp;
   /// Where given, what prepare_mesh() made of the mesh: it is not tested and searched again.
@@ -63,6 +64,9 @@ struct WithinFit : LeaveWithin {
   ErrorNorms distance;        ///< of the points that the surface passes through from the given
   std::int64_t at_bound = 0;  ///< vertices that are as far off as was allowed
   double bending_before = 0, bending_after = 0;  ///< of the polygon mesh, see BendingTable
+  /// At level 1, of the surface through the given vertices and of this one, which bends no more and
+  /// is folded no more. Over ranks they are not measured.
+  std::optional<SurfaceQuality> exact, left;
 };
 
 /// The control points of a surface that passes through the given vertices.
@@ -74,7 +78,8 @@ struct Fit {
   /// Where FitOptions::within is above 0; errors of `interpolation` are then from the points that
   /// the surface passes through in place of the given vertices.
   std::optional<WithinFit> within;
-  /// Those points, one per vertex of the mesh; empty: the given vertices.
+  /// Those points, one per vertex of the mesh; empty: the given vertices, also where no surface
+  /// that leaves them bends less.
   std::vector<glm::dvec3> points;
   Interpolation interpolation;
   Placement placement;                           ///< of the input
@@ -99,6 +104,12 @@ struct Fit {
 /// scheme than Doo-Sabin), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result:
 /// Catmull-Clark's B can be singular, as on a cube.
 [[nodiscard]] Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options = {});
+
+/// The same of the surface through `points`, one per vertex of the mesh, in place of the given
+/// vertices, which stay what sharp features and coordinates are made of. options.within is not
+/// looked at.
+[[nodiscard]] Fit fit_through(const PolygonMesh& mesh, std::vector<glm::dvec3> points,
+                              Backend& backend, const FitOptions& options);
 
 /// The surface of a fitted mesh; the options' scheme, weights and sharp features are those of the
 /// fit. Sector angles are measured on `mesh` unless the options name a rest pose. Throws as the

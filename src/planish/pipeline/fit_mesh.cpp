@@ -10,6 +10,7 @@
 #include "planish/core/version.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/folded_edges.h"
+#include "planish/pipeline/bend_least.h"
 #include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/make_ready.h"
 #include "planish/pipeline/mesh_warnings.h"
@@ -138,6 +139,7 @@ EvaluateOptions FittedMesh::evaluate_options(int level) const {
 }
 
 const SurfaceQuality* FittedMesh::chosen_quality() const {
+  if (fit.within && fit.within->left) return &*fit.within->left;
   if (!reason) return nullptr;
   const bool is_fair = options.method == InterpolationMethod::Fair;
   const bool is_creased = crease_degrees && crease_degrees < kOutlineDegrees && reason->creased;
@@ -354,12 +356,47 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   return ready;
 }
 
+namespace {
+
+// Of the time, all that is chosen, where vertices may be left then.
+constexpr double kChosen = 0.5;
+
+FittedMesh fit_chosen(ReadyFit ready, Backend& backend) {
+  return ready.paired ? fit_both(std::move(ready), backend) : fit_one(std::move(ready), backend);
+}
+
+void set_exact(ReadyFit& ready, const Callbacks& callbacks) {
+  ready.options.fit.within = ready.fitted.options.within = 0.0;
+  ready.options.fit.callbacks = callbacks;
+  if (ready.paired) set_exact(*ready.paired, callbacks);
+}
+
+// What is chosen is chosen by the surfaces through the given vertices: where they may be left, the
+// chosen one bends no more for that.
+FittedMesh fit_within(ReadyFit ready, Backend& backend) {
+  const std::optional<double> within = ready.options.fit.within;
+  if (within == 0.0) return fit_chosen(std::move(ready), backend);
+  const Callbacks caller = ready.options.fit.callbacks;
+  const HostScope host(caller);
+  set_exact(ready, share_of(caller, 0, kChosen));
+  FittedMesh fitted = fit_chosen(std::move(ready), backend);
+  FitOptions leaving = fitted.options;
+  leaving.within = within;
+  leaving.callbacks = share_of(caller, kChosen, 1);
+  const WarningList warnings(fitted.warnings, caller);
+  leaving.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };
+  backend.run_on_host([&] { leave_vertices(fitted.mesh, backend, leaving, fitted.fit); });
+  fitted.options.within = within;
+  return fitted;
+}
+
+}  // namespace
+
 FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
   const Callbacks caller = ready.options.fit.callbacks;
   const bool faces_are_given = ready.options.faces_are_given;
   const std::string name = ready.name;
-  FittedMesh fitted =
-      ready.paired ? fit_both(std::move(ready), backend) : fit_one(std::move(ready), backend);
+  FittedMesh fitted = fit_within(std::move(ready), backend);
   const WarningList warnings(fitted.warnings, caller);
   for (const Warning& warning : mesh_warnings(fitted, name, faces_are_given)) warnings.add(warning);
   return fitted;

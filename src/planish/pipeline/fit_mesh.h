@@ -84,7 +84,7 @@ struct FittedMesh {
   [[nodiscard]] std::span<const glm::dvec3> points() const {
     return fit.points.empty() ? std::span<const glm::dvec3>(mesh.positions) : fit.points;
   }
-  /// At level 1, where measurement chose it; else null.
+  /// At level 1, where measurement chose it or how far it leaves the vertices; else null.
   [[nodiscard]] const SurfaceQuality* chosen_quality() const;
   /// What is sharp, as the command's --creases has it.
   [[nodiscard]] std::string creases() const;

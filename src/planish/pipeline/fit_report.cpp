@@ -56,6 +56,10 @@ Json fair_json(const FittedMesh& fitted) {
             {"cure", fair.rounds.cure ? Json(*fair.rounds.cure) : Json()}}}};
 }
 
+Json bending_json(const std::optional<SurfaceQuality>& quality) {
+  return quality ? Json(quality->bending) : Json();
+}
+
 Json within_json(const std::optional<WithinFit>& within) {
   if (!within) return nullptr;
   return {{"allowed", within->within},
@@ -63,7 +67,9 @@ Json within_json(const std::optional<WithinFit>& within) {
           {"distance", norms_json(within->distance)},
           {"at_bound", within->at_bound},
           {"bending_before", within->bending_before},
-          {"bending_after", within->bending_after}};
+          {"bending_after", within->bending_after},
+          {"surface_bending_before", bending_json(within->exact)},
+          {"surface_bending_after", bending_json(within->left)}};
 }
 
 }  // namespace

@@ -132,10 +132,11 @@ struct SystemOptions {
   /// `rest` or of another pose of it (Fit::fair of fit()), one per used vertex; copied. All poses
   /// then keep them, so that nothing pops while the mesh moves. Null: each pose decides for itself.
   const FairDecisions* fair_decisions = nullptr;
-  /// Of the rest pose's diagonal, below 0.1: surfaces of least bending that leave each given point
-  /// by no more than this, FitOptions::within; 0: through them. Empty: measured in the rest pose.
-  /// Each solve then moves the points first, 61 dispatches; what is said of given points below
-  /// holds for the moved ones.
+  /// Of the rest pose's diagonal, below 0.1: surfaces of meshes that bend least and leave each
+  /// point by no more than this; 0: through them. Empty: measured in the rest pose. Unlike with
+  /// FitOptions::within no surface is measured, and one may bend more for it where a mesh is
+  /// uneven. Each solve then moves the points first, 61 dispatches; what is said of given points
+  /// below holds for the moved ones.
   std::optional<double> within = 0.0;
   double tolerance = 1e-6;  ///< wanted error, relative to the rest pose's bounding-box diagonal
   Callbacks callbacks;      ///< for the time of construction

@@ -241,9 +241,14 @@ std::string dense_meshes_line(const JobReport& report) {
 std::string within_text(const WithinFit& within) {
   std::string text = short_number(within.within) + " of the diagonal";
   if (within.noise) text += " (the noise is " + short_number(*within.noise) + ")";
+  if (within.exact && !(within.distance.max > 0))
+    return text +
+           " changes nothing: of the surfaces that were tried the one through the vertices "
+           "bends least, or the others fold more";
   return formatted("{}: vertices are left by {} rms, {} by all of it; bending {} to {}", text,
                    short_number(within.distance.rms), with_separators(within.at_bound),
-                   short_number(within.bending_before), short_number(within.bending_after));
+                   short_number(within.exact ? within.exact->bending : within.bending_before),
+                   short_number(within.left ? within.left->bending : within.bending_after));
 }
 
 namespace {
