@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "planish/limit/distance_net.h"
+#include "planish/limit/sheet_bound.h"
 
 namespace planish {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 constexpr int kMostDescents = 100;
 constexpr double kSmallStep = 1e-14;     // in u and v
 constexpr double kSmallestShare = 1e-7;  // of a step
+constexpr double kLeastBend = 2e-6;      // what second derivatives along a way of 1 count for
 constexpr double kBorder = 1e-12;        // of a region: on the border
 // What an answer may be too far by: in unit coordinates, and of the distance.
 constexpr double kAbsolute = 1e-13, kRelative = 2e-15;
@@ -50,39 +52,62 @@ double largest_speed(const BezierNet& net, bool along_v) {
 // Hessian.
 struct Descent {
   double value = 0, gu = 0, gv = 0, huu = 0, huv = 0, hvv = 0;
-  double least = 0;  // what second derivatives count for at least
+  double e = 0, f = 0, g = 0, area = 0;  // of the tangents: their products, and the area they span
 
   Descent(const PatchPoint& p, const glm::dvec3& target) {
     const glm::dvec3 off = p.position - target;
     value = glm::dot(off, off);
     gu = glm::dot(off, p.du);
     gv = glm::dot(off, p.dv);
-    const double e = glm::dot(p.du, p.du), g = glm::dot(p.dv, p.dv);
+    e = glm::dot(p.du, p.du);
+    f = glm::dot(p.du, p.dv);
+    g = glm::dot(p.dv, p.dv);
+    area = glm::length(glm::cross(p.du, p.dv));
     huu = e + glm::dot(off, p.duu);
-    huv = glm::dot(p.du, p.dv) + glm::dot(off, p.duv);
+    huv = f + glm::dot(off, p.duv);
     hvv = g + glm::dot(off, p.dvv);
-    least = 1e-6 * (e + g);
   }
 
-  // Downhill along both: where the distance is not convex in a direction, its second derivative
-  // there counts by magnitude, so that steps lead away from saddles.
+  // Downhill along both, by ways on the surface rather than by parameters, which may run aslant and
+  // unevenly. Where the distance is not convex in a direction, its second derivative there counts
+  // by magnitude, so that steps lead away from saddles.
   [[nodiscard]] glm::dvec2 step() const {
-    const double both = huu * hvv - huv * huv;
-    if (huu > 0 && both > least * (huu + hvv))
-      return {(huv * gv - hvv * gu) / both, (huv * gu - huu * gv) / both};
-    const double middle = 0.5 * (huu + hvv), half = 0.5 * (huu - hvv);
-    const double root = std::hypot(half, huv);
-    const double turn = 0.5 * std::atan2(huv, half);
-    const glm::dvec2 first(std::cos(turn), std::sin(turn)), second(-first.y, first.x);
+    // Parameters of a way of 1 along the longer tangent, and of one across it.
+    const bool is_u = e >= g;
+    const glm::dvec2 first = (is_u ? glm::dvec2(1, 0) : glm::dvec2(0, 1)) / std::sqrt(is_u ? e : g);
+    const glm::dvec2 second = across(is_u ? glm::dvec2(-f / e, 1) : glm::dvec2(1, -f / g),
+                                     std::max(e, g), std::min(e, g));
     const glm::dvec2 gradient(gu, gv);
-    return -glm::dot(gradient, first) / size(middle + root) * first -
-           glm::dot(gradient, second) / size(middle - root) * second;
+    const double g1 = glm::dot(gradient, first), g2 = glm::dot(gradient, second);
+    const double h11 = bend(first, first), h12 = bend(first, second), h22 = bend(second, second);
+    const double both = h11 * h22 - h12 * h12;
+    if (h11 > 0 && both > kLeastBend * (h11 + h22))
+      return (h12 * g2 - h22 * g1) / both * first + (h12 * g1 - h11 * g2) / both * second;
+    const double middle = 0.5 * (h11 + h22), half = 0.5 * (h11 - h22);
+    const double root = std::hypot(half, h12);
+    const double turn = 0.5 * std::atan2(h12, half);
+    const double c = std::cos(turn), s = std::sin(turn);
+    const double one = -(c * g1 + s * g2) / size(middle + root, 1);
+    const double other = -(c * g2 - s * g1) / size(middle - root, 1);
+    return (c * one - s * other) * first + (s * one + c * other) * second;
   }
-  [[nodiscard]] double step_u() const { return -gu / size(huu); }
-  [[nodiscard]] double step_v() const { return -gv / size(hvv); }
+  [[nodiscard]] double step_u() const { return -gu / size(huu, e); }
+  [[nodiscard]] double step_v() const { return -gv / size(hvv, g); }
 
  private:
-  [[nodiscard]] double size(double second) const { return std::max(std::abs(second), least); }
+  // The way across the longer tangent that has such parameters but for its length, by the squares
+  // of both tangents. Tangents that are one count as if they were not quite.
+  [[nodiscard]] glm::dvec2 across(const glm::dvec2& way, double longer, double shorter) const {
+    const double width = std::max(area / std::sqrt(longer), 1e-10 * std::sqrt(shorter));
+    return width > 0 ? way / width : glm::dvec2(0.0);
+  }
+  [[nodiscard]] double bend(const glm::dvec2& a, const glm::dvec2& b) const {
+    return a.x * (huu * b.x + huv * b.y) + a.y * (huv * b.x + hvv * b.y);
+  }
+  // `square`: of the way that the parameter makes.
+  static double size(double second, double square) {
+    return std::max(std::abs(second), kLeastBend * square);
+  }
 };
 
 }  // namespace
@@ -108,16 +133,36 @@ struct NearestSearch::Region {
   [[nodiscard]] bool is_left(bool along_v, double t, double step) const {
     return (t <= low[along_v] && step < 0) || (t >= high[along_v] && step > 0);
   }
+  [[nodiscard]] bool is_at_border(double u, double v) const {
+    return u <= low[0] || u >= high[0] || v <= low[1] || v >= high[1];
+  }
+  // Where a descent begins.
+  [[nodiscard]] glm::dvec2 start() const {
+    const auto share = net.place_of_least();
+    return {low[0] + share[0] * (high[0] - low[0]), low[1] + share[1] * (high[1] - low[1])};
+  }
   // Within it, and on its border where it is as good as there.
   [[nodiscard]] double inside(bool along_v, double t) const {
     const double margin = kBorder * (high[along_v] - low[along_v]);
     if (t < low[along_v] + margin) return low[along_v];
     return t > high[along_v] - margin ? high[along_v] : t;
   }
+  [[nodiscard]] BezierNet part_of(const BezierNet& piece) const {
+    return net_between(net_between(piece, true, low[1], high[1]), false, low[0], high[0]);
+  }
+  // By half its size on all sides. The net stays what it was.
+  [[nodiscard]] Region continued() const {
+    Region wide = *this;
+    for (std::size_t d = 0; d < 2; ++d) {
+      const double more = 0.5 * (high[d] - low[d]);
+      wide.low[d] -= more;
+      wide.high[d] += more;
+    }
+    return wide;
+  }
   // Of the same bounds, nearer to what they are now.
   void make_again(const BezierNet& of_piece, const glm::dvec3& point) {
-    const Region made(
-        net_between(net_between(of_piece, true, low[1], high[1]), false, low[0], high[0]), point);
+    const Region made(part_of(of_piece), point);
     net = made.net;
     made_of = made.made_of;
     extent = made.extent;
@@ -136,16 +181,18 @@ struct NearestSearch::Region {
   }
 };
 
+// Where a descent in a region ends, and whether the distance falls no further there, but for what
+// is negligible.
+struct NearestSearch::Lowest {
+  double u, v, value;
+  bool is_lowest;
+};
+
 // Newton's method in a region: steps end at its borders, and go along them where the distance falls
-// outwards. Nothing of the surface bends abruptly on the way. Whether it ends where the distance
-// falls no further, but for what is negligible.
-bool NearestSearch::descend(const PatchPiece& piece, const Region& region,
-                            const glm::dvec3& point) {
-  const auto start = region.net.place_of_least();
-  const auto between = [&](std::size_t d) {
-    return region.low[d] + start[d] * (region.high[d] - region.low[d]);
-  };
-  double u = between(0), v = between(1);
+// outwards. Nothing of the surface bends abruptly on the way.
+NearestSearch::Lowest NearestSearch::lowest_in(const PatchPiece& piece, const Region& region,
+                                               const glm::dvec2& start, const glm::dvec3& point) {
+  double u = start.x, v = start.y;
   Descent here(piece.at(u, v), point);
   bool is_lowest = false;
   for (int step = 0; step < kMostDescents; ++step) {
@@ -182,8 +229,51 @@ bool NearestSearch::descend(const PatchPiece& piece, const Region& region,
     }
     if (!falls) break;
   }
-  take(here.value, piece.frame.at(u, v));
-  return is_lowest;
+  return {u, v, here.value, is_lowest};
+}
+
+bool NearestSearch::descend(const PatchPiece& piece, const Region& region,
+                            const glm::dvec3& point) {
+  const Lowest lowest = lowest_in(piece, region, region.start(), point);
+  take(lowest.value, piece.frame.at(lowest.u, lowest.v));
+  return lowest.is_lowest;
+}
+
+// Whether a region is done with as a sheet: too far, or it has one nearest place at most, which is
+// found, or lies beyond the piece: then the region's own is on the piece's border, or beyond a
+// border within the piece are nearer ones.
+bool NearestSearch::search_sheet(const PatchPiece& piece, const Region& region,
+                                 const glm::dvec3& point) {
+  SheetBound sheet(region.part_of(piece.net), point);
+  if (is_beyond(sheet.least_distance())) return true;
+  if (!sheet.has_one_nearest()) return false;
+  const auto from_point = [&](const Lowest& lowest) {
+    PatchPoint place = piece.at(lowest.u, lowest.v);
+    place.position -= point;
+    return place;
+  };
+  const Region wide = region.continued();
+  const Lowest beyond = lowest_in(piece, wide, region.start(), point);
+  if (!beyond.is_lowest || wide.is_at_border(beyond.u, beyond.v) ||
+      !sheet.is_over_convex_part(from_point(beyond).position)) {
+    const Lowest lowest = lowest_in(piece, region, region.start(), point);
+    take(lowest.value, piece.frame.at(lowest.u, lowest.v));
+    return wanted_ < 0 || sheet.least_square(from_point(lowest)) >= wanted_;
+  }
+  const auto is_in = [](double t) { return t >= 0 && t <= 1; };
+  if (is_in(beyond.u) && is_in(beyond.v)) {
+    take(beyond.value, piece.frame.at(beyond.u, beyond.v));
+    return true;
+  }
+  for (const bool along_v : {false, true}) {
+    for (const bool upper : {false, true}) {
+      if ((upper ? region.high : region.low)[along_v] != (upper ? 1 : 0)) continue;
+      Region border = region;
+      border.fix(along_v, upper);
+      search_region(piece, border, point);
+    }
+  }
+  return true;
 }
 
 void NearestSearch::take(double square_distance, const glm::dvec2& place) {
@@ -202,17 +292,41 @@ bool NearestSearch::is_near(const PatchBox& box, const glm::dvec3& point) const 
   return square_distance(box, point) <= wanted_ * (1 + 1e-12);
 }
 
+// Of bounds that are exact but for rounding.
+bool NearestSearch::is_beyond(double distance) const {
+  const double least = distance - 1e-15;
+  return least > 0 && least * least > wanted_ * (1 + 1e-12);
+}
+
+// A piece that is not done with by its bounds or one descent waits until the others have been
+// looked at: what is found there by then mostly tells that it has nothing nearer.
 void NearestSearch::search_piece(const PatchPiece& piece, const glm::dvec3& point) {
-  const double least = piece.least_distance(point) - 1e-15;
-  if (least > 0 && least * least > wanted_ * (1 + 1e-12)) return;
-  search_region(piece, Region(piece.net, point), point);
+  if (wanted_ < 0 || is_beyond(piece.least_distance(point)) ||
+      is_beyond(SheetBound(piece.net, point).least_distance()))
+    return;
+  ++region_count_;
+  const Region region(piece.net, point);
+  if (is_far(region)) return;
+  if (descend(piece, region, point) && region.net.is_convex()) return;
+  if (!is_far(region)) split_later_.push_back({corner_, piece, point});
+}
+
+void NearestSearch::search_waiting_pieces() {
+  for (const WaitingPiece& waiting : split_later_) {
+    corner_ = waiting.corner;
+    search_region(waiting.piece, Region(waiting.piece.net, waiting.point), waiting.point);
+  }
+  split_later_.clear();
+}
+
+// Bounds of what lies at the point itself may be below nothing.
+bool NearestSearch::is_far(const Region& region) const {
+  return wanted_ < 0 || region.least() >= wanted_;
 }
 
 // A region has nothing nearer, or is left for its border, or is convex so that a descent ends at
 // its nearest place; else its halves are searched, the nearer one first.
 void NearestSearch::search_region(const PatchPiece& piece, Region region, const glm::dvec3& point) {
-  // Bounds of what lies at the point itself may be below nothing.
-  const auto is_far = [&](const Region& r) { return wanted_ < 0 || r.least() >= wanted_; };
   if (is_far(region)) return;
   if (++region_count_ % kPatience == 0) {
     absolute_ *= 10;
@@ -236,7 +350,7 @@ void NearestSearch::search_region(const PatchPiece& piece, Region region, const 
                                  : region.net.is_convex();
   const bool is_nearer = region.net.least_at_corners() < best_.square_distance;
   if ((is_convex || is_nearer) && descend(piece, region, point) && is_convex) return;
-  if (is_far(region)) return;
+  if (is_far(region) || (!is_line && search_sheet(piece, region, point))) return;
   if (!(region.extent[0] + region.extent[1] > kAbsolute)) {  // NaN too
     descend(piece, region, point);
     return;
@@ -254,6 +368,7 @@ void NearestSearch::search_region(const PatchPiece& piece, Region region, const 
 // polynomial, each polynomial of it.
 void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target) {
   corner_ = corner;
+  ++corner_count_;
   PatchPieces& pieces = kept_[static_cast<std::size_t>(corner) % kept_.size()];
   pieces.move_to(corner);
   struct Start {
@@ -284,7 +399,7 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target)
 NearestPlace NearestSearch::run(const glm::dvec3& point) {
   best_ = {.corner = -1, .square_distance = std::numeric_limits<double>::infinity()};
   absolute_ = kAbsolute;
-  region_count_ = 0;
+  corner_count_ = region_count_ = 0;
   want();
   const auto& nodes = tree_.nodes();
   waiting_.assign(1, {0, square_distance(nodes[0].box, point)});
@@ -309,6 +424,7 @@ NearestPlace NearestSearch::run(const glm::dvec3& point) {
     waiting_.push_back(left);
     waiting_.push_back(right);
   }
+  search_waiting_pieces();
   return best_;
 }
 

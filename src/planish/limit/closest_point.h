@@ -30,14 +30,24 @@ class NearestSearch {
   static constexpr std::size_t kManyCorners = 64;
 
   [[nodiscard]] NearestPlace run(const glm::dvec3& point);
+  /// Corners, and regions of their pieces, that the last run has looked at: what it took, on any
+  /// machine.
+  [[nodiscard]] std::int64_t work() const { return corner_count_ + region_count_; }
 
  private:
   void search_corner(std::int32_t corner, const glm::dvec3& target);
   // Points relative to the corner's own from here on.
   struct Region;
   void search_piece(const PatchPiece& piece, const glm::dvec3& point);
+  void search_waiting_pieces();
+  [[nodiscard]] bool is_far(const Region& region) const;
+  [[nodiscard]] bool is_beyond(double distance) const;
   void search_region(const PatchPiece& piece, Region region, const glm::dvec3& point);
+  bool search_sheet(const PatchPiece& piece, const Region& region, const glm::dvec3& point);
   void want();
+  struct Lowest;
+  static Lowest lowest_in(const PatchPiece& piece, const Region& region, const glm::dvec2& start,
+                          const glm::dvec3& point);
   bool descend(const PatchPiece& piece, const Region& region, const glm::dvec3& point);
   void take(double square_distance, const glm::dvec2& place);
   [[nodiscard]] bool is_near(const PatchBox& box, const glm::dvec3& point) const;
@@ -49,10 +59,16 @@ class NearestSearch {
     double square_distance;
   };
   std::vector<Waiting> waiting_;
+  struct WaitingPiece {
+    std::int32_t corner;
+    PatchPiece piece;
+    glm::dvec3 point;
+  };
+  std::vector<WaitingPiece> split_later_;
   std::int32_t corner_ = -1;  // that is searched
   NearestPlace best_;
   double absolute_ = 0;  // what it may be too far by
-  std::int64_t region_count_ = 0;
+  std::int64_t corner_count_ = 0, region_count_ = 0;
   double wanted_ = 0;  // the square distance below which a place would be nearer enough to matter
 };
 
