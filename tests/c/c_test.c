@@ -93,6 +93,23 @@ static void test_fit(void) {
   planish_mesh_free(mesh);
 }
 
+/* Two squares, one folded back onto the other. */
+static planish_mesh* folded_sheet(void) {
+  static const double positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0, 0, 0.5, 1, 0};
+  static const int32_t corners[] = {0, 1, 2, 3, 1, 4, 5, 2};
+  planish_mesh_arrays arrays;
+  planish_mesh* mesh = NULL;
+  planish_mesh_arrays_init(&arrays, sizeof arrays);
+  arrays.positions = positions;
+  arrays.vertex_count = 6;
+  arrays.face_count = 2;
+  arrays.corners_per_face = 4;
+  arrays.face_vertices = corners;
+  arrays.corner_count = 8;
+  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
+  return mesh;
+}
+
 /* Of the cube's surface, whose vertices are at face corners, after its fit is gone. */
 static void test_queries(void) {
   static const planish_place places[] = {{0, 0, 0}, {5, 1, 1}, {2, 0.25, 0.4}};
@@ -102,8 +119,8 @@ static void test_queries(void) {
   double at[9], normals[9], du[9], mean[3], gaussian[3], distances[3], t[3], again[3];
   int32_t has_second[3];
   planish_place found[3];
-  planish_mesh* mesh = cube();
-  planish_fit* fit = NULL;
+  planish_mesh *mesh = cube(), *folded = folded_sheet();
+  planish_fit *fit = NULL, *folded_fit = NULL;
   planish_queries* queries = NULL;
   planish_surface *coarse = NULL, *fine = NULL;
   planish_surface_arrays coarse_arrays, fine_arrays;
@@ -133,13 +150,17 @@ static void test_queries(void) {
   EXPECT(planish_surface_warning_count(fine) == 0 && planish_surface_warning_count(NULL) == 0);
   planish_surface_free(coarse);
   planish_surface_free(fine);
-  EXPECT(planish_fit_tessellate(fit, 0, 0.5, &fine) == PLANISH_OK);
+  options.method = PLANISH_METHOD_PROGRESSIVE;
+  EXPECT(planish_fit_create(folded, &options, &folded_fit) == PLANISH_OK);
+  EXPECT(planish_fit_tessellate(folded_fit, 0, 5, &fine) == PLANISH_OK);
   EXPECT(planish_surface_warning_count(fine) == 1);
   EXPECT(planish_surface_warning(fine, 0, &code, &message) == PLANISH_OK);
-  EXPECT(strcmp(code, "angle-not-kept") == 0 && strstr(message, "0.5 degrees") != NULL);
+  EXPECT(strcmp(code, "angle-not-kept") == 0 && strstr(message, "5 degrees") != NULL);
   EXPECT_REFUSED(planish_surface_warning(fine, 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
                  "the surface has 1 warnings");
   planish_surface_free(fine);
+  planish_fit_free(folded_fit);
+  planish_mesh_free(folded);
   EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
   planish_fit_free(fit);
   planish_mesh_free(mesh);

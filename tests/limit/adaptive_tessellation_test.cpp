@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "limit/long_run.h"
 #include "limit/tessellation_error.h"
@@ -21,6 +22,7 @@
 namespace planish::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 AdaptiveSurface tessellated(const LimitCase& c, double chord_error, double angle = 0) {
@@ -185,15 +187,39 @@ double turn_of(const SurfaceMesh& surface, const Triangle& t) {
   return turn * 180 / 3.14159265358979;
 }
 
+// The surface beneath any place of a triangle, against its normals at the corners.
+void expect_turns_at_random_places(const LimitCase& c, const SurfaceMesh& surface, double angle) {
+  const SurfaceQueries queries(c.limit);
+  const std::vector<Triangle> triangles = triangles_of_surface(surface);
+  std::mt19937 random(8);
+  std::uniform_int_distribution<std::size_t> any(0, triangles.size() - 1);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (int i = 0; i < 3000; ++i) {
+    const Triangle& t = triangles[any(random)];
+    const double a = share(random), b = (1 - a) * share(random);
+    const glm::dvec3 place = a * surface.positions[t[0]] + b * surface.positions[t[1]] +
+                             (1 - a - b) * surface.positions[t[2]];
+    const glm::dvec3 normal = queries.closest(place).normal;
+    for (const std::int32_t corner : t) {
+      const double cosine = glm::dot(normal, glm::dvec3(surface.normals[corner]));
+      ASSERT_LT(std::acos(std::min(cosine, 1.0)) * 180 / std::numbers::pi, angle + 0.05) << i;
+    }
+  }
+}
+
 TEST(AdaptiveTessellation, TurnsLessThanTheAngleOrSaysWhereNot) {
   struct Case {
     PolygonMesh mesh;
     double angle;
     bool keeps;
   };
+  const PolygonMesh folded =
+      make_mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0, 0}, {0.5, 1, 0}},
+                {{0, 1, 2, 3}, {1, 4, 5, 2}});
   for (const auto& [mesh, angle, keeps] :
        {Case{jittered(torus(9, 7, 2, 1), 0.1, 3), 3, true}, Case{bipyramid(5), 2, true},
-        Case{prism(7), 2, true}, Case{random_dual(40, 2), 3, false}}) {
+        Case{prism(7), 2, true}, Case{random_dual(40, 2), 3, true},
+        Case{jittered(icosphere(2), 0.1, 3), 5, true}, Case{folded, 5, false}}) {
     const LimitCase c(mesh);
     std::vector<Warning> warnings;
     AdaptiveOptions options{.angle = angle, .diagonal = c.surface->placement().diagonal};
@@ -207,13 +233,16 @@ TEST(AdaptiveTessellation, TurnsLessThanTheAngleOrSaysWhereNot) {
       largest = std::max(largest, turn);
     }
     EXPECT_EQ(count == 0, keeps);
-    EXPECT_EQ(warnings.size(), keeps ? 0u : 1u);
-    if (warnings.empty()) continue;
-    EXPECT_EQ(warnings[0].code, "angle-not-kept");
+    EXPECT_EQ(warnings.size(), count == 0 ? 0u : 1u);
+    if (warnings.empty()) {
+      expect_turns_at_random_places(c, surface.mesh, angle);
+      continue;
+    }
+    EXPECT_EQ(warnings[0].code, kAngleNotKept);
     EXPECT_EQ(warnings[0].count, count);
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g, beneath", largest);
-    EXPECT_THAT(warnings[0].message, HasSubstr(text));
+    char text[40];
+    std::snprintf(text, sizeof text, "by up to %.3g degrees between", largest);
+    EXPECT_THAT(warnings[0].message, AllOf(HasSubstr(text), HasSubstr("near (")));
   }
 }
 

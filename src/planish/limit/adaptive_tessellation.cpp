@@ -358,13 +358,17 @@ void Tessellation::warn_of_turns(const SurfaceMesh& result) const {
   if (options_.angle == 0) return;
   const TriangleTurns turns = turns_beyond(result, options_.angle);
   if (turns.count == 0) return;
+  glm::dvec3 middle(0.0);
+  for (std::int64_t k = 0; k < 3; ++k)
+    middle += result.positions[result.face_vertices[3 * turns.worst + k]] / 3.0;
   options_.callbacks.warn(
-      {.code = "angle-not-kept",
+      {.code = kAngleNotKept,
        .message = formatted(
-           "the surface turns by more than {} degrees, by up to {}, beneath {} of {} triangles: it "
-           "folds or bends so tightly there that parts of 2^-6 of half an edge do not do; allow a "
-           "larger angle, or take a chord error too, which splits on",
-           shortest(options_.angle), short_number(turns.largest), turns.count, triangle_count()),
+           "an angle of {} degrees is not kept beneath {} of {} triangles: the surface turns by up "
+           "to {} degrees between their corners, most near ({}, {}, {}), where it folds or has a "
+           "tip; mend the mesh there, allow a larger angle, or take a chord error instead",
+           shortest(options_.angle), turns.count, triangle_count(), short_number(turns.largest),
+           short_number(middle.x), short_number(middle.y), short_number(middle.z)),
        .count = turns.count,
        .first = turns.first});
 }

@@ -16,13 +16,17 @@ struct AdaptiveOptions {
   /// any.
   double chord_error = 0;
   /// Most degrees that the surface's normal may turn beneath a triangle; 0: any. Where the surface
-  /// folds it turns however small triangles are: there splitting ends at 2^-6 of half an edge, and
-  /// a warning "angle-not-kept" says how many triangles turn by more and by how much.
+  /// folds it turns however small triangles are: there splitting ends at 2^-7 of half an edge, in
+  /// needles at 2^-10, and a warning kAngleNotKept says how many triangles turn by more, by how
+  /// much and where.
   double angle = 0;
   double diagonal = 1;                   ///< in the model's unit
   std::uint64_t memory_limit_bytes = 0;  ///< 0: what the machine has free
-  Callbacks callbacks;                   ///< step "evaluate", warning "angle-not-kept"
+  Callbacks callbacks;                   ///< step "evaluate", warning kAngleNotKept
 };
+
+/// The code of the warning that an angle was not kept.
+inline constexpr const char* kAngleNotKept = "angle-not-kept";
 
 /// A tessellation, the mesh's face that each of its triangles lies on, and where its rows and
 /// texture coordinates do.

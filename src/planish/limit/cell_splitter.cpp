@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <span>
 #include <string>
 
@@ -16,8 +17,13 @@ namespace planish {
 namespace {
 
 // Where a surface folds its normals turn however small a cell is: no side becomes shorter for them.
-constexpr int kMostTurnHalvings = 6;
-constexpr std::int32_t kLeastTurnSide = kCellSide >> kMostTurnHalvings;
+// Where it only bends, which is sure of normals within a right angle, each halving helps: most
+// needles are followed to their tips by then, and whole faces of noise take no more than memory.
+constexpr int kMostFoldHalvings = 7, kMostBendHalvings = 10;
+constexpr double kSurelyBends = std::numbers::pi / 2;
+std::int32_t least_turn_side(const CellBound& bound) {
+  return kCellSide >> (bound.turn < kSurelyBends ? kMostBendHalvings : kMostFoldHalvings);
+}
 // A side so many times as long as the other is split first, so that triangles do not get longer
 // than what the surface is curved along asks for.
 constexpr double kLongest = 8;
@@ -44,6 +50,9 @@ AdaptiveCell quarter_cell(const AdaptiveCell& cell, int quarter, int turns) {
   return part_of_cell(cell, a, 2, b, 2);
 }
 
+// Of what is left around a vertex: normals change there ever less.
+constexpr int kInnerHalvings = 3;
+
 // Points whose hull holds a patch. Where weights are negative it leaves the hull of its control
 // points, by no more than their reach about any middle.
 void add_hull(std::span<const glm::dvec3> points, double reach, std::vector<glm::dvec3>& hull) {
@@ -57,6 +66,24 @@ void add_hull(std::span<const glm::dvec3> points, double reach, std::vector<glm:
   for (const glm::dvec3& p : points) {
     hull.push_back(middle + reach * (p - middle));
     hull.push_back(middle - reach * (p - middle));
+  }
+}
+
+// Of a patch that is no polynomial, as far as polynomials around its vertex tell: what a few
+// halvings lead to.
+void add_inner_normals(const PatchForm& form, std::span<const glm::dvec3> points, int halvings,
+                       std::vector<glm::dvec3>& normals) {
+  if (form.is_polynomial()) {
+    std::array<glm::dvec3, 36> products;
+    add_normals(bezier_net(form, points), products);
+    normals.insert(normals.end(), products.begin(), products.end());
+    return;
+  }
+  if (halvings == 0) return;
+  std::vector<glm::dvec3> inner;
+  for (int q = 0; q < 4; ++q) {
+    quarter_points(form, q, points, inner);
+    add_inner_normals(*form.quarters[q], inner, halvings - 1, normals);
   }
 }
 
@@ -138,7 +165,7 @@ double CellSplitter::sides_aside(const AdaptiveCell& cell) {
 bool CellSplitter::keeps(const CellBound& bound, const AdaptiveCell& cell) const {
   const double limit = limit_at(cell);
   if (limit > 0 && !(bound.distance <= limit)) return false;
-  const bool is_small = std::max(cell.size_u(), cell.size_v()) <= kLeastTurnSide;
+  const bool is_small = std::max(cell.size_u(), cell.size_v()) <= least_turn_side(bound);
   return limits_.turn == 0 || bound.turn <= limits_.turn || is_small;
 }
 
@@ -188,7 +215,8 @@ CellSplitter::Split CellSplitter::split_of(const BezierNet& net, const AdaptiveC
   if (along_u > kLongest * along_v) across_u = true;
   // What only turns too much is not cut below the least side, but along the other.
   const bool is_near = !(limits_.distance > 0) || bound.distance <= limit_at(cell);
-  if (is_near && (across_u ? cell.size_u() : cell.size_v()) <= kLeastTurnSide) across_u = !across_u;
+  if (is_near && (across_u ? cell.size_u() : cell.size_v()) <= least_turn_side(bound))
+    across_u = !across_u;
   return halves(across_u);
 }
 
@@ -233,6 +261,7 @@ void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3>
       continue;
     }
     add_hull(of_quarter, reaches_.of(inner), hull);
+    if (limits_.turn > 0) add_inner_normals(inner, of_quarter, kInnerHalvings, normals);
   }
   CellBound bound = hull_bound(hull, normals, sides_aside(cell));
   if (is_on_border(cell) && limits_.distance > 0)

@@ -37,7 +37,9 @@ TriangleTurns turns_beyond(const SurfaceMesh& surface, double degrees) {
         if (!(turn > degrees + kNormalRounding)) continue;
         TriangleTurns& turns = of_block[b];
         if (turns.count++ == 0) turns.first = static_cast<std::int64_t>(t);
-        turns.largest = std::max(turns.largest, turn);
+        if (!(turn > turns.largest)) continue;
+        turns.largest = turn;
+        turns.worst = static_cast<std::int64_t>(t);
       }
     }
   });
@@ -45,7 +47,9 @@ TriangleTurns turns_beyond(const SurfaceMesh& surface, double degrees) {
   for (const TriangleTurns& turns : of_block) {
     if (all.count == 0) all.first = turns.first;
     all.count += turns.count;
-    all.largest = std::max(all.largest, turns.largest);
+    if (!(turns.largest > all.largest)) continue;
+    all.largest = turns.largest;
+    all.worst = turns.worst;
   }
   return all;
 }

@@ -6,6 +6,7 @@
 #include "job/point_input.h"
 #include "planish/core/error.h"
 #include "planish/files/formats.h"
+#include "planish/limit/adaptive_tessellation.h"
 #include "planish/mesh/check.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
@@ -21,6 +22,8 @@ void add_warning(JobReport& report, Console& console, const Warning& warning) {
   // Every level of a surface meets the same places.
   if (std::ranges::any_of(report.warnings, same)) return;
   report.warnings.push_back(warning);
+  // A promise that is not kept, as a tolerance that is not reached.
+  if (warning.code == kAngleNotKept) report.exit_code = ExitCode::NotConverged;
   if (!report.is_told_with_others) console.warning(named_message(report.label, warning.message));
 }
 
