@@ -10,7 +10,6 @@
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
-#include "planish/files/gltf/triangulate.h"
 #include "planish/files/input_files.h"
 #include "planish/files/obj/material_library.h"
 #include "planish/files/obj/write_mtl.h"
@@ -19,6 +18,7 @@
 #include "planish/files/shared/finite_numbers.h"
 #include "planish/files/shared/ordered_stream.h"
 #include "planish/files/shared/writable.h"
+#include "planish/mesh/triangulate.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {

@@ -4,8 +4,8 @@
 #include <mutex>
 
 #include "planish/core/raw_vector.h"
+#include "planish/mesh/quad_cut.h"
 #include "planish/surface/piece_loop.h"
-#include "planish/surface/quad_cut.h"
 
 namespace planish {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "planish/core/counted.h"
+#include "planish/mesh/quad_cut.h"
 #include "planish/surface/piece_loop.h"
-#include "planish/surface/quad_cut.h"
 
 namespace planish {
 

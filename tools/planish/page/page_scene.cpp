@@ -9,8 +9,8 @@
 
 #include "page/page_coding.h"
 #include "planish/core/point_bounds.h"
-#include "planish/files/gltf/triangulate.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/triangulate.h"
 #include "planish/surface/vertex_fields.h"
 
 namespace planish::command {

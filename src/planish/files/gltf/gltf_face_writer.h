@@ -10,8 +10,8 @@
 
 #include "planish/core/raw_vector.h"
 #include "planish/files/gltf/gltf_vertices.h"
-#include "planish/files/gltf/triangulate.h"
 #include "planish/files/shared/ordered_stream.h"
+#include "planish/mesh/triangulate.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {

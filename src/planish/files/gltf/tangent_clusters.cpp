@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "planish/files/gltf/triangulate.h"
-#include "planish/surface/quad_cut.h"
+#include "planish/mesh/quad_cut.h"
+#include "planish/mesh/triangulate.h"
 
 namespace planish {
 namespace {

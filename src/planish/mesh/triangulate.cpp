@@ -1,6 +1,6 @@
 // Based on: Sutherland, Sproull and Schumacker, "A characterization of ten hidden-surface
 // algorithms", 1974 (Newell's normal).
-#include "planish/files/gltf/triangulate.h"
+#include "planish/mesh/triangulate.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
@@ -10,7 +10,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/mesh/ear_clipping.h"
-#include "planish/surface/quad_cut.h"
+#include "planish/mesh/quad_cut.h"
 
 namespace planish {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/files/gltf/triangulate.h"
+#include "planish/mesh/triangulate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ namespace {
 using ::testing::ElementsAre;
 
 // Twice the signed area seen from +z.
-double doubled_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+double doubled_triangle_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
@@ -40,12 +40,12 @@ std::vector<std::uint32_t> triangles_of(const std::vector<glm::dvec3>& polygon) 
 void expect_cover(const std::vector<glm::dvec3>& polygon) {
   double area = 0, covered = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    area += doubled_area(glm::dvec3(0), polygon[i], polygon[(i + 1) % polygon.size()]);
+    area += doubled_triangle_area(glm::dvec3(0), polygon[i], polygon[(i + 1) % polygon.size()]);
   }
   const auto triangles = triangles_of(polygon);
   for (std::size_t t = 0; t < triangles.size(); t += 3) {
-    const double part =
-        doubled_area(polygon[triangles[t]], polygon[triangles[t + 1]], polygon[triangles[t + 2]]);
+    const double part = doubled_triangle_area(polygon[triangles[t]], polygon[triangles[t + 1]],
+                                              polygon[triangles[t + 2]]);
     EXPECT_GE(part, 0.0) << "triangle " << t / 3 << " is turned over";
     covered += part;
   }
@@ -129,7 +129,7 @@ std::vector<std::uint32_t> plainly_clipped(const std::vector<glm::dvec3>& polygo
   std::iota(left.begin(), left.end(), 0u);
   const auto beside = [&](std::size_t k, std::size_t by) { return left[(k + by) % left.size()]; };
   const auto area = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    return doubled_area(polygon[a], polygon[b], polygon[c]);
+    return doubled_triangle_area(polygon[a], polygon[b], polygon[c]);
   };
   const auto convex = [&](std::size_t k) {
     return area(beside(k, left.size() - 1), left[k], beside(k, 1)) > 0;
@@ -152,7 +152,7 @@ std::vector<std::uint32_t> plainly_clipped(const std::vector<glm::dvec3>& polygo
                      &c = polygon[beside(k, 1)];
     const double diagonal = glm::distance(a, c);
     const double radius =
-        glm::distance(a, b) * glm::distance(b, c) * diagonal / (2 * doubled_area(a, b, c));
+        glm::distance(a, b) * glm::distance(b, c) * diagonal / (2 * doubled_triangle_area(a, b, c));
     const auto rounded = [](double size, double steps) {
       int octave = 0;
       const double part = std::frexp(static_cast<double>(static_cast<float>(size)), &octave);
@@ -179,7 +179,7 @@ std::vector<std::uint32_t> plainly_clipped(const std::vector<glm::dvec3>& polygo
 }
 
 // A band along a spiral.
-std::vector<glm::dvec3> spiral(int count, double step) {
+std::vector<glm::dvec3> spiral_polygon(int count, double step) {
   std::vector<glm::dvec3> points;
   for (int i = 0; i < 2 * count; ++i) {
     const double angle = step * (i < count ? i : 2 * count - 1 - i);
@@ -189,7 +189,7 @@ std::vector<glm::dvec3> spiral(int count, double step) {
   return points;
 }
 
-std::vector<glm::dvec3> comb(int teeth) {
+std::vector<glm::dvec3> comb_polygon(int teeth) {
   std::vector<glm::dvec3> points{{0, -1, 0}, {2.0 * teeth, -1, 0}};
   for (int t = teeth; t-- > 0;) {
     points.emplace_back(2 * t + 1.5, 10.0 * teeth, 0);
@@ -212,16 +212,17 @@ TEST(Triangulate, LargePolygonsFallIntoTheTrianglesOfPlainClipping) {
     ASSERT_EQ(triangles_of(star), plainly_clipped(star)) << n;
     double area = 0;  // seen from +z, as plain clipping sees it
     for (std::size_t i = 0; i < tangle.size(); ++i)
-      area += doubled_area(glm::dvec3(0), tangle[i], tangle[(i + 1) % tangle.size()]);
+      area += doubled_triangle_area(glm::dvec3(0), tangle[i], tangle[(i + 1) % tangle.size()]);
     if (area < 0) std::ranges::reverse(tangle);
     if (area == 0) continue;
     ASSERT_EQ(triangles_of(tangle), plainly_clipped(tangle)) << n;
   }
-  for (const auto& polygon : {spiral(200, 0.05), spiral(150, 0.3), comb(170)})
+  for (const auto& polygon :
+       {spiral_polygon(200, 0.05), spiral_polygon(150, 0.3), comb_polygon(170)})
     ASSERT_EQ(triangles_of(polygon), plainly_clipped(polygon));
 }
 
-std::vector<glm::dvec3> star(int count) {
+std::vector<glm::dvec3> star_polygon(int count) {
   std::mt19937 random(3);
   std::vector<glm::dvec3> points;
   for (int i = 0; i < count; ++i) {
@@ -243,9 +244,9 @@ double asked_in(const std::vector<glm::dvec3>& polygon) {
 // All corners asked for each would be tens of thousands. It is the root of their number at most.
 TEST(Triangulate, AHundredThousandCornersAskFewOthers) {
   for (const int count : {10'000, 100'000}) {
-    EXPECT_LT(asked_in(spiral(count / 2, 200.0 / count)), 1000) << count;
-    EXPECT_LT(asked_in(comb(count / 2)), 100) << count;
-    EXPECT_LT(asked_in(star(count)), 2500) << count;
+    EXPECT_LT(asked_in(spiral_polygon(count / 2, 200.0 / count)), 1000) << count;
+    EXPECT_LT(asked_in(comb_polygon(count / 2)), 100) << count;
+    EXPECT_LT(asked_in(star_polygon(count)), 2500) << count;
   }
 }
 
