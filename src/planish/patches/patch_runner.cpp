@@ -141,7 +141,7 @@ void PatchRunner::add_point(Part part, std::int64_t item, std::int32_t target,
         mesh_.features().vertex_kinds[vertex] == VertexKind::Smooth && around.front() == corner
             ? classes_.smooth_index(static_cast<std::int32_t>(around.size()), 0)
             : -1;
-    if (known < 0) return add_place(mesh_.vertex_point(corner), target, run);
+    if (known < 0) return add_place(mesh_.vertex_point(mesh_.sector_corner(corner)), target, run);
     std::int32_t* to = run.lane(known, target);
     for (const std::int32_t c : around) run.fetch(c), *to = c, to += kPatchLanes;
   } else if (part == Part::Faces) {
