@@ -252,14 +252,15 @@ TEST_F(EmbedLevels, KeepALevelUntilACoarserOneIsWellEnough) {
     view.coarser_at = coarser_at;
     return view;
   };
-  // As the limit rises and falls, by steps that are small beside 0.7.
+  // As the limit rises and falls, by steps that are small beside 0.7, where some have level 2.
+  const float limit = static_cast<float>(360 * std::sqrt(3.0) * host.system.chord_errors()[1] / 10);
   std::vector<std::uint32_t> last(host.count, kNotSeen);
   int changes[2] = {};
   for (const float coarser_at : {0.7f, 1.0f}) {
     submitter_->run([&](VkCommandBuffer commands) { host.levels->record_reset(commands); });
     std::ranges::fill(last, kNotSeen);
     for (int frame = 0; frame < 12; ++frame) {
-      const TessellateParameters view = at(frame % 2 == 0 ? 0.1f : 0.12f, coarser_at);
+      const TessellateParameters view = at(frame % 2 == 0 ? limit : 1.2f * limit, coarser_at);
       const std::vector<std::uint32_t> levels = host.draw(view);
       EXPECT_EQ(levels, expected_levels(host, view, last)) << frame;
       if (frame > 0) changes[coarser_at == 1.0f] += levels != last;

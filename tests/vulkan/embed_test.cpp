@@ -11,6 +11,8 @@
 #include <limits>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/mesh/triangulate.h"
+#include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/surface_blocks.h"
 #include "support/meshes.h"
@@ -77,7 +79,8 @@ TEST_F(Embedding, IndicesAreTheCpuSurfaces) {
       evaluation.level = level;
       // A host keeps the vertices that only holes name.
       const PolygonMesh whole = without_holes(mesh.mesh);
-      const SurfaceMesh surface = evaluate(whole, *make_cpu_backend(), evaluation);
+      const auto backend = make_cpu_backend();
+      const SurfaceMesh surface = evaluate(whole, fit(whole, *backend), *backend, evaluation);
       std::vector<std::int32_t> ancestors(static_cast<std::size_t>(surface.face_count()));
       blocks_of(surface, whole)->ancestors({0, surface.face_count()}, ancestors);
       std::vector<std::uint32_t> expected, quads;
@@ -86,9 +89,8 @@ TEST_F(Embedding, IndicesAreTheCpuSurfaces) {
         if (std::find(holes.begin(), holes.end(), ancestors[f]) != holes.end()) continue;
         const auto face = surface.face(f);
         quads.insert(quads.end(), face.begin(), face.end());
-        for (std::size_t k = 2; k < face.size(); ++k)
-          expected.insert(expected.end(), {std::uint32_t(face[0]), std::uint32_t(face[k - 1]),
-                                           std::uint32_t(face[k])});
+        expected.resize(expected.size() + 3 * (face.size() - 2));
+        triangulate(face, surface.positions, std::span(expected).last(3 * (face.size() - 2)));
       }
       std::vector<std::uint32_t> indices(topology.device.index_count());
       ASSERT_EQ(indices.size(), expected.size()) << mesh.name;

@@ -23,10 +23,6 @@ namespace planish {
 
 namespace {
 
-// The device measures residuals in its own precision; stopping this much below the tolerance
-// keeps the final check in double from failing by a rounding error.
-constexpr double kStopMargin = 0.99;
-
 // Steps between two looks of the host: enough to hide the round trip, few enough to cancel soon.
 constexpr std::int32_t kBatchSteps = 32;
 

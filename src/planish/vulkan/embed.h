@@ -118,10 +118,11 @@ struct SystemOptions {
   /// Further levels, ascending from 1 to 5, that a Tessellation chooses from: what each would take
   /// as `level`, but for what is the same in all.
   std::vector<int> levels;
-  /// Fair: the surface's control points of level 1 are built, without iterations. A System's tables
-  /// and all Solves made with them are of one method. Fair surfaces fold beside corners that turn
-  /// inward: take with_convex_faces() of such meshes (mesh/convex_faces.h). Needles and sharp turns
-  /// are cured as fair_net() does; fit() looks once more, and its decisions say what came of it.
+  /// Fair: the surface's control points of level 1 are built, without iterations; making the System
+  /// builds them once, for the rest pose. A System's tables and all Solves made with them are of
+  /// one method. Fair surfaces fold beside corners that turn inward: take with_convex_faces() of
+  /// such meshes (mesh/convex_faces.h). Needles and sharp turns are cured as fair_net() does; fit()
+  /// looks once more, and its decisions say what came of it.
   InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
@@ -178,7 +179,7 @@ class System {
   [[nodiscard]] std::span<const std::uint32_t> quads() const;
 
   /// Of each of SystemOptions::levels, how far its triangles are from the surface in the rest pose:
-  /// the largest distance of the middles of their sides from their chords.
+  /// the largest distance from them of its points at the middles of quads and of quads' sides.
   [[nodiscard]] std::vector<double> chord_errors() const;
 
   /// B: row i gives the limit point of used vertex i from all control points. Without rows where

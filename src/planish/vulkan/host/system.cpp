@@ -11,6 +11,7 @@
 #include "planish/backend/initial_residual.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/raw_vector.h"
 #include "planish/core/stop.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/fair/fair_net.h"
@@ -84,9 +85,10 @@ void check_decisions(const FairDecisions* decisions, std::size_t count) {
 
 /// How a pose is solved in double from a cold start.
 struct RestSolve {
-  std::uint32_t iterations = 0;
+  std::uint32_t iterations = 0;  // until it is within the tolerance
   std::vector<glm::dvec3> displacement;
 };
+// As fit() does: files of the rest pose have this surface.
 RestSolve solve_rest(const StencilView<double>& masks, std::span<const glm::dvec3> initial,
                      double bound, double tolerance) {
   const auto backend = make_cpu_backend();
@@ -94,15 +96,26 @@ RestSolve solve_rest(const StencilView<double>& masks, std::span<const glm::dvec
   solve->begin(initial);
   ChebyshevSequence sequence(bound);
   std::vector<StepCoefficients> steps(kCountedSteps);
-  std::uint32_t count = 0;
-  while (count < kMostCountedSteps) {
+  RestSolve rest;
+  bool is_within = false;
+  for (std::uint32_t count = 0; count < kMostCountedSteps; count += kCountedSteps) {
     for (StepCoefficients& step : steps) step = sequence.next();
-    const StepLog log = solve->run(steps, tolerance);
-    count += static_cast<std::uint32_t>(log.steps_taken);
+    const StepLog log = solve->run(steps, kStopMargin * tolerance);
+    for (const ErrorNorms& error : log.errors) {
+      is_within = is_within || error.max <= tolerance;
+      if (!is_within) ++rest.iterations;
+    }
     if (log.steps_taken < kCountedSteps) break;
   }
-  return {count, solve->displacement()};
+  rest.displacement = solve->displacement();
+  return rest;
 }
+
+/// The surface's points in the rest pose, in unit coordinates.
+struct RestPoints {
+  std::vector<glm::dvec3> hull;  // of all of it: the cage, or a fair net's points of level 1
+  RawVector<glm::dvec3> state;   // those of level 1, with their sums
+};
 
 }  // namespace
 
@@ -110,14 +123,15 @@ struct System::Parts {
   Parts(const PolygonMesh& rest, const SystemOptions& options);
 
   void copy_rows();
-  void build_faces(const PolygonMesh& mesh);
-  void build_levels(const PolygonMesh& mesh, std::span<const glm::dvec3> unit,
-                    std::span<const glm::dvec3> displacement, const SystemOptions& options);
+  void build_faces(const PolygonMesh& mesh, const RestPoints& rest, const Placement& placement,
+                   std::span<const int> levels);
   void build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
                     const SystemOptions& options);
   void bend_least(std::span<glm::dvec3> unit, const SystemOptions& options);
-  /// Returns the displacement of its control points.
+  /// Returns the control points.
   std::vector<glm::dvec3> measure_rest(std::span<const glm::dvec3> unit, double relative_tolerance);
+  RestPoints rest_points(const PolygonMesh& mesh, std::span<const glm::dvec3> unit,
+                         const SystemOptions& options);
 
   int level;
   std::int32_t given_count;
@@ -152,7 +166,6 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   }
   check_stop();
   copy_rows();
-  build_faces(mesh);
   const Placement placement = placement_of(mesh);
   diagonal = placement.diagonal;
   tolerance = options.tolerance * diagonal;
@@ -160,12 +173,8 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   std::ranges::transform(mesh.positions, unit.begin(),
                          [&](const glm::dvec3& p) { return placement.to_unit(p); });
   if (options.within != 0.0) bend_least(unit, options);
-  std::vector<glm::dvec3> displacement;
-  if (fair)
-    fair->placement = placement;
-  else
-    displacement = measure_rest(unit, options.tolerance);
-  if (!options.levels.empty()) build_levels(mesh, unit, displacement, options);
+  if (fair) fair->placement = placement;
+  build_faces(mesh, rest_points(mesh, unit, options), placement, options.levels);
   options.callbacks.report("tables", 1);
 }
 
@@ -207,12 +216,13 @@ void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& sub
                      *std::min_element(valence.begin(), valence.end());
 }
 
-void System::Parts::build_faces(const PolygonMesh& mesh) {
-  const auto take = [&](std::span<const std::int32_t> corners) {
-    if (level > 0) quads.insert(quads.end(), corners.begin(), corners.end());
-    add_triangles(corners, triangles);
-  };
-  for_kept_faces(mesh, *surface->topology, surface->patches.numbering(), take);
+void System::Parts::build_faces(const PolygonMesh& mesh, const RestPoints& rest,
+                                const Placement& placement, std::span<const int> levels) {
+  const PosedSurface pose{rest.state, placement};
+  KeptFaces faces = kept_faces(mesh, surface->patches, pose);
+  triangles = std::move(faces.triangles);
+  quads = std::move(faces.quads);
+  if (!levels.empty()) surface->levels = make_levels(mesh, *surface, rest.hull, pose, levels);
 }
 
 // The tables for it; and moves the rest pose's points.
@@ -227,24 +237,20 @@ void System::Parts::bend_least(std::span<glm::dvec3> unit, const SystemOptions& 
   for (std::size_t v = 0; v < unit.size(); ++v) unit[v] += least.moves[v];
 }
 
-// From the rest pose's surface.
-void System::Parts::build_levels(const PolygonMesh& mesh, std::span<const glm::dvec3> unit,
-                                 std::span<const glm::dvec3> displacement,
-                                 const SystemOptions& options) {
+RestPoints System::Parts::rest_points(const PolygonMesh& mesh, std::span<const glm::dvec3> unit,
+                                      const SystemOptions& options) {
   const PatchMesh& patch_mesh = surface->patch_mesh;
-  if (fair) {
-    const Subdivision subdivision(*surface->topology, surface->features, Weights::DooSabin);
-    FairOptions fair_options;
-    fair_options.decisions = options.fair_decisions;
-    const std::vector<glm::dvec3> state = fair_net(mesh, subdivision, unit, fair_options).state;
-    surface->levels =
-        make_levels(mesh, *surface, state, patch_mesh.with_sums(state), options.levels);
-  } else {
-    std::vector<glm::dvec3> cage(unit.begin(), unit.end());
-    for (std::size_t v = 0; v < cage.size(); ++v) cage[v] += displacement[v];
-    surface->levels = make_levels(mesh, *surface, cage,
-                                  first_step(patch_mesh, options.weights, cage), options.levels);
+  if (!fair) {
+    std::vector<glm::dvec3> cage = measure_rest(unit, options.tolerance);
+    RawVector<glm::dvec3> state = first_step(patch_mesh, options.weights, cage);
+    return {std::move(cage), std::move(state)};
   }
+  const Subdivision subdivision(*surface->topology, surface->features, Weights::DooSabin);
+  FairOptions fair_options;
+  fair_options.decisions = options.fair_decisions;
+  std::vector<glm::dvec3> net = fair_net(mesh, subdivision, unit, fair_options).state;
+  RawVector<glm::dvec3> state = patch_mesh.with_sums(net);
+  return {std::move(net), std::move(state)};
 }
 
 std::vector<glm::dvec3> System::Parts::measure_rest(std::span<const glm::dvec3> unit,
@@ -253,9 +259,12 @@ std::vector<glm::dvec3> System::Parts::measure_rest(std::span<const glm::dvec3> 
   double largest = 0;
   for (const glm::dvec3& residual : initial) largest = std::max(largest, glm::length(residual));
   rest_error = largest * diagonal;
-  RestSolve solved = solve_rest(masks.view(), initial, spectral_bound, relative_tolerance);
+  std::vector<glm::dvec3> cage(unit.begin(), unit.end());
+  if (largest <= relative_tolerance) return cage;
+  const RestSolve solved = solve_rest(masks.view(), initial, spectral_bound, relative_tolerance);
   rest_iterations = solved.iterations;
-  return std::move(solved.displacement);
+  for (std::size_t v = 0; v < cage.size(); ++v) cage[v] += solved.displacement[v];
+  return cage;
 }
 
 System::System(const PolygonMesh& rest, const SystemOptions& options)

@@ -1,13 +1,13 @@
 #include "planish/vulkan/levels/level_records.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
 
 #include "planish/core/parallel.h"
 #include "planish/core/point_bounds.h"
-#include "planish/vulkan/host/kept_faces.h"
+#include "planish/mesh/quad_cut.h"
 #include "planish/vulkan/host/surface_records.h"
 
 namespace planish::vulkan {
@@ -17,11 +17,12 @@ namespace {
 // Corners whose grids are made at once.
 constexpr std::size_t kGridCorners = 32;
 
-double distance_from_chord(const glm::dvec3& point, const glm::dvec3& a, const glm::dvec3& b) {
+// From a chord's nearest point.
+glm::dvec3 from_chord(const glm::dvec3& point, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 along = b - a;
   const double square = glm::dot(along, along);
   const double t = square > 0 ? std::clamp(glm::dot(point - a, along) / square, 0.0, 1.0) : 0.0;
-  return glm::distance(point, a + t * along);
+  return point - (a + t * along);
 }
 
 /// The corners' grids of a level above all others.
@@ -40,37 +41,50 @@ class ChordMeasure {
     const PatchSamples& samples = fine_.numbering().samples();
     const auto count = static_cast<std::size_t>(samples.count());
     std::vector<glm::dvec3> points(corners.size() * count);
+    std::vector<glm::vec3> normals(points.size());
     PatchTarget target;
     target.positions = points;
+    target.normals = normals;
     fine_.grids(state_, Placement{}, corners, target);
     std::vector<double> largest(levels_.size());
     for (std::size_t i = 0; i < corners.size(); ++i)
       for (std::size_t k = 0; k < levels_.size(); ++k)
         largest[k] = std::max(largest[k],
-                              of_level(k, corners[i], std::span(points).subspan(i * count, count)));
+                              of_level(k, corners[i], std::span(points).subspan(i * count, count),
+                                       std::span(normals).subspan(i * count, count)));
     return largest;
   }
 
  private:
-  // Sides of its quads, and the diagonal that parts their triangles.
-  static constexpr std::array<std::array<int, 2>, 5> kChords{
-      {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}}};
-
+  // Of the sides of a level's quads, and of the diagonals that part their triangles.
   [[nodiscard]] double of_level(std::size_t k, std::int32_t corner,
-                                std::span<const glm::dvec3> points) const {
+                                std::span<const glm::dvec3> points,
+                                std::span<const glm::vec3> normals) const {
     const PatchSamples& samples = fine_.numbering().samples();
     const std::int32_t side = 1 << (levels_[k] - 1), half = samples.side() / side / 2;
-    // Of two samples, or of one with itself.
-    const auto middle = [&](std::int32_t x, std::int32_t y) {
-      const std::int32_t a = x % (side + 1) + y % (side + 1), b = x / (side + 1) + y / (side + 1);
-      return points[samples.index(a * half, b * half)];
+    const bool is_sharp_below = surface_.patch_mesh.is_sharp(corner),
+               is_sharp_left = surface_.patch_mesh.is_sharp(surface_.topology->prev(corner));
+    const auto at = [&](std::int32_t place) {
+      return points[samples.index(place % (side + 1) * 2 * half, place / (side + 1) * 2 * half)];
     };
     double largest = 0;
-    for (const auto& cell : cells_[k].of(*surface_.topology, corner))
-      for (const auto& [from, to] : kChords) {
-        const std::int32_t a = cell[from], b = cell[to];
-        largest = std::max(largest, distance_from_chord(middle(a, b), middle(a, a), middle(b, b)));
-      }
+    const auto take = [&](std::int32_t x, std::int32_t y) {
+      const std::int32_t a = x % (side + 1) + y % (side + 1), b = x / (side + 1) + y / (side + 1);
+      const std::int32_t m = samples.index(a * half, b * half);
+      const glm::dvec3 off = from_chord(points[m], at(x), at(y));
+      // Beside singular places a middle lies aside within the surface, which is no error but where
+      // it ends.
+      const bool is_end = (b == 0 && is_sharp_below) || (a == 0 && is_sharp_left);
+      const glm::dvec3 normal(normals[m]);
+      largest =
+          std::max(largest, is_end || normal == glm::dvec3(0) ? glm::length(off)
+                                                              : std::abs(glm::dot(normal, off)));
+    };
+    for (const auto& cell : cells_[k].of(*surface_.topology, corner)) {
+      for (std::size_t i = 0; i < 4; ++i) take(cell[i], cell[(i + 1) % 4]);
+      const bool from_1 = is_cut_from_1(at(cell[0]), at(cell[1]), at(cell[2]), at(cell[3]));
+      take(cell[from_1 ? 1 : 0], cell[from_1 ? 3 : 2]);
+    }
     return largest;
   }
 
@@ -80,14 +94,6 @@ class ChordMeasure {
   PatchSurface fine_;
   std::vector<PatchCells> cells_;
 };
-
-std::vector<std::int32_t> kept_corners(const PolygonMesh& mesh, const MeshTopology& topology) {
-  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
-  std::vector<std::int32_t> corners;
-  for (std::int32_t c = 0; c < topology.corner_count(); ++c)
-    if (is_hole[topology.face_of(c)] == 0) corners.push_back(c);
-  return corners;
-}
 
 }  // namespace
 
@@ -106,11 +112,11 @@ double sphere_radius(std::span<const glm::dvec3> points) {
 }
 
 LevelSet make_levels(const PolygonMesh& mesh, const SurfaceRecords& surface,
-                     std::span<const glm::dvec3> cage, std::span<const glm::dvec3> state,
+                     std::span<const glm::dvec3> hull, const PosedSurface& rest,
                      std::span<const int> levels) {
   LevelSet set;
-  set.radius = sphere_radius(cage);
-  const ChordMeasure measure(surface, state, levels);
+  set.radius = sphere_radius(hull);
+  const ChordMeasure measure(surface, rest.state, levels);
   const std::vector<std::int32_t> corners = kept_corners(mesh, *surface.topology);
   const std::vector<double> chords = ordered_reduce(
       corners.size(), kGridCorners, std::vector<double>(levels.size()),
@@ -122,10 +128,10 @@ LevelSet make_levels(const PolygonMesh& mesh, const SurfaceRecords& surface,
       });
   for (std::size_t k = 0; k < levels.size(); ++k) {
     LevelRecords& level = set.levels.emplace_back(surface, levels[k]);
+    const std::vector<std::uint32_t> triangles = kept_faces(mesh, level.patches, rest).triangles;
     level.first_index = set.triangles.size();
-    for_kept_faces(mesh, *surface.topology, level.patches.numbering(),
-                   [&](std::span<const std::int32_t> face) { add_triangles(face, set.triangles); });
-    level.index_count = set.triangles.size() - level.first_index;
+    level.index_count = triangles.size();
+    set.triangles.insert(set.triangles.end(), triangles.begin(), triangles.end());
     if (set.radius > 0) level.chord = chords[k] / set.radius;
   }
   return set;

@@ -10,6 +10,7 @@
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_surface.h"
 #include "planish/vulkan/evaluate/texture_rows.h"
+#include "planish/vulkan/host/kept_faces.h"
 
 namespace planish::vulkan {
 
@@ -37,10 +38,10 @@ struct LevelSet {
 /// The sphere around a box of points, as choose_levels makes it.
 [[nodiscard]] double sphere_radius(std::span<const glm::dvec3> points);
 
-/// `cage`: points whose hull holds the rest pose's surface; `state`: its control points of level 1,
-/// with their sums. `radius` is in their coordinates.
+/// `hull`: points whose hull holds the surface in the rest pose, in the coordinates of its state.
+/// `radius` is in these.
 [[nodiscard]] LevelSet make_levels(const PolygonMesh& mesh, const SurfaceRecords& surface,
-                                   std::span<const glm::dvec3> cage,
-                                   std::span<const glm::dvec3> state, std::span<const int> levels);
+                                   std::span<const glm::dvec3> hull, const PosedSurface& rest,
+                                   std::span<const int> levels);
 
 }  // namespace planish::vulkan
