@@ -169,11 +169,26 @@ class System {
   /// Where each vertex lies on the mesh's faces, to bake or look up what is given there; copies lie
   /// on their own side. Made anew for each call.
   [[nodiscard]] std::vector<SurfacePlace> places() const;
-  /// Texture coordinates of each vertex, for a stream of the host's own: those of `planish fit`'s
-  /// glTF, bit by bit, whose v counts from the image's first row as Vulkan samples it (1 - v of the
-  /// mesh's). Empty unless SystemOptions::textured. Made anew for each call.
+  /// Texture coordinates of each vertex, for a stream of the host's own: bit by bit those that
+  /// `planish fit`'s glTF has at file_vertices(). Their v counts from the image's first row as
+  /// Vulkan samples it (1 - v of the mesh's). Empty unless SystemOptions::textured. Made anew for
+  /// each call.
   [[nodiscard]] std::vector<glm::vec2> uvs() const;
-  /// Three indices a triangle, counter-clockwise seen from outside; holes are left out.
+  /// Which vertex of `planish fit`'s glTF each vertex is, to index what was baked for that file:
+  /// its vertices on seams stand in another order, and several here may be one there. It is the
+  /// file of the same mesh and level, not packed (without --compress meshopt); its vertices are
+  /// counted through all primitives, of which groups of faces have one each, and one that several
+  /// have is the first one's. -1: the file has none, as only holes name the vertex. Made anew for
+  /// each call.
+  [[nodiscard]] std::vector<std::int32_t> file_vertices() const;
+  /// The same three at a level that is the System's or one of SystemOptions::levels, for the draws
+  /// of a Tessellation. Throws Error{InvalidArgument} for another one.
+  [[nodiscard]] std::vector<SurfacePlace> places(int level) const;
+  [[nodiscard]] std::vector<glm::vec2> uvs(int level) const;
+  [[nodiscard]] std::vector<std::int32_t> file_vertices(int level) const;
+  /// Three indices a triangle, counter-clockwise seen from outside; holes are left out. Those of
+  /// `planish fit`'s glTF: quads are cut along the diagonal that suits the surface in the rest
+  /// pose, which all poses keep, and the polygons of level 0 likewise.
   [[nodiscard]] std::span<const std::uint32_t> triangles() const;
   /// Four indices a quad; empty at level 0, whose faces are the mesh's polygons.
   [[nodiscard]] std::span<const std::uint32_t> quads() const;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <functional>
 #include <span>
-#include <unordered_map>
 
 #include "planish/core/parallel.h"
+#include "planish/patches/seam_vertices.h"
 
 namespace planish {
 namespace {
@@ -38,31 +38,22 @@ RawVector<std::int32_t> uvs_of_corners(const SurfaceBlocks& surface) {
   });
 }
 
-// Vertices by row and texture coordinate: the first coordinate that comes to a row is its own.
+// Vertices at seams, which the file has behind the others.
 class SeamSplitter {
  public:
-  explicit SeamSplitter(GltfVertices& vertices) : vertices_(vertices) {}
+  explicit SeamSplitter(GltfVertices& vertices) : vertices_(vertices), seams_(vertices.uvs) {}
 
   // The vertex of a corner; `first` is that of its row.
   std::int64_t operator()(std::int64_t first, std::int32_t row, std::int32_t uv) {
-    std::int32_t& own = vertices_.uvs[first];
-    if (own < 0) own = uv;
-    if (own == uv) return first;
-    const std::uint64_t key =
-        static_cast<std::uint64_t>(row) << 32 | static_cast<std::uint32_t>(uv);
-    const auto [entry, is_new] = copies_.try_emplace(key, vertices_.count());
-    if (is_new) {
-      vertices_.rows.push_back(row);
-      vertices_.uvs.push_back(uv);
-    }
-    return entry->second;
+    const std::int64_t vertex = seams_.of_corner(first, row, uv);
+    if (vertex == vertices_.count()) vertices_.rows.push_back(row);
+    return vertex;
   }
-
-  void next_primitive() { copies_.clear(); }
+  void next_primitive() { seams_.next_primitive(); }
 
  private:
   GltfVertices& vertices_;
-  std::unordered_map<std::uint64_t, std::int64_t> copies_;
+  SeamVertices seams_;
 };
 
 // Rows and texture coordinates at the corners of some faces.

@@ -1,5 +1,6 @@
 #include "planish/vulkan/host/surface_records.h"
 
+#include "planish/core/error.h"
 #include "planish/doosabin/first_step_table.h"
 
 namespace planish::vulkan {
@@ -11,8 +12,19 @@ SurfaceRecords::SurfaceRecords(const PolygonMesh& mesh, const SystemOptions& opt
       weights(options.weights),
       uvs(options.textured ? std::optional<CornerUvs>(mesh) : std::nullopt),
       uv_values(options.textured ? mesh.uvs : std::vector<glm::dvec2>()),
+      file_faces(mesh),
       patches(patch_mesh, patch_options(options.level)) {
   if (uvs) frames = row_frames(patches, weights, corner_values());
+}
+
+const PatchSurface& SurfaceRecords::at_level(int level) const {
+  if (patches.numbering().level() == level) return patches;
+  for (const LevelRecords& of_set : levels.levels)
+    if (of_set.patches.numbering().level() == level) return of_set.patches;
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("level {} is neither the System's level {} nor one of its levels; give "
+                        "SystemOptions it",
+                        level, patches.numbering().level()));
 }
 
 void SurfaceRecords::take_sharp_rows(const Subdivision& subdivision) {

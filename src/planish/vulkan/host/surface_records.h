@@ -15,6 +15,7 @@
 #include "planish/stencil/stencil_table.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/evaluate/texture_rows.h"
+#include "planish/vulkan/host/file_vertices.h"
 #include "planish/vulkan/levels/level_records.h"
 
 namespace planish::vulkan {
@@ -35,6 +36,8 @@ struct SurfaceRecords {
   [[nodiscard]] std::span<const std::int32_t> corner_uvs() const {
     return uvs ? std::span<const std::int32_t>(uvs->indices) : std::span<const std::int32_t>();
   }
+  /// At the System's own level or one of `levels`. Throws Error{InvalidArgument} for another one.
+  [[nodiscard]] const PatchSurface& at_level(int level) const;
   [[nodiscard]] CornerValues corner_values() const { return {corner_uvs(), uv_values}; }
 
   std::shared_ptr<const MeshTopology> topology;
@@ -43,6 +46,7 @@ struct SurfaceRecords {
   Weights weights;
   std::optional<CornerUvs> uvs;  // where it is textured
   std::vector<glm::dvec2> uv_values;
+  FileFaces file_faces;
   PatchSurface patches;
   std::vector<RowFrame> frames;  // of textured rows
   std::optional<StencilTable> sharp_rows;

@@ -280,11 +280,21 @@ std::int32_t System::vertex_count() const {
   return static_cast<std::int32_t>(parts_->copied_vertices.size());
 }
 std::span<const std::int32_t> System::copied_vertices() const { return parts_->copied_vertices; }
-std::vector<SurfacePlace> System::places() const { return row_places(parts_->surface->patches); }
-std::vector<glm::vec2> System::uvs() const {
+std::vector<SurfacePlace> System::places() const { return places(level()); }
+std::vector<SurfacePlace> System::places(int level) const {
+  return row_places(parts_->surface->at_level(level));
+}
+std::vector<glm::vec2> System::uvs() const { return uvs(level()); }
+std::vector<glm::vec2> System::uvs(int level) const {
   const SurfaceRecords& surface = *parts_->surface;
+  const PatchSurface& patches = surface.at_level(level);
   if (!surface.uvs) return {};
-  return row_uvs(surface.patches, surface.corner_values());
+  return row_uvs(patches, surface.corner_values());
+}
+std::vector<std::int32_t> System::file_vertices() const { return file_vertices(level()); }
+std::vector<std::int32_t> System::file_vertices(int level) const {
+  const SurfaceRecords& surface = *parts_->surface;
+  return planish::vulkan::file_vertices(surface.at_level(level), surface.file_faces);
 }
 std::span<const std::uint32_t> System::triangles() const { return parts_->triangles; }
 std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
