@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <vector>
 
@@ -128,27 +129,43 @@ TEST(PickDevice, PrefersWhatIsUsable) {
               ::testing::HasSubstr("names several devices"));
 }
 
-TEST_F(HostDevices, HostsServeEveryAllocation) {
-  const DeviceFunctions vk = DeviceFunctions::load(
-      InstanceFunctions::load(host_.get_instance_proc, host_.instance).vkGetDeviceProcAddr,
-      host_.device);
-  int living = 0, made = 0;
-  host_.memory.allocate = [&](const MemoryRequest& request) {
+/// A host's allocator of mapped memory, which counts.
+struct CountedBlocks {
+  CountedBlocks(const HostDevice& host, const VkPhysicalDeviceMemoryProperties& of)
+      : device(host.device),
+        memory(of),
+        vk(DeviceFunctions::load(
+            InstanceFunctions::load(host.get_instance_proc, host.instance).vkGetDeviceProcAddr,
+            host.device)) {}
+  MemoryBlock allocate(const MemoryRequest& request) {
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = request.requirements.size;
-    info.memoryTypeIndex =
-        mapped_type(own_->capabilities().memory, request.requirements.memoryTypeBits);
+    info.memoryTypeIndex = mapped_type(memory, request.requirements.memoryTypeBits);
     MemoryBlock block;
-    check(vk.vkAllocateMemory(host_.device, &info, nullptr, &block.memory), "vkAllocateMemory");
-    check(vk.vkMapMemory(host_.device, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped),
-          "vkMapMemory");
+    check(vk.vkAllocateMemory(device, &info, nullptr, &block.memory), "vkAllocateMemory");
+    check(vk.vkMapMemory(device, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped), "vkMapMemory");
     ++living, ++made;
     return block;
-  };
-  host_.memory.free = [&](const MemoryBlock& block) {
-    vk.vkFreeMemory(host_.device, block.memory, nullptr);
+  }
+  void free(const MemoryBlock& block) {
+    vk.vkFreeMemory(device, block.memory, nullptr);
     --living;
+  }
+
+  VkDevice device;
+  VkPhysicalDeviceMemoryProperties memory;
+  DeviceFunctions vk;
+  int living = 0, made = 0;
+};
+
+TEST_F(HostDevices, HostsServeEveryAllocation) {
+  CountedBlocks blocks(host_, own_->capabilities().memory);
+  host_.memory.allocate = [&](const MemoryRequest& request) {
+    MemoryBlock block = blocks.allocate(request);
+    block.size = request.requirements.size;
+    return block;
   };
+  host_.memory.free = [&](const MemoryBlock& block) { blocks.free(block); };
   {
     Context context(host_);
     const StencilTable masks = torus_masks(8, 8);
@@ -156,10 +173,10 @@ TEST_F(HostDevices, HostsServeEveryAllocation) {
     options.includes_own_rows = true;
     const DeviceTable table(context, masks.view(), options);
     const GpuSolve solve(context, table);
-    EXPECT_GE(made, 10);
-    EXPECT_EQ(living, made);
+    EXPECT_GE(blocks.made, 10);
+    EXPECT_EQ(blocks.living, blocks.made);
   }
-  EXPECT_EQ(living, 0);
+  EXPECT_EQ(blocks.living, 0);
 }
 
 TEST_F(HostDevices, HooksRunWithoutALock) {
@@ -179,19 +196,54 @@ TEST_F(HostDevices, HooksRunWithoutALock) {
   EXPECT_TRUE(was_free);
 }
 
-TEST_F(HostDevices, UnmappedBlocksOfAHostAreRefused) {
-  int freed = 0;
-  host_.memory.allocate = [](const MemoryRequest&) { return MemoryBlock{}; };
-  host_.memory.free = [&](const MemoryBlock&) { ++freed; };
-  Context context(host_);
-  const auto message_for = [&](MemoryUse use) {
-    return test::message_of(ErrorCode::InvalidArgument, [&] { Buffer(context, 64, use); });
+TEST_F(HostDevices, BlocksThatCannotServeAreRefusedAndFreed) {
+  CountedBlocks blocks(host_, own_->capabilities().memory);
+  std::function<void(MemoryBlock&, const MemoryRequest&)> spoil;
+  host_.memory.allocate = [&](const MemoryRequest& request) {
+    MemoryBlock block = blocks.allocate(request);
+    spoil(block, request);
+    return block;
   };
-  EXPECT_EQ(message_for(MemoryUse::Upload),
+  host_.memory.free = [&](const MemoryBlock& block) { blocks.free(block); };
+  Context context(host_);
+  const auto message_for = [&](MemoryUse use, const auto& how) {
+    spoil = how;
+    const std::string message =
+        test::message_of(ErrorCode::InvalidArgument, [&] { Buffer(context, 1000, use); });
+    EXPECT_EQ(blocks.living, 0) << message;
+    return message;
+  };
+  const auto unmapped = [](MemoryBlock& block, const MemoryRequest&) { block.mapped = nullptr; };
+  EXPECT_EQ(message_for(MemoryUse::Upload, unmapped),
             "MemoryHooks::allocate returned a block for Upload that is not mapped; set "
             "MemoryBlock::mapped");
-  EXPECT_THAT(message_for(MemoryUse::Download), ::testing::HasSubstr("for Download"));
-  EXPECT_EQ(freed, 2);
+  EXPECT_THAT(message_for(MemoryUse::Download, unmapped), ::testing::HasSubstr("for Download"));
+  const auto beside = [](MemoryBlock& block, const MemoryRequest&) { block.offset = 2; };
+  EXPECT_THAT(message_for(MemoryUse::Device, beside),
+              ::testing::StartsWith("MemoryHooks::allocate returned a block for Device at "
+                                    "MemoryBlock::offset 2, which is no multiple of "));
+  const auto small = [](MemoryBlock& block, const MemoryRequest& request) {
+    block.size = request.requirements.size - 1;
+  };
+  EXPECT_THAT(message_for(MemoryUse::Device, small),
+              ::testing::EndsWith("bytes are needed; take MemoryRequest::requirements.size"));
+  const auto none = [&](MemoryBlock& block, const MemoryRequest&) {
+    blocks.free(block);
+    block = {};
+  };
+  EXPECT_EQ(message_for(MemoryUse::Device, none),
+            "MemoryHooks::allocate returned a block for Device without memory; set "
+            "MemoryBlock::memory, or throw Error{OutOfMemory} where there is none");
+}
+
+TEST_F(HostDevices, HalfGivenHooksAreRefused) {
+  const auto message = [&] {
+    return test::message_of(ErrorCode::InvalidArgument, [&] { const Context context(host_); });
+  };
+  host_.memory = {[](const MemoryRequest&) { return MemoryBlock{}; }, nullptr};
+  EXPECT_EQ(message(), "HostDevice::memory has allocate, but no free; set both, or neither");
+  host_.memory = {nullptr, [](const MemoryBlock&) {}};
+  EXPECT_EQ(message(), "HostDevice::memory has free, but no allocate; set both, or neither");
 }
 
 // OpenSubdiv's users bind a patch table's indices as index buffer.

@@ -23,6 +23,11 @@ Capabilities usable_capabilities(const HostDevice& host) {
   if (!host.get_instance_proc || !host.instance || !host.physical_device || !host.device)
     throw Error(ErrorCode::InvalidArgument,
                 "a HostDevice needs get_instance_proc, instance, physical_device and device");
+  if (static_cast<bool>(host.memory.allocate) != static_cast<bool>(host.memory.free))
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("HostDevice::memory has {}; set both, or neither",
+                  host.memory.allocate ? "allocate, but no free" : "free, but no allocate"));
   if (host.api_version < VK_API_VERSION_1_1)
     throw Error(ErrorCode::NoDevice,
                 "the host's instance or device is of Vulkan 1.0; planish needs 1.1");

@@ -15,6 +15,31 @@ namespace {
 constexpr std::uint64_t kPageBytes = 4u << 20, kLargestInPage = 512u << 10;
 constexpr std::uint64_t kPageStep = 256;
 
+std::string_view name_of(MemoryUse use) {
+  constexpr std::string_view kNames[] = {"Device", "Upload", "Download"};
+  return kNames[static_cast<int>(use)];
+}
+
+// What a host's block lacks, and what to do; empty where it serves.
+std::string lack_of(const MemoryBlock& block, const MemoryRequest& request) {
+  const VkMemoryRequirements& needed = request.requirements;
+  if (!block.memory)
+    return "without memory; set MemoryBlock::memory, or throw Error{OutOfMemory} where there is "
+           "none";
+  if (block.offset % needed.alignment != 0)
+    return formatted(
+        "at MemoryBlock::offset {}, which is no multiple of {}; take "
+        "MemoryRequest::requirements.alignment",
+        block.offset, needed.alignment);
+  if (block.size != 0 && block.size < needed.size)
+    return formatted(
+        "of MemoryBlock::size {}, but {} bytes are needed; take MemoryRequest::requirements.size",
+        block.size, needed.size);
+  if (request.use != MemoryUse::Device && !block.mapped)
+    return "that is not mapped; set MemoryBlock::mapped";
+  return "";
+}
+
 }  // namespace
 
 /// Blocks one after another; room comes back when the last of them has gone.
@@ -145,12 +170,12 @@ MemoryBlock MemoryAllocator::allocate_own(const MemoryRequest& request) {
 
 MemoryBlock MemoryAllocator::allocate_by_hook(const MemoryRequest& request) const {
   const MemoryBlock block = hooks_.allocate(request);
-  if (request.use == MemoryUse::Device || block.mapped) return block;
-  hooks_.free(block);
-  throw Error(ErrorCode::InvalidArgument,
-              "MemoryHooks::allocate returned a block for " +
-                  std::string(request.use == MemoryUse::Upload ? "Upload" : "Download") +
-                  " that is not mapped; set MemoryBlock::mapped");
+  const std::string lack = lack_of(block, request);
+  if (lack.empty()) return block;
+  if (block.memory) hooks_.free(block);
+  throw Error(
+      ErrorCode::InvalidArgument,
+      formatted("MemoryHooks::allocate returned a block for {} {}", name_of(request.use), lack));
 }
 
 void MemoryAllocator::count(std::uint64_t size) {

@@ -38,12 +38,15 @@ struct MemoryBlock {
   bool coherent = true;    ///< false: planish flushes and invalidates [offset, offset + size)
   void* owner = nullptr;   ///< the host allocator's own handle, if any; without hooks: the page
   std::uint32_t heap = 0;  ///< without hooks: the heap that it is taken from
+  VkDeviceSize size = 0;   ///< bytes from `offset` on; 0: as many as were requested
 };
 
 /// How a host's allocator serves every allocation, of which an object has one for each MemoryUse.
 /// Both or neither are set. They are called without a lock of planish's, from any thread that makes
-/// or destroys objects. `allocate` may throw planish::Error; blocks for Upload and Download are
-/// mapped, and are requested in whole multiples of nonCoherentAtomSize.
+/// or destroys objects. `allocate` may throw planish::Error, `free` nothing. A block has memory,
+/// begins at a multiple of the requested alignment, and is mapped for Upload and Download, which
+/// are requested in whole multiples of nonCoherentAtomSize: one that is not so is freed again, and
+/// Error{InvalidArgument} says what it lacks.
 struct MemoryHooks {
   std::function<MemoryBlock(const MemoryRequest&)> allocate;
   std::function<void(const MemoryBlock&)> free;
@@ -77,7 +80,7 @@ class MemoryAllocator {
   void give_back(const MemoryBlock& block, std::uint64_t size) noexcept;
   /// From a page of the type, made if need be; without memory where a heap has no room for one.
   [[nodiscard]] MemoryBlock from_page(const MemoryRequest& request, std::uint32_t type);
-  /// Throws Error{InvalidArgument} for a block that cannot serve the request.
+  /// Throws Error{InvalidArgument} for a block that cannot serve the request, once it is freed.
   [[nodiscard]] MemoryBlock allocate_by_hook(const MemoryRequest& request) const;
   void count(std::uint64_t size);  // under the lock
 
