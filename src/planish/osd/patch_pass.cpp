@@ -24,14 +24,14 @@ PatchPass::PatchPass(vulkan::Context& context, PatchBuffers const& patches,
                                      static_cast<std::uint32_t>(derivative)};
   _pipeline = context.pipelines().specialised(vulkan::Kernel::EvalPatches, constants);
   vulkan::ElementWindow const from = vulkan::element_window(source, 0, patches.numPoints);
-  require_window(context, from);
+  require_window(context, from, "control points of patches");
   std::uint64_t const step = vulkan::elements_at_once(
       context, std::max(shared::kPatchCoordWords, target.stride), kGroupSize);
   std::vector<vulkan::BoundKernel> bound;
   for (std::uint64_t first = 0; first < std::uint64_t(coords.count); first += step) {
     std::uint64_t const count = std::min(step, coords.count - first);
     vulkan::ElementWindow const to = vulkan::element_window(target, first, count);
-    require_window(context, to);
+    require_window(context, to, "results of patches");
     Dispatch& dispatch = _dispatches.emplace_back();
     dispatch.parameters.coord_count = static_cast<std::uint32_t>(count);
     dispatch.parameters.array_count = static_cast<std::uint32_t>(patches.patchArrays.size());

@@ -277,8 +277,13 @@ class DeviceSystem {
   [[nodiscard]] std::uint32_t index_count() const;
   [[nodiscard]] std::int32_t given_count() const;
   [[nodiscard]] std::int32_t vertex_count() const;
-  /// Of an instance at each of SystemOptions::levels, for the buffer of a Tessellation.
+  /// Of an instance at each of SystemOptions::levels.
   [[nodiscard]] std::vector<std::int32_t> level_vertex_counts() const;
+  /// Bytes that the buffer of a Tessellation's vertices has at least, of a Solve of so many
+  /// instances; options.vertices.buffer may still be missing. Throws Error{InvalidArgument} for
+  /// wrong places.
+  [[nodiscard]] std::uint64_t tessellation_bytes(const TessellationOptions& options,
+                                                 std::uint32_t instances) const;
   /// Dispatches that one pass over all tables takes: more where the device's limits are low.
   [[nodiscard]] std::size_t slice_count() const;
   /// Device memory that the tables take.

@@ -36,7 +36,7 @@ BufferRange joined(const BufferRange& a, const BufferRange& b) {
 }
 
 Target target_of(const Context& context, const VertexLayout& layout, const IndexWindow& rows,
-                 const Instances& instances, bool in_one) {
+                 const Instances& instances, const PatchLists& lists, bool in_one) {
   const auto window = [&](const VertexStream& stream, std::uint32_t offset, VertexFormat format) {
     ElementWindow result = element_window(
         {stream.buffer, (stream.offset + offset) / kWordBytes, bytes_of(format) / kWordBytes,
@@ -56,7 +56,7 @@ Target target_of(const Context& context, const VertexLayout& layout, const Index
         normals.range, window(attributes, layout.tangent_offset, layout.tangent_format).range);
   if (in_one) target.positions = target.attributes = joined(target.positions, target.attributes);
   const auto word = [&](const ElementWindow& first, const BufferRange& range) {
-    require_window(context, {range, 0});
+    require_window(context, {range, 0}, lists.vertices, lists.remedy);
     return static_cast<std::uint32_t>((first.range.offset - range.offset) / kWordBytes) +
            first.shift;
   };
@@ -84,7 +84,7 @@ GpuPatches::GpuPatches(const Maker& on, const PatchTables& tables, const Buffer&
                                 layout.attributes.buffer == VK_NULL_HANDLE);
   std::vector<BoundKernel> bound;
   for (const PatchSlice& slice : tables.slices) {
-    const Target target = target_of(context, layout, slice.rows, places, in_one);
+    const Target target = target_of(context, layout, slice.rows, places, lists, in_one);
     const std::uint32_t constants[] = {slice.gather,
                                        slice.samples,
                                        static_cast<std::uint32_t>(layout.position_format),

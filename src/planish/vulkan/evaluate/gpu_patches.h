@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "planish/vulkan/device/rounds.h"
@@ -21,6 +22,8 @@ struct PatchLists {
   std::uint32_t job_count = 0;    ///< of ListedPatches, from an instance to the next
   Instances places;               ///< of InstancePatches, among the vertices
   const Buffer* links = nullptr;  ///< where they are in other tables
+  /// What messages call the vertices, and say of them where a binding cannot span them.
+  std::string vertices = "vertices", remedy = "use smaller strides";
 };
 
 /// The rows of a surface by corner patches, straight into a host's layout. Externally synchronised;

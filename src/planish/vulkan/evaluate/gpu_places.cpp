@@ -60,8 +60,8 @@ GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTa
     const std::uint64_t count = std::min(step, list.count - first);
     const ElementWindow from = element_window(list_elements(list), first, count);
     const ElementWindow to = element_window(result_elements(layout), first, count);
-    require_window(context, from);
-    require_window(context, to);
+    require_window(context, from, "places of a list");
+    require_window(context, to, "results of places");
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.first = static_cast<std::uint32_t>(first);
     shared::PlaceParameters& parameters = dispatch.parameters;

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/host/device_system.h"
@@ -10,24 +13,37 @@ namespace planish::vulkan {
 namespace {
 
 // A number of places for each level.
+std::vector<std::uint32_t> places_of(const LevelSetTables& tables, std::uint32_t count,
+                                     std::vector<std::uint32_t> places) {
+  const std::size_t levels = tables.levels.size();
+  if (places.empty()) places.assign(levels, count);
+  require_option(places.size() == levels, "places are of {} levels, but the System has {}",
+                 places.size(), levels);
+  for (std::uint32_t& of_level : places) {
+    require_option(of_level > 0,
+                   "a level has places for no instance; give it some, or leave it out");
+    of_level = std::min(of_level, count);
+  }
+  require_option(places[0] == count,
+                 "the coarsest level has places for {} instances, but takes all {}", places[0],
+                 count);
+  return places;
+}
+
+std::uint64_t vertex_total(const LevelSetTables& tables, std::span<const std::uint32_t> places) {
+  std::uint64_t vertices = 0;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    vertices += std::uint64_t{places[k]} * tables.levels[k].vertex_count;
+  return vertices;
+}
+
 TessellationOptions checked(const LevelSetTables& tables, const EvaluatedParts& solve,
                             TessellationOptions options) {
-  const std::uint32_t count = solve.chosen.instances.count;
   require_option(options.vertices.buffer, "vertices of a Tessellation have no buffer");
   check_layout(options.vertices, solve.sizes);
   require_option(attributes_of(options.vertices).buffer == options.vertices.buffer,
                  "a Tessellation has positions and attributes in one buffer");
-  const std::size_t levels = tables.levels.size();
-  if (options.places.empty()) options.places.assign(levels, count);
-  require_option(options.places.size() == levels, "places are of {} levels, but the System has {}",
-                 options.places.size(), levels);
-  for (std::uint32_t& places : options.places) {
-    require_option(places > 0, "a level has places for no instance; give it some, or leave it out");
-    places = std::min(places, count);
-  }
-  require_option(options.places[0] == count,
-                 "the coarsest level has places for {} instances, but takes all {}",
-                 options.places[0], count);
+  options.places = places_of(tables, solve.chosen.instances.count, std::move(options.places));
   return options;
 }
 
@@ -38,6 +54,15 @@ const LevelSetTables& level_set_of(const std::optional<LevelSetTables>& tables) 
 }
 
 }  // namespace
+
+std::uint64_t DeviceSystem::tessellation_bytes(const TessellationOptions& options,
+                                               std::uint32_t instances) const {
+  const LevelSetTables& tables = level_set_of(parts_->levels);
+  const std::uint64_t vertices = vertex_total(tables, places_of(tables, instances, options.places));
+  const VertexStream attributes = attributes_of(options.vertices);
+  return std::max(options.vertices.offset + vertices * options.vertices.stride,
+                  attributes.offset + vertices * attributes.stride);
+}
 
 struct Tessellation::Parts {
   Parts(Context& on, const LevelSetTables& tables, const EvaluatedParts& solve,

@@ -18,12 +18,13 @@ class Solve;
 struct TessellationOptions {
   /// Where vertices of all levels go, those of SystemOptions::levels one after another: for each as
   /// many instances as `places` says, a whole instance after the other. `instance_stride` says
-  /// nothing; attributes are in the same buffer. The buffer has so many vertices and
-  /// VK_BUFFER_USAGE_STORAGE_BUFFER_BIT.
+  /// nothing; attributes are in the same buffer. The buffer has
+  /// DeviceSystem::tessellation_bytes() and VK_BUFFER_USAGE_STORAGE_BUFFER_BIT.
   VertexLayout vertices;
   /// How many instances each level has room for, one a level, the first for all of the Solve's;
   /// empty: all of them for all. Where more want a level, those of higher numbers take a coarser
-  /// one.
+  /// one. All vertices of a level are one binding, 128 MiB on many devices: fine levels of many
+  /// instances want fewer places.
   std::vector<std::uint32_t> places;
   /// A draw's firstInstance is the instance's number, not 0: the host enabled
   /// drawIndirectFirstInstance.

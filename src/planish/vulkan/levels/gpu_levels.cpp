@@ -65,9 +65,9 @@ void GpuLevels::make_work(const Maker& on, const TessellationOptions& options) {
     vertices += std::uint64_t(options.places[k]) * levels[k].vertex_count;
     if (vertices > kMostVertices)
       throw Error(ErrorCode::OutOfMemory,
-                  formatted("levels up to number {} have places for {} vertices, but draws can "
-                            "name {}; give TessellationOptions fewer places",
-                            k, vertices, kMostVertices));
+                  formatted("a Tessellation's levels up to {} have places for {} vertices, but "
+                            "draws can name {}; give TessellationOptions fewer places",
+                            levels[k].level, vertices, kMostVertices));
   }
   words.first_segment = place_.level_count * shared::kLevelWords;
   words.seen_list =
@@ -113,6 +113,11 @@ void GpuLevels::make_patches(const Maker& on, const TessellationOptions& options
     lists.first_list = level.list;
     lists.places = {level.places};
     lists.links = &parts_.patches.links;
+    lists.vertices = formatted("the Tessellation's vertices of level {}", tables.level);
+    lists.remedy = formatted(
+        "give that level fewer places than {} (TessellationOptions::places), or vertices a smaller "
+        "stride",
+        level.places);
     patches_.emplace_back(on, tables.patches, parts_.given, parts_.state, layout,
                           parts_.vertex_count, parts_.instances, lists);
     head.insert(head.end(), {level.places, tables.vertex_count, tables.index_count,

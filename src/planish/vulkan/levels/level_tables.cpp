@@ -9,7 +9,7 @@ LevelSetTables::LevelSetTables(const Maker& on, const LevelSet& set,
   for (std::size_t i = 0; i < records.size(); ++i) {
     const LevelRecords& level = set.levels[i];
     const std::int32_t points = level.patches.mesh().point_count();
-    levels.push_back({PatchTables(on, records[i], points),
+    levels.push_back({level.patches.numbering().level(), PatchTables(on, records[i], points),
                       static_cast<std::uint32_t>(level.patches.numbering().row_count()),
                       static_cast<std::uint32_t>(level.first_index),
                       static_cast<std::uint32_t>(level.index_count),

@@ -11,6 +11,7 @@ namespace planish::vulkan {
 
 /// The surface at one level on a device; its links are those of the System's own level.
 struct LevelTables {
+  int level;
   PatchTables patches;
   std::uint32_t vertex_count, first_index, index_count;
   float chord;  ///< LevelRecords::chord

@@ -41,8 +41,9 @@ std::uint64_t elements_at_once(const Context& context, std::uint64_t stride, std
   return std::max<std::uint64_t>(std::min(fit, lanes) / unit, 1) * unit;
 }
 
-void require_window(const Context& context, const ElementWindow& window) {
-  require_binding(context, window.range.size, "elements", "use smaller strides");
+void require_window(const Context& context, const ElementWindow& window, const std::string& what,
+                    const std::string& remedy) {
+  require_binding(context, window.range.size, what, remedy);
 }
 
 void StencilPass::compile(const Context& context, std::uint32_t length, std::uint32_t source_stride,
@@ -71,8 +72,8 @@ StencilPass::StencilPass(Context& context, const DeviceTable& table, const Float
       const std::int32_t end = std::min(rows.end, window_end);
       if (begin >= end) continue;
       const ElementWindow to = element_window(target, begin, end - begin);
-      require_window(context, from);
-      require_window(context, to);
+      require_window(context, from, "elements that a table's rows read");
+      require_window(context, to, "elements that a table's rows write");
       // A sort window's rows lie anywhere in its chunks, but in no others.
       const std::int32_t first_chunk = (begin - part.first_row) / kSortWindow * kWindowChunks;
       const std::int32_t end_chunk =

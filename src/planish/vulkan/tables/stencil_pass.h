@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "planish/vulkan/device/buffer.h"
@@ -35,8 +36,10 @@ struct ElementWindow {
 [[nodiscard]] std::uint64_t elements_at_once(const Context& context, std::uint64_t stride,
                                              std::uint64_t unit);
 
-/// Throws Error{OutOfMemory}, naming the limit, where no binding can span the window.
-void require_window(const Context& context, const ElementWindow& window);
+/// Throws Error{OutOfMemory}, naming the limit, where no binding can span the window; see
+/// BindingLimit::require().
+void require_window(const Context& context, const ElementWindow& window, const std::string& what,
+                    const std::string& remedy = "use smaller strides");
 
 /// Element i of the target = row i of the table applied to the source, for a range of rows. Source
 /// and target may lie in one buffer where their floats are not the same ones. The table outlives
