@@ -92,8 +92,8 @@ TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
           solve.vertices.buffer = vertices.handle();
           solve.instances = 3;
           solve.further_slots = {
-              {.vertices = {vertices.handle()}, .moved = {vertices.handle(), 0, 9}}};
-          solve.moved = {vertices.handle(), 0, 9};
+              {.vertices = {vertices.handle()}, .moved = {vertices.handle(), 1 << 19, 9}}};
+          solve.moved = {vertices.handle(), 1 << 19, 9};
           const vulkan::Solve frame(*context_, tables, solve);
           const Places places(*context_, tables, frame,
                               {.list = {.count = 9}, .results = {.buffer = vertices.handle()}});

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/expect_error.h"
 #include "support/meshes.h"
 #include "vulkan/level_host.h"
 #include "vulkan/places_fixture.h"
@@ -82,6 +83,57 @@ TEST_F(EmbedLevelsHost, WrongOptionsAreRefusedByName) {
   apart.attributes = {other.handle(), 0, 12};
   apart.normal_offset = 0;
   EXPECT_THAT(of_options({.vertices = apart}), HasSubstr("in one buffer"));
+}
+
+// Of a device that binds 128 KiB: what is too large, by how much, and the way out.
+TEST_F(EmbedLevelsHost, TooManyPlacesAreRefusedByLevel) {
+  PretendedDriver::pretence().storage_range = 1 << 17;
+  with_both_variants([&] {
+    HostTopology topology(*context_, test::icosphere(1), {.levels = {1, 4}}, 24);
+    const vulkan::Solve solve(*context_, topology.device, {.instances = 5});
+    const Buffer target(*context_, 1 << 21, MemoryUse::Device);
+    TessellationOptions options{.vertices = {.buffer = target.handle(), .offset = 8, .stride = 24}};
+    const auto counts = topology.device.level_vertex_counts();
+    const auto bytes = [&](std::int32_t coarse, std::int32_t fine) {
+      return static_cast<std::uint64_t>(8 + 24 * (coarse * counts[0] + fine * counts[1]));
+    };
+    EXPECT_EQ(topology.device.tessellation_bytes(options, 5), bytes(5, 5));
+    try {
+      const Tessellation levels(*context_, topology.device, solve, options);
+      FAIL() << "nothing thrown";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
+      EXPECT_THAT(error.what(), HasSubstr(": the Tessellation's vertices of level 4 take "));
+      EXPECT_THAT(error.what(),
+                  HasSubstr(" bytes of one binding, but maxStorageBufferRange is 131072; give that "
+                            "level fewer places than 5 (TessellationOptions::places), or vertices "
+                            "a smaller stride"));
+    }
+    options.places = {9, 1};  // of which there are five
+    EXPECT_EQ(topology.device.tessellation_bytes(options, 5), bytes(5, 1));
+    const Tessellation levels(*context_, topology.device, solve, options);
+    options.places = {5};
+    EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
+                                 [&] { (void)topology.device.tessellation_bytes(options, 5); }),
+                HasSubstr("places are of 1 levels, but the System has 2"));
+  });
+}
+
+// Of a buffer that the Solve's points are in.
+TEST_F(EmbedLevelsHost, VerticesOverPointsAreRefused) {
+  HostTopology topology(*context_, test::icosphere(1), {.levels = {1, 3}});
+  const Buffer all(*context_, 1 << 21, MemoryUse::Device);
+  const vulkan::Solve solve(*context_, topology.device,
+                            {.given = {all.handle(), 1 << 20}, .instances = 2});
+  const auto made_at = [&](VkDeviceSize offset) {
+    const Tessellation levels(*context_, topology.device, solve,
+                              {.vertices = {.buffer = all.handle(), .offset = offset}});
+  };
+  const std::uint64_t bytes = topology.device.tessellation_bytes({}, 2);
+  made_at((1 << 20) - bytes);
+  EXPECT_THAT(
+      test::message_of(ErrorCode::InvalidArgument, [&] { made_at((1 << 20) + 24 - bytes); }),
+      HasSubstr("given points of slot 0 and positions of the Tessellation share bytes "));
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ TEST_F(EmbedMemory, IsABlockForEachUseAndAPoolForAnObject) {
     SolveOptions wanted;
     wanted.vertices.buffer = vertices.handle();
     wanted.further_slots = {{.vertices = {vertices.handle()}}, {.vertices = {vertices.handle()}}};
-    if (takes_edits) wanted.moved = {vertices.handle(), 0, 9};
+    if (takes_edits) wanted.moved = {vertices.handle(), 1 << 19, 9};
     std::optional<vulkan::Solve> solve;
     const auto of_solve = taken_by(blocks, 1, [&] { solve.emplace(context, *tables, wanted); });
     if (is_fair)

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"
@@ -272,9 +273,10 @@ TEST_F(EmbedSlots, FurtherSlotsTakeNoMemory) {
   const auto taken = [&](const auto& make) {
     open();
     const DeviceSystem tables(*context_, system);
-    const Buffer host(*context_, 24 * std::uint64_t(system.vertex_count()), MemoryUse::Device);
+    const std::uint64_t vertices = 24 * std::uint64_t(system.vertex_count());
+    const Buffer host(*context_, vertices + 12 * mesh.positions.size(), MemoryUse::Device);
     const std::uint64_t before = context_->memory().peak_bytes();
-    make(tables, SolveOptions{.given = {host.handle()}, .vertices = {host.handle()}});
+    make(tables, SolveOptions{.given = {host.handle(), vertices}, .vertices = {host.handle()}});
     return context_->memory().peak_bytes() - before;
   };
   const auto one = taken([&](const DeviceSystem& tables, const SolveOptions& options) {
@@ -313,6 +315,65 @@ TEST_F(EmbedSlots, WrongSlotsAreRefusedByName) {
   refuse({.further_slots = {{.vertices = {.buffer = buffer.handle(), .instance_stride = 40}}},
           .instances = 2},
          "vertices of an instance take");
+}
+
+// Bytes of one buffer: of points, vertices of two slots and a list. What is written is nobody's
+// else.
+TEST_F(EmbedSlots, SharedBytesAreRefusedByName) {
+  const PolygonMesh mesh = test::icosphere(1);  // 42 vertices
+  const System system(mesh, {.level = 0});
+  const DeviceSystem tables(*context_, system, {.takes_edits = true});
+  const Buffer buffer(*context_, 1 << 20, MemoryUse::Device);
+  const VkBuffer all = buffer.handle();
+  const auto message = [&](const SolveOptions& options) {
+    const std::map<std::string, int> before = PretendedDriver::alive();
+    const std::string text = test::message_of(
+        ErrorCode::InvalidArgument, [&] { const vulkan::Solve solve(*context_, tables, options); });
+    std::map<std::string, int> after = PretendedDriver::alive();
+    after.erase("Pipeline");  // a Context keeps them
+    std::map<std::string, int> alive = before;
+    alive.erase("Pipeline");
+    EXPECT_EQ(after, alive);
+    return text;
+  };
+  constexpr std::uint64_t kPoints = 42 * 12, kVertices = 42 * 24;
+  const auto with = [&](VkDeviceSize points, VkDeviceSize first, VkDeviceSize second,
+                        VkDeviceSize list) {
+    SolveOptions options{.given = {all, points}, .vertices = {all, first}};
+    options.further_slots = {{{all, points}, {all, second}, {}}};
+    options.moved = {all, list, 9};
+    return options;
+  };
+  const VkDeviceSize first = kPoints, second = first + kVertices, list = second + kVertices;
+  EXPECT_EQ(message(with(0, first, second, list)), "no error");
+  EXPECT_EQ(message(with(0, first, first, list)), "no error");  // written one after the other
+  EXPECT_EQ(message(with(0, 0, second, list)),
+            "given points of slot 0 and positions of slot 0 share bytes 0 to 503 of a buffer, so "
+            "that what is read would be written over; give each bytes of its own");
+  EXPECT_THAT(message(with(0, second, kPoints - 4, list)),
+              HasSubstr("given points of slot 0 and positions of slot 1 share bytes 500 to 503"));
+  EXPECT_THAT(message(with(0, first, second, list - 4)),
+              HasSubstr("the list of moved points of slot 0 and normals of slot 1 share bytes"));
+  SolveOptions options;
+  options.vertices = {.buffer = all, .normal_offset = 8};
+  EXPECT_THAT(message(options),
+              HasSubstr("positions of slot 0 and normals of slot 0 share bytes 8 to "));
+  options.vertices = {
+      .buffer = all, .stride = 12, .normal_offset = 0, .attributes = {all, 42 * 12 - 4, 12}};
+  EXPECT_THAT(message(options), HasSubstr("share bytes 500 to 503 of a buffer, and both are"));
+  // Element by element, and instance by instance.
+  options.vertices = {
+      .buffer = all, .offset = 12, .stride = 36, .normal_offset = 12, .instance_stride = 5040};
+  options.given = {all, 0, 36, 5040};
+  options.instances = 3;
+  EXPECT_EQ(message(options), "no error");
+  options.given.offset = 8;
+  EXPECT_THAT(message(options), HasSubstr("given points of slot 0 and positions of slot 0 share"));
+  options.vertices = {.buffer = all, .offset = kPoints, .instance_stride = kPoints + kVertices};
+  options.given = {all, 0, 12, kPoints + kVertices};
+  EXPECT_EQ(message(options), "no error");
+  options.given.offset = 4;
+  EXPECT_THAT(message(options), HasSubstr("given points of slot 0 and positions of slot 0 share"));
 }
 
 }  // namespace

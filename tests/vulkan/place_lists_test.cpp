@@ -212,6 +212,12 @@ TEST_F(PlaceLists, BadOptionsAreRefused) {
   EXPECT_THAT(message({.list = list, .results = bad}), HasSubstr("end at 92 bytes"));
   bad.dvv_offset = 88;
   EXPECT_THAT(message({.list = list, .results = bad}), HasSubstr("offset 88"));
+  bad = results;
+  bad.duv_offset = 56;
+  EXPECT_THAT(message({.list = list, .results = bad}),
+              HasSubstr("duu of places and duv of places share bytes 56 to "));
+  EXPECT_THAT(message({.list = {c.results.handle(), 0, 12, 8}, .results = results}),
+              HasSubstr("a list of places and positions of places share bytes 0 to "));
   const DeviceSystem without(*context_, c.system);
   EXPECT_THAT(test::message_of(
                   ErrorCode::InvalidArgument,

@@ -41,7 +41,8 @@ inline constexpr std::uint32_t kNotWritten = 0xffffffff;
 /// Where Places write: for each place what has an offset: three floats of position, unit normal
 /// (zero where tangents are parallel) and derivatives by u and v, in the model's unit, and a
 /// PlaceState. Other bytes are left alone. The buffer is the host's, has
-/// VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, outlives the Places and is not that of the list.
+/// VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Places. No byte has two meanings, or is one
+/// of the list's.
 struct PlaceLayout {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;    ///< of the first place's results

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "planish/vulkan/edit/edit_tables.h"
@@ -10,6 +11,7 @@
 #include "planish/vulkan/evaluate/patch_tables.h"
 #include "planish/vulkan/fair/fair_tables.h"
 #include "planish/vulkan/host/frame_slots.h"
+#include "planish/vulkan/host/host_ranges.h"
 #include "planish/vulkan/levels/gpu_levels.h"
 #include "planish/vulkan/solve/bending_tables.h"
 #include "planish/vulkan/solve/gpu_given.h"
@@ -63,6 +65,7 @@ struct EvaluatedParts {
   InstanceSizes sizes;
   ChosenParts chosen;
   const GpuGiven* given;
+  std::span<const HostRange> read;  ///< of the host's buffers
 };
 
 /// What a Solve has of an instance's surface, for Places. Both of shared::kPointFloats floats a

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
+
+#include "planish/vulkan/host/host_ranges.h"
 
 namespace planish::vulkan {
 
@@ -125,6 +128,19 @@ FrameSlot with_strides(const InstanceSizes& sizes, FrameSlot slot) {
   return slot;
 }
 
+// What an evaluation writes is read by no solve or edit, of whatever slot. Slots may share
+// vertices.
+void check_ranges(std::span<const FrameSlot> slots, const InstanceSizes& sizes,
+                  std::uint32_t instances) {
+  const std::vector<HostRange> read = read_ranges(slots, sizes, instances);
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const std::vector<HostRange> written =
+        vertex_ranges(slots[i].vertices, formatted(" of slot {}", i), sizes.vertices, instances);
+    require_apart(written);
+    require_apart(read, written);
+  }
+}
+
 // Vectors of several instances, beside those of the slots.
 void check_vectors(const Context& context, const InstanceSizes& sizes,
                    const SolveOptions& options) {
@@ -171,14 +187,16 @@ std::vector<FrameSlot> checked_slots(const Context& context, const InstanceSizes
                  "{} slots are more than {}, the frames in flight that a Solve serves",
                  slots.size(), kMostSlots);
   for (FrameSlot& slot : slots) slot = with_strides(sizes, slot);
-  if (count == 1) return slots;
-  require_option(!sizes.is_fair,
+  require_option(count == 1 || !sizes.is_fair,
                  "Solves of the fair method have one instance, not {}; "
                  "make as many Solves and take record_solves()",
                  count);
-  for (const FrameSlot& slot : slots) check_strides(slot, sizes.vertices);
-  check_vectors(context, sizes, options);
-  for (const FrameSlot& slot : slots) check_spans(context, count, slot);
+  if (count > 1) {
+    for (const FrameSlot& slot : slots) check_strides(slot, sizes.vertices);
+    check_vectors(context, sizes, options);
+    for (const FrameSlot& slot : slots) check_spans(context, count, slot);
+  }
+  check_ranges(slots, sizes, count);
   return slots;
 }
 

@@ -119,6 +119,7 @@ struct Solve::Parts {
   Instances instances;
   std::uint32_t slot_count;
   std::uint64_t given_bytes;               // of all instances
+  std::vector<HostRange> read;             // of the host's buffers
   std::optional<Buffer> own_given;         // where the host gives no buffer for a slot
   std::optional<Progressive> progressive;  // one of these two
   std::optional<Fair> fair;
@@ -199,6 +200,7 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& of_system, const Ins
       given_bytes(options.instances * of.given * kVectorBytes) {
   const std::vector<FrameSlot> slots = checked_slots(on, of, options);
   slot_count = static_cast<std::uint32_t>(slots.size());
+  read = read_ranges(slots, of, options.instances);
   const std::vector<GivenPoints> points = given_points_of(slots);
   if (system.fair)
     fair.emplace(arena, system, fair_options(options), points);
@@ -290,7 +292,8 @@ EvaluatedParts Solve::evaluated_parts() const {
            parts.control_points(), hull, parts.instances.stride(hull), parts.given_points(),
            parts.state_points(), parts.sizes.rows, parts.instances,
            parts.step ? &*parts.step : nullptr},
-          parts.progressive ? &parts.progressive->given : nullptr};
+          parts.progressive ? &parts.progressive->given : nullptr,
+          parts.read};
 }
 std::uint32_t Solve::instance_count() const { return parts_->instances.count; }
 VkDeviceSize Solve::control_point_stride() const {

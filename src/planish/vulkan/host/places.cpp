@@ -28,7 +28,31 @@ void check_list(const PlaceList& list) {
                   list.offset, list.stride));
 }
 
-void check_results(const PlaceLayout& layout) {
+// Results from each other, and from the list.
+void check_apart(const PlacesOptions& options) {
+  const PlaceList& list = options.list;
+  const PlaceLayout& to = options.results;
+  std::vector<HostRange> written;
+  const auto add = [&](const char* what, std::uint32_t offset, std::uint64_t bytes) {
+    if (offset != kNotWritten)
+      written.push_back({what, to.buffer, to.offset + offset, to.stride, list.count, bytes});
+  };
+  add("positions of places", to.position_offset, kVectorBytes);
+  add("normals of places", to.normal_offset, kVectorBytes);
+  add("du of places", to.du_offset, kVectorBytes);
+  add("dv of places", to.dv_offset, kVectorBytes);
+  add("duu of places", to.duu_offset, kVectorBytes);
+  add("duv of places", to.duv_offset, kVectorBytes);
+  add("dvv of places", to.dvv_offset, kVectorBytes);
+  add("states of places", to.state_offset, sizeof(PlaceState));
+  require_apart(written);
+  const HostRange read{"a list of places", list.buffer, list.offset,
+                       list.stride,        list.count,  kPlaceBytes};
+  require_apart(std::span(&read, 1), written);
+}
+
+void check_results(const PlacesOptions& options) {
+  const PlaceLayout& layout = options.results;
   const std::uint32_t offsets[] = {layout.position_offset, layout.normal_offset, layout.du_offset,
                                    layout.dv_offset,       layout.duu_offset,    layout.duv_offset,
                                    layout.dvv_offset,      layout.state_offset};
@@ -47,6 +71,7 @@ void check_results(const PlaceLayout& layout) {
   if (end > layout.stride)
     refuse_places(
         formatted("a place's results end at {} bytes, behind the stride {}", end, layout.stride));
+  check_apart(options);
 }
 
 const PlaceTables& tables_of(const std::optional<PlaceTables>& tables) {
@@ -76,7 +101,7 @@ struct Places::Parts {
   Parts(Context& on, const PatchTables& patches, const PlaceTables& tables,
         const SolvePoints& points, const PlacesOptions& options)
       : context(on), count(options.list.count), own_list(make_list(on, options.list)) {
-    check_results(options.results);
+    check_results(options);
     PlaceList list = options.list;
     if (own_list) list.buffer = own_list->handle();
     places.emplace(on, patches, tables, points.given, points.state, list, options.results);

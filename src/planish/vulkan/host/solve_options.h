@@ -61,8 +61,9 @@ struct VertexStream {
 /// Where record_evaluate writes: for each vertex its position and unit normal (zero where the
 /// tangents are parallel), by default three floats each, and its tangent if wanted. Other bytes are
 /// left alone. Buffers are the host's, have VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlive the
-/// Solve. No buffer: nothing is evaluated. No format needs a feature of the device: kernels store
-/// whole words.
+/// Solve. No byte of a vertex has two meanings, or is one that a solve or an edit of any slot
+/// reads: Error{InvalidArgument}. No buffer: nothing is evaluated. No format needs a feature of the
+/// device: kernels store whole words.
 struct VertexLayout {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;    ///< of the first vertex

@@ -44,6 +44,10 @@ TessellationOptions checked(const LevelSetTables& tables, const EvaluatedParts& 
   require_option(attributes_of(options.vertices).buffer == options.vertices.buffer,
                  "a Tessellation has positions and attributes in one buffer");
   options.places = places_of(tables, solve.chosen.instances.count, std::move(options.places));
+  const std::vector<HostRange> written = vertex_ranges(options.vertices, " of the Tessellation",
+                                                       vertex_total(tables, options.places), 1);
+  require_apart(written);
+  require_apart(solve.read, written);
   return options;
 }
 
