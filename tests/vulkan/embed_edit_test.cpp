@@ -21,7 +21,9 @@ namespace planish::testing {
 namespace {
 
 using namespace vulkan;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 // Of the diagonal: what single precision leaves, beside a solve's tolerance.
@@ -312,6 +314,47 @@ TEST_F(EmbedEdit, ThousandsOfEditsKeepTheTolerance) {
             (1e-6 + kSinglesError) * host.system.diagonal());
   host.solve_all(true);
   EXPECT_EQ(host.status().iterations, 0u) << host.status().residual;
+}
+
+// Recording cannot fail; the host hears of it, once for each call.
+TEST_F(EmbedEdit, WithoutAListAHostIsTold) {
+  std::vector<std::string> lines;
+  bool throws = false;
+  HostDevice host = own_->host_device();
+  host.log = [&](std::string_view line) {
+    lines.emplace_back(line);
+    if (throws) throw Error(ErrorCode::Cancelled, "of the host's log");
+  };
+  Context context(host);
+  const System system(test::icosphere(1));
+  const DeviceSystem tables(context, system, {.takes_edits = true});
+  const Buffer list(context, 4096, MemoryUse::Device), points(context, 4096, MemoryUse::Device);
+  const vulkan::Solve none(context, tables, {.given = {points.handle()}}),
+      one(context, tables, {.further_slots = {{.moved = {list.handle(), 0, 9}}}});
+  HostCommands commands(*own_);
+  commands.record([&](VkCommandBuffer buffer) {
+    const auto told = [&](const auto& record) {
+      lines.clear();
+      const std::map<std::string, int> before = PretendedDriver::counts();
+      record();
+      EXPECT_EQ(PretendedDriver::counts() == before, !lines.empty());
+      return lines;
+    };
+    for (const bool is_thrown : {false, true}) {
+      throws = is_thrown;
+      const auto no_list = ElementsAre(
+          "planish: record_edit does nothing, as its slot has no list; set SolveOptions::moved, or "
+          "FrameSlot::moved");
+      EXPECT_THAT(told([&] { none.record_edit(buffer, {}); }), no_list);
+      EXPECT_THAT(told([&] { one.record_edit(buffer, {.slot = 0}); }), no_list);
+      EXPECT_THAT(told([&] { none.record_reach(buffer, list.handle(), 0); }),
+                  ElementsAre(HasSubstr("record_reach does nothing")));
+      EXPECT_THAT(told([&] { none.record_given(buffer, list.handle(), 0); }),
+                  ElementsAre(HasSubstr("record_given does nothing")));
+    }
+    EXPECT_THAT(told([&] { one.record_reach(buffer, list.handle(), 0); }), IsEmpty());
+    EXPECT_THAT(told([&] { one.record_given(buffer, points.handle(), 0); }), IsEmpty());
+  });
 }
 
 TEST_F(EmbedEdit, WhatCannotBeHadIsRefusedByName) {

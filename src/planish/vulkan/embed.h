@@ -48,7 +48,8 @@
 // Recording cannot fail. Every record_ function is noexcept and does nothing but vkCmd calls: no
 //   allocation, map, submission, wait or descriptor update. It takes a command buffer of any level,
 //   in the recording state, outside a render pass, of a family with compute. It disturbs the
-//   compute bind point and its push constants, nothing else.
+//   compute bind point and its push constants, nothing else. One that has nothing to do for want of
+//   an option (record_edit without a list) tells HostDevice::log so.
 // Barriers. Every record_ function waits by itself for earlier planish work on the same queue.
 //   Against its own work the host records barriers: from its own stages to kEntryScope before, from
 //   kExitScope to its own stages after (vkCmdPipelineBarrier; a VkMemoryBarrier does). Writing
@@ -352,6 +353,7 @@ class Solve {
   /// once, by one slot's edit, whose vertices then also get what edits of other slots have moved
   /// since its last; before a slot's first edit after a solve its record_evaluate came. Solves take
   /// all points from their slot's buffer, so that the host writes what it moved to all of these.
+  /// A slot without MovedPoints has no edits: nothing is recorded, and HostDevice::log is told.
   void record_edit(VkCommandBuffer commands, const EditParameters& parameters) const noexcept;
   /// Copies an EditReach of the last edit to a host's buffer, as record_status does.
   void record_reach(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;

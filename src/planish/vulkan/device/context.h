@@ -35,8 +35,9 @@ struct HostDevice {
   VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
   const VkAllocationCallbacks* allocation_callbacks = nullptr;
   MemoryHooks memory;
-  /// Gets what a developer may want to know, one line a call: what was chosen, and how large tables
-  /// are. Called where objects are made, on the thread that makes them.
+  /// Gets what a developer may want to know, one line a call: what was chosen, how large tables
+  /// are, and which record_ function did nothing for want of an option. Called where objects are
+  /// made, and by that function, on the thread that does so.
   std::function<void(std::string_view)> log;
 };
 
@@ -102,6 +103,8 @@ class Context {
   void log(std::string_view line) const {
     if (log_) log_(line);
   }
+  /// The same while recording, which cannot fail: what the host throws is dropped.
+  void tell(std::string_view line) const noexcept;
 
  private:
   VkDevice device_;

@@ -182,7 +182,6 @@ void GpuEdit::wait(VkCommandBuffer commands) const noexcept {
 
 void GpuEdit::record(VkCommandBuffer commands, std::uint32_t slot, std::uint32_t step_count,
                      float stop_square) const noexcept {
-  if (!slots_[slot].has_list) return;
   const VkBufferCopy heads{0, 0, head_bytes_};
   context_.vk().vkCmdCopyBuffer(commands, template_.handle(), work_.handle(), 1, &heads);
   parts_.solve.record_plan(commands, step_count);

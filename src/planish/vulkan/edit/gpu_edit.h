@@ -39,10 +39,12 @@ class GpuEdit {
   GpuEdit(const Maker& on, const EditedParts& parts, std::int32_t given_count,
           std::span<const FrameSlot> slots);
 
+  /// Whether a slot takes edits.
+  [[nodiscard]] bool has_list(std::uint32_t slot) const { return slots_[slot].has_list; }
   /// No row is in a list, nor stale in any slot: before the first edit. A copy, to be waited for.
   void record_clear(VkCommandBuffer commands) const noexcept;
-  /// Of a slot's list; at most as many steps as the solve's plan has. Begins and ends within
-  /// kEntryScope and kExitScope.
+  /// Of a slot's list, which it has; at most as many steps as the solve's plan has. Begins and ends
+  /// within kEntryScope and kExitScope.
   void record(VkCommandBuffer commands, std::uint32_t slot, std::uint32_t step_count,
               float stop_square) const noexcept;
 

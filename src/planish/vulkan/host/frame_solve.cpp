@@ -309,7 +309,11 @@ void Solve::record_reset(VkCommandBuffer commands) const noexcept {
 
 void Solve::record_given(VkCommandBuffer commands, VkBuffer source,
                          VkDeviceSize offset) const noexcept {
-  if (!parts_->own_given || parts_->given_bytes == 0) return;
+  if (!parts_->own_given)
+    return parts_->context.tell(
+        "planish: record_given does nothing, as each slot has a buffer of points; write that, or "
+        "set GivenPoints without one");
+  if (parts_->given_bytes == 0) return;
   record_barrier(parts_->context, commands, kExitScope, kEntryScope);
   const VkBufferCopy copy{offset, 0, parts_->given_bytes};
   parts_->context.vk().vkCmdCopyBuffer(commands, source, parts_->own_given->handle(), 1, &copy);
@@ -336,20 +340,25 @@ void Solve::record_surface(VkCommandBuffer commands) const noexcept {
 }
 
 void Solve::record_edit(VkCommandBuffer commands, const EditParameters& parameters) const noexcept {
-  if (!parts_->edit) return;
   const Context& context = parts_->context;
+  const std::uint32_t slot = parameters.slot % parts_->slot_count;
+  if (!parts_->edit || !parts_->edit->has_list(slot))
+    return context.tell(
+        "planish: record_edit does nothing, as its slot has no list; set SolveOptions::moved, or "
+        "FrameSlot::moved");
   const LabelScope label(context, commands, "planish edit");
   record_barrier(context, commands, kExitScope, kEntryScope);
   write_first(context, commands, parameters.timestamps);
-  parts_->edit->record(commands, parameters.slot % parts_->slot_count,
-                       std::min(parameters.iterations, parts_->max_iterations),
+  parts_->edit->record(commands, slot, std::min(parameters.iterations, parts_->max_iterations),
                        stop_square_of(parameters.stop_error));
   write_second(context, commands, parameters.timestamps);
 }
 
 void Solve::record_reach(VkCommandBuffer commands, VkBuffer target,
                          VkDeviceSize offset) const noexcept {
-  if (!parts_->edit) return;
+  if (!parts_->edit)
+    return parts_->context.tell(
+        "planish: record_reach does nothing, as no slot has a list; set SolveOptions::moved");
   record_barrier(parts_->context, commands, kExitScope, kEntryScope);
   const VkBufferCopy copy{0, offset, sizeof(EditReach)};
   parts_->context.vk().vkCmdCopyBuffer(commands, parts_->edit->reach(), target, 1, &copy);

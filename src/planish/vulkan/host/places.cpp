@@ -140,7 +140,10 @@ Places& Places::operator=(Places&&) noexcept = default;
 
 void Places::record_list(VkCommandBuffer commands, VkBuffer source,
                          VkDeviceSize offset) const noexcept {
-  if (!parts_->own_list) return;
+  if (!parts_->own_list)
+    return parts_->context.tell(
+        "planish: record_list does nothing, as the list has a buffer; write that, or set PlaceList "
+        "without one");
   const Context& context = parts_->context;
   record_barrier(context, commands, kExitScope, kEntryScope);
   const VkBufferCopy copy{offset, 0, std::uint64_t(parts_->count) * kPlaceBytes};
