@@ -58,9 +58,7 @@ class EmbedInstances : public Embedding {
     HostTopology topology(*context_, mesh);
     topology.upload(*submitter_);
     HostFrame frame(*context_, topology);
-    SolveParameters parameters;
-    parameters.iterations = 5;
-    std::vector<Vertex> vertices = run(frame, mesh, parameters);
+    std::vector<Vertex> vertices = run(frame, mesh, iterations(5));
     return {std::move(vertices), frame.status()};
   }
 

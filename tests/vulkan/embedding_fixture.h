@@ -82,6 +82,7 @@ class Embedding : public VulkanTest {
 [[nodiscard]] inline vulkan::SolveParameters iterations(std::uint32_t count) {
   vulkan::SolveParameters parameters;
   parameters.iterations = count;
+  parameters.measures_last = true;
   return parameters;
 }
 

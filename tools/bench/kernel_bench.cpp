@@ -38,7 +38,7 @@ struct KernelTotal {
 };
 
 void record_frame(const DeviceFrame& frame, VkCommandBuffer commands) {
-  frame.solve.record_solve(commands, {.iterations = kTimedIterations});
+  frame.solve.record_solve(commands, {.iterations = kTimedIterations, .measures_last = true});
   frame.solve.record_evaluate(commands);
 }
 

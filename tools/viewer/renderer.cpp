@@ -145,6 +145,7 @@ void Renderer::record_surface(VkCommandBuffer commands, const ViewSettings& sett
   vulkan::SolveParameters parameters;
   parameters.iterations = static_cast<std::uint32_t>(settings.iterations);
   parameters.warm_start = settings.warm_start && is_warm_;
+  parameters.measures_last = true;  // which is what the window says
   parameters.slot = static_cast<std::uint32_t>(current_);
   is_warm_ = true;
   // The last frame may still draw the cage, which all frames share.

@@ -41,6 +41,11 @@
 //   merged_meshes() (mesh/merged_meshes.h) makes of them. What is left are Solves beside each
 //   other: record_solves(commands, calls); record_evaluates(commands, calls);
 //
+// Iterations. Ask for sufficient_iterations(rest_error()) of the System with its tolerance() as
+//   stop_error: a frame then takes as many as its pose needs, a warm start often one to three, and
+//   those that are left out cost next to nothing. Without a stop_error all that are asked for are
+//   done, 140 bytes a point each.
+//
 // Errors. Making objects may fail: planish::Error, whose code is InvalidArgument (an option),
 //   UnusableMesh, NoDevice (the device lacks something, which the message names), OutOfMemory (the
 //   limit is named before memory is taken) or DeviceLost; vulkan::VulkanError where a Vulkan call

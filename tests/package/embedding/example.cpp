@@ -31,11 +31,16 @@ void draw_frames(Application& app, const planish::PolygonMesh& mesh, int frame_c
                         {.given = {points[0].handle},
                          .vertices = {vertices[0].handle},
                          .further_slots = {{{points[1].handle}, {vertices[1].handle}}}});
+  // Each frame takes as many iterations as its pose needs: few, from where the last frame ended.
+  const std::uint32_t most = system.sufficient_iterations(system.rest_error());
+  const float stop_error = static_cast<float>(system.tolerance());
   for (int frame = 0; frame < frame_count; ++frame) {
     const std::uint32_t slot = frame % 2;
     move_points(frame, points[slot].bytes);
     app.run([&](VkCommandBuffer commands) {
-      solve.record_solve(commands, {.iterations = 20, .warm_start = frame > 0, .slot = slot});
+      solve.record_solve(
+          commands,
+          {.iterations = most, .stop_error = stop_error, .warm_start = frame > 0, .slot = slot});
       solve.record_evaluate(commands, {slot});  // limit positions and normals
       app.vertices_after(commands, pv::kExitScope.stages, pv::kExitScope.accesses);
     });

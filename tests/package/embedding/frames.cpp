@@ -190,7 +190,11 @@ class Renderer {
         commands,
         VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | patch_stages(),
         VK_ACCESS_SHADER_WRITE_BIT, pv::kEntryScope.stages, pv::kEntryScope.accesses);
-    solve_->record_solve(commands, {.iterations = 12, .warm_start = number > 0, .slot = slot});
+    solve_->record_solve(commands,
+                         {.iterations = system_.sufficient_iterations(system_.rest_error()),
+                          .stop_error = static_cast<float>(system_.tolerance()),
+                          .warm_start = number > 0,
+                          .slot = slot});
     solve_->record_evaluate(commands, {slot});
     barrier(
         commands, pv::kExitScope.stages, pv::kExitScope.accesses,

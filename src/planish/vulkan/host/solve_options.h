@@ -158,13 +158,14 @@ struct SolveParameters {
   /// At most SolveOptions::max_iterations, which stands in for more.
   std::uint32_t iterations = 0;
   /// No iteration once the error is at most this, decided on the device; negative: do them all.
+  /// System::tolerance() is what the System promises; steps that are left out cost next to nothing.
   float stop_error = -1;
   /// Starts from the displacement that this Solve's last solve ended with, instead of from none.
   /// record_reset has been run before the first such solve, or a solve without it.
   bool warm_start = false;
-  /// Measures the error that the last iteration leaves, at the cost of about one more. Without, the
-  /// status tells the error before the last iteration.
-  bool measures_last = true;
+  /// Measures the error that the last iteration leaves, at the cost of about one more, unless a
+  /// stop came before. Without, the status tells the error before the last iteration.
+  bool measures_last = false;
   /// Whose points are taken; counted modulo the number of slots, so that it may be the frame's
   /// number.
   std::uint32_t slot = 0;
