@@ -9,6 +9,14 @@
 //   vec4 planish_weights_at(uint i);
 // Names that begin with planish_, Planish, kPlanish and those of planish_surface_tables.h are taken.
 //
+// In tessellation shaders a patch is a corner, of one control point: layout(quads, equal_spacing,
+// cw), whose gl_TessCoord.xy are planish_corner_place()'s u and v; triangles are then
+// counter-clockwise seen from outside, as Vulkan's domain has v downwards. An edge's levels follow
+// from its two ends alone, which both sides know. planish_corner_count(face_count) patches are the
+// surface, holes included. planish's vulkan/README.md shows all of it. Mesa's llvmpipe (22.3) counts
+// gl_PrimitiveID anew after 1,024 control points of a draw, and draws none of the vertices that it
+// generates beyond 65,535: fewer a draw there.
+//
 // Without a crack. Corners of faces meet along edges, where each would round in its own way. Who
 // draws them takes positions from planish_evaluate(face_count, planish_owner(place)): on an edge,
 // at its midpoint, a vertex or a centre it names one and the same place for all corners that meet

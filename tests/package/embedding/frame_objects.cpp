@@ -178,7 +178,7 @@ Pass FrameObjects::make_pass(std::uint32_t side, std::initializer_list<VkFormat>
       VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
   raster.lineWidth = 1;
   // Where a crack were, the background would be seen.
-  if (has_patches) raster.cullMode = VK_CULL_MODE_FRONT_BIT;
+  if (has_patches) raster.cullMode = VK_CULL_MODE_BACK_BIT;
   VkPipelineMultisampleStateCreateInfo samples{
       VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;

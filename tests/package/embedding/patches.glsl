@@ -5,6 +5,7 @@ layout(push_constant) uniform View {
   uint is_software;
   float edges;  // of half a view's width
 };
+// README begins
 layout(std430, set = 0, binding = 0) readonly buffer Words { uint words[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Links { uvec2 links[]; };
 layout(std430, set = 0, binding = 2) readonly buffer State { vec4 state[]; };
@@ -22,3 +23,4 @@ vec3 position_at(uint corner, vec2 uv) {
   PlanishPlace place = planish_owner(planish_corner_place(corner, uv.x, uv.y));
   return planish_evaluate(face_count, place).position;
 }
+// README ends

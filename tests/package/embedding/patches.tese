@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "patches.glsl"
-layout(quads, equal_spacing, ccw) in;
+// README begins
+layout(quads, equal_spacing, cw) in;
 layout(location = 0) in uint corners[];
 layout(location = 0) out vec3 out_normal;
 
@@ -10,3 +11,4 @@ void main() {
   out_normal = planish_evaluate(face_count, place).normal;
   gl_Position = clip_from_world * vec4(position_at(corners[0], gl_TessCoord.xy), 1.0);
 }
+// README ends

@@ -49,8 +49,9 @@ struct SurfaceBuffers {
 };
 /// Of an instance. `system` was made with answers_places, `solve` on it; both outlive what is
 /// bound. Read them behind a barrier from kExitScope, after record_evaluate or record_surface, and
-/// be done, by a barrier to kEntryScope, before the next frame's work. Throws
-/// Error{InvalidArgument}.
+/// be done, by a barrier to kEntryScope, before the next frame's work. Draws of patches keep, on
+/// Mesa's llvmpipe (22.3), below 1,024 corners, where gl_PrimitiveID begins anew, and 65,535
+/// generated vertices, beyond which it draws none. Throws Error{InvalidArgument}.
 [[nodiscard]] SurfaceBuffers surface_buffers(const DeviceSystem& system, const Solve& solve,
                                              std::uint32_t instance = 0);
 
