@@ -16,7 +16,9 @@ vec4 source_piece(uint at, uint left) {
   return piece;
 }
 
+// OpenSubdiv's sums begin at 0, which no addition of zeros makes -0; compilers may leave it out.
 void write_piece(vec4 piece, uint at, uint left) {
+  piece = mix(piece, vec4(0.0), equal(piece, vec4(0.0)));
   target[at] = piece.x;
   if (left > 1u) target[at + 1u] = piece.y;
   if (left > 2u) target[at + 2u] = piece.z;

@@ -63,7 +63,8 @@ struct Tally {
   long long evaluations = 0, floats = 0;
   double largest = 0;  ///< difference, as a part of the largest magnitude in its buffer
 
-  /// Expects every float of every buffer to agree to 1e-6 of the largest magnitude in the buffer.
+  /// Expects every float of every buffer to agree to 1e-6 of the largest magnitude in the buffer,
+  /// and zeros in their signs.
   void compare(const std::string& name, const std::vector<std::vector<float>>& expected,
                const std::vector<std::vector<float>>& got);
   void print() const;
