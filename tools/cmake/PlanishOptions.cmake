@@ -17,6 +17,13 @@ if(PLANISH_SANITIZE)
   target_link_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE})
 endif()
 
+# planish_include_quoted(TARGET SCOPE FOLDER...): where our #include "..." looks. #include <...> does not, for a folder may
+# have a file of a standard header's name.
+function(planish_include_quoted target scope)
+  list(TRANSFORM ARGN PREPEND -iquote)
+  target_compile_options(${target} ${scope} ${ARGN})
+endfunction()
+
 # planish_require_instrumented(TARGET): of a library whose locks the thread sanitizer must see, as else every loop on it
 # looks like a race, or, where what stands in it is not reported, none does.
 function(planish_require_instrumented target)
