@@ -43,12 +43,13 @@ TEST(Progress, PlainIsSilentAboutShortWork) {
 }
 
 TEST(Progress, JsonHasOneLinePerStepAndPercent) {
-  const std::string text = output_of(ProgressMode::Json, [](JobProgress& progress, double& now) {
-    progress.update("read", 0);
-    progress.update("read", 0.001);
-    now += 2;
-    progress.update("solve", 0.5);
-  });
+  const std::string text =
+      output_of(ProgressMode::JsonLines, [](JobProgress& progress, double& now) {
+        progress.update("read", 0);
+        progress.update("read", 0.001);
+        now += 2;
+        progress.update("solve", 0.5);
+      });
   EXPECT_EQ(text,
             "{\"job\":\"goblet\",\"step\":\"read\",\"fraction\":0.0,\"number\":2,\"jobs\":3,"
             "\"share\":0.0,\"seconds\":0.0,\"seconds_left\":null}\n"

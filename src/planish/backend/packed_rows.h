@@ -107,9 +107,10 @@ class PackedRows {
       const Class& alike = rows.classes[*code++];
       const float* weight = rows.weights.data() + alike.first_weight;
       const auto walk_run = [&]<std::size_t... kPlace>(std::index_sequence<kPlace...>) {
-        ((alike.length == kLengths[kPlace] &&
-          (walk_alike<kLengths[kPlace]>(row, run.alike_rows, source, at, weight, take), true)) ||
-         ...);
+        (void)((alike.length == kLengths[kPlace] &&
+                (walk_alike<kLengths[kPlace]>(row, run.alike_rows, source, at, weight, take),
+                 true)) ||
+               ...);
       };
       walk_run(std::make_index_sequence<kLengths.size()>());
       at += alike.length;

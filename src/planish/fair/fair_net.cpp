@@ -60,6 +60,8 @@ std::vector<double> tensor_shares(const FairTopology& topology, std::span<const 
   return shares;
 }
 
+}  // namespace
+
 // The net in the making.
 struct NetBuilder {
   const FairTopology& topology;
@@ -158,6 +160,8 @@ void NetBuilder::build_dart_points() {
         (offsets[place.corner_after] + offsets[place.corner_before]) / 2.0;
   }
 }
+
+namespace {
 
 // Repairs the folds, or halves what was halved before. Returns the rounds of repair.
 std::int32_t settle_folds(NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings) {

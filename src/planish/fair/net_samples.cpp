@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <optional>
 
 #include "planish/core/parallel.h"
 #include "planish/core/work.h"
@@ -84,7 +83,7 @@ namespace {
 struct Surroundings {
   const NetSamples& samples;
   const FairTopology& topology = samples.topology;
-  std::optional<NetSamples::PolygonSums> of_polygon{};  // around the vertex, where that is large
+  const NetSamples::PolygonSums* of_polygon = nullptr;  // around the vertex, where that is large
   mutable std::int64_t asked = 0;                       // points of polygons
 
   ~Surroundings() { count_work(Work::Points, asked); }
@@ -147,11 +146,12 @@ void NetSamples::sum_large_faces() {
 
 double NetSamples::least_cosine_around(std::int32_t vertex,
                                        std::span<const dvec3> face_normals) const {
+  PolygonSums sums{};
   Surroundings around{*this};
   if (topology.valence(vertex) >= topology.large_size) {
     const FairTopology::Ring ring = topology.ring(vertex);
-    around.of_polygon =
-        sums_of(topology, ring.size(), [&](std::int32_t k) { return point(ring.corners[k]); });
+    sums = sums_of(topology, ring.size(), [&](std::int32_t k) { return point(ring.corners[k]); });
+    around.of_polygon = &sums;
   }
   double least = 1;
   const auto note = [&](const dvec3& normal, std::int32_t corner) {

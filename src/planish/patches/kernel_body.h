@@ -47,6 +47,7 @@ PLANISH_INLINE Mask make_samples(const PatchBatch& batch, const PatchOutput& out
                           unsigned needed) PLANISH_INLINE_LAMBDA {
 #pragma GCC unroll 3
     for (int r = 0; r < 3; ++r) {
+      sum[r][d] = Vector{};
       if (!wanted[r]) continue;
       Vector total{};
 #pragma GCC unroll 12
@@ -73,20 +74,21 @@ PLANISH_INLINE Mask make_samples(const PatchBatch& batch, const PatchOutput& out
       for (int d = 0; d < 3; ++d) add_up(weights, sums[0], points + d * column_count, d, 0);
     }
     const auto& sum = sums[kSamples > 0 ? s : 0];
-    Vector position[3];
-    const auto &du = sum[1], &dv = sum[2];
-    for (int d = 0; wanted[0] && d < 3; ++d) {
-      position[d] = output.centre[d] + output.diagonal * (sum[0][d] + own[d]);
+    if (takes_positions) {
+      const auto position = [&](int d) PLANISH_INLINE_LAMBDA {
+        return output.centre[d] + output.diagonal * (sum[0][d] + own[d]);
+      };
+      const Vector positions[3] = {position(0), position(1), position(2)};
+      if (output.positions) put.positions(s, positions);
+      if (output.stored) {
+        const Vector stored[3] = {positions[0] - output.origin[0], positions[1] - output.origin[1],
+                                  positions[2] - output.origin[2]};
+        put.stored(s, stored);
+      }
     }
-    if (output.positions) put.positions(s, position);
-    if (output.stored) {
-      const Vector stored[3] = {position[0] - output.origin[0], position[1] - output.origin[1],
-                                position[2] - output.origin[2]};
-      put.stored(s, stored);
-    }
-    if (output.normals) {
+    if (takes_normals) {
       Vector normal[3];
-      kept &= unit_normals(du, dv, normal);
+      kept &= unit_normals(sum[1], sum[2], normal);
       put.normals(s, normal);
     }
   }

@@ -38,11 +38,9 @@ PLANISH_INLINE void load_points(const double* state, const std::int32_t* indices
   y = _mm256_permute2f128_pd(_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d), 0x20);
   z = _mm256_permute2f128_pd(ab, cd, 0x31);
 #else
-  for (int l = 0; l < kLanes; ++l) {
-    x[l] = at(l)[0];
-    y[l] = at(l)[1];
-    z[l] = at(l)[2];
-  }
+  x = Vector{at(0)[0], at(1)[0]};
+  y = Vector{at(0)[1], at(1)[1]};
+  z = Vector{at(0)[2], at(1)[2]};
 #endif
 }
 

@@ -18,9 +18,15 @@ template <class Vector>
 struct Primvar {
   Vector value{0.0};
   void Clear() { value = Vector(0.0); }
+#pragma GCC diagnostic push
+#if defined(__GNUC__) && !defined(__clang__)
+  // GCC 14 does not see that OpenSubdiv's masks of an edge set both weights.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
   void AddWithWeight(const Primvar& other, float weight) {
     value += static_cast<double>(weight) * other.value;
   }
+#pragma GCC diagnostic pop
 };
 
 void carry_uvs(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,

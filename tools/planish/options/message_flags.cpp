@@ -22,7 +22,7 @@ constexpr std::array<std::pair<std::string_view, ProgressMode>, 5> kProgress{
     {{"auto", ProgressMode::Auto},
      {"bar", ProgressMode::Bar},
      {"plain", ProgressMode::Plain},
-     {"json", ProgressMode::Json},
+     {"json", ProgressMode::JsonLines},
      {"none", ProgressMode::None}}};
 
 template <class Words>
@@ -90,7 +90,7 @@ ProgressMode MessageFlags::progress_mode() const {
 }
 
 MessageForm MessageFlags::form() const {
-  return progress_mode() == ProgressMode::Json ? MessageForm::Json : MessageForm::Text;
+  return progress_mode() == ProgressMode::JsonLines ? MessageForm::JsonLines : MessageForm::Text;
 }
 
 MessageStyle early_style(const std::vector<std::string>& arguments) {
@@ -98,7 +98,7 @@ MessageStyle early_style(const std::vector<std::string>& arguments) {
   const std::string_view color = early_value(arguments, "--color");
   for (const auto& [name, mode] : kColors)
     if (name == color) style.color = mode;
-  if (early_value(arguments, "--progress") == "json") style.form = MessageForm::Json;
+  if (early_value(arguments, "--progress") == "json") style.form = MessageForm::JsonLines;
   return style;
 }
 

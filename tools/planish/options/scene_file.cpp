@@ -32,7 +32,7 @@ Sampling sampling_of(const Json& json, const std::string& where) {
   const auto path = [&](std::string_view key) { return key_path(where, key); };
   sampling.points = count_of(json["points"], path("points"), 4, kMostPoints);
   if (json.contains("pattern")) {
-    const std::string& pattern = text_of(json["pattern"], path("pattern"));
+    const std::string_view pattern = text_of(json["pattern"], path("pattern"));
     sampling.poisson_disk = pattern == kPatterns[0];
     if (std::ranges::find(kPatterns, pattern) == kPatterns.end())
       refuse(path("pattern"), "\"{}\" is not one of poisson-disk, uniform{}", visible(pattern),

@@ -51,7 +51,7 @@ void Console::write_line(std::string line) {
 void Console::raw(std::string_view text) { write_line(visible_lines(text)); }
 
 void Console::say(std::string_view level, std::string_view color, std::string_view text) {
-  if (form_ == MessageForm::Json) {
+  if (form_ == MessageForm::JsonLines) {
     const nlohmann::ordered_json line{{"level", level}, {"message", visible_lines(text)}};
     return write_line(line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
   }

@@ -8,9 +8,9 @@ namespace planish::command {
 
 enum class LogLevel { Error, Warning, Info, Debug };
 enum class ColorMode { Auto, Always, Never };
-/// Json: every message is a line `{"level":...,"message":...}`, so that a program which reads the
-/// progress as JSON meets nothing else.
-enum class MessageForm { Text, Json };
+/// JsonLines: every message is a line `{"level":...,"message":...}`, so that a program which reads
+/// the progress as JSON meets nothing else.
+enum class MessageForm { Text, JsonLines };
 
 /// How messages look, as far as it is known before arguments are parsed.
 struct MessageStyle {

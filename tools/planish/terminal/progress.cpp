@@ -57,7 +57,7 @@ void Progress::show(JobProgress& job) {
       return draw_bar(job, now);
     case ProgressMode::Plain:
       return write_plain(job, now);
-    case ProgressMode::Json:
+    case ProgressMode::JsonLines:
       return write_json(job, now);
     case ProgressMode::Auto:
     case ProgressMode::None:

@@ -10,7 +10,7 @@
 
 namespace planish::command {
 
-enum class ProgressMode { Auto, Bar, Plain, Json, None };
+enum class ProgressMode { Auto, Bar, Plain, JsonLines, None };
 
 class JobProgress;
 

@@ -86,7 +86,7 @@ RawVector<std::byte> decode_indices(const JsonPlace& extension, const Stream& wa
 
 RawVector<std::byte> decode_meshopt(const JsonPlace& extension, std::span<const std::byte> stream) {
   const Stream wanted{extension["count"].integer(1), extension["byteStride"].integer(1)};
-  const std::string& mode = extension["mode"].text();
+  const std::string_view mode = extension["mode"].text();
   if (mode == "ATTRIBUTES") return decode_attributes(extension, wanted, stream);
   if (mode != "TRIANGLES" && mode != "INDICES")
     extension["mode"].fail(quote(mode) + " is not ATTRIBUTES, TRIANGLES or INDICES");

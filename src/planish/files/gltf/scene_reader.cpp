@@ -59,7 +59,7 @@ void require_gltf_version(const JsonPlace& root) {
   if (const auto least = asset.find("minVersion")) require_known_version(*least);
   const auto required = root.find("extensionsRequired");
   for (std::int64_t i = 0; required && i < required->array_size(); ++i) {
-    const std::string& extension = (*required)[i].text();
+    const std::string_view extension = (*required)[i].text();
     const bool is_read = std::ranges::any_of(
         kReadExtensions, [&](std::string_view known) { return extension.starts_with(known); });
     if (!is_read && !(reads_draco() && extension == kDracoExtension))

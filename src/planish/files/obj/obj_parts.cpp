@@ -130,8 +130,8 @@ void ObjParts::gather(const std::vector<ObjCounts>& before, ObjPart& all) {
   const auto append = [&](auto& to, auto& values, std::size_t size) {
     if (to.empty()) {
       to = std::move(values);
-      to.reserve(size);
     } else {
+      to.reserve(size);  // here, where GCC 14 sees that insert() has room
       to.insert(to.end(), values.begin(), values.end());
     }
     values = {};
