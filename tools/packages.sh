@@ -1,5 +1,5 @@
-# Sourced by tools/run, tools/test, tools/package, tools/docs, tools/races and tools/check: the Debian 12 packages that each
-# needs.
+# Sourced by tools/run, tools/test, tools/package, tools/docs, tools/races and tools/check: the packages of Debian 12,
+# Debian 13 and Ubuntu 24.04 that each needs. Of names with | between, the first that the system has.
 
 # To build the command and the library.
 run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
@@ -10,7 +10,11 @@ run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf
 test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libegl-dev
   libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3 zsh fish man-db bsdextrautils"
 
-# To test pages in a browser: 64 MB to fetch, so only where the test must not be skipped.
+# The glTF validator and the tests of pages' code.
+node_packages="nodejs npm"
+
+# To test pages in a browser: 64 MB to fetch, so only where the test must not be skipped. Not in Ubuntu, where
+# PLANISH_BROWSER may name a Chromium.
 browser_packages="chromium-headless-shell"
 
 # To build the viewer.
@@ -27,7 +31,7 @@ python_test_packages="python3-numpy python3-pytest python3-matplotlib mypy pytho
 docs_packages="doxygen graphviz"
 
 # To check format and faults.
-check_packages="clang-format clang-tidy"
+check_packages="clang-format-14|clang-format clang-tidy"
 
 # To build oneTBB and all else with the thread sanitizer.
 races_packages="clang-19 dpkg-dev patch"

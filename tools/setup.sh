@@ -38,27 +38,43 @@ run_step() {
   timings="$timings, ${name,,} $((SECONDS - began)) s"
 }
 
-# missing_packages PACKAGE...: those that are not installed.
+# missing_packages PACKAGE...: those that are not installed. A PACKAGE may be names with | between, any of which does.
 missing_packages() {
   local package
   for package in "$@"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' ||
+    # shellcheck disable=SC2086
+    dpkg-query -W -f='${Status}\n' ${package//|/ } 2>/dev/null | grep -q '^install ok installed$' ||
       printf '%s ' "$package"
   done
 }
 
+# known_packages PACKAGE...: the first name of each that apt knows; 1 where it knows none of them.
+known_packages() {
+  local package name
+  for package in "$@"; do
+    for name in ${package//|/ }; do
+      apt-cache show "$name" >/dev/null 2>&1 && break
+      name=""
+    done
+    [ -n "$name" ] || { echo "This system has no package ${package//|/ or }." >&2; return 1; }
+    printf '%s ' "$name"
+  done
+}
+
 apt_install() {
-  local as_root=""
+  local as_root="" names
   [ "$(id -u)" = 0 ] || as_root="sudo"
   $as_root apt-get update
-  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+  names=$(known_packages "$@") || return
+  # shellcheck disable=SC2086
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $names
 }
 
 # require_packages PACKAGE...: installs what is missing, or names it and leaves.
 require_packages() {
   local missing
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-    echo "This is no Debian system. It needs what these Debian 12 packages hold:"
+    echo "This system has no apt. It needs what these packages of Debian and Ubuntu hold:"
     echo "  " "$@"
     echo "Trying with what is here."
     return
@@ -69,7 +85,7 @@ require_packages() {
   if [ "$(id -u)" != 0 ] && ! { command -v sudo >/dev/null &&
                                 { [ -t 0 ] && sudo -v || sudo -n true 2>/dev/null; }; }; then
     echo "Packages are missing, and this user may not install them. As root:"
-    echo "  apt-get install --no-install-recommends $missing"
+    echo "  apt-get update && apt-get install --no-install-recommends $(sed 's/|[^ ]*//g' <<<"$missing")"
     exit 1
   fi
   # shellcheck disable=SC2086
