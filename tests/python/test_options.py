@@ -26,6 +26,7 @@ VALUES = {
                 "auto:+1", "auto:.5", "auto:5.", "auto:nan", "auto:30 ", "40", "AUTO"],
     "repair": ["safe", "none", "all"],
     "quads": ["auto", "on", "off", "yes"],
+    "refine": ["off", "on", "auto", "yes"],
     "tolerance": [1e-6, 0.5, 1, 1.5, 0, -1e-6, 1e-300],
     "within": [0, "auto", 0.001, 1e-6, 1e-7, 0.0999, 0.1, -1, -0.5, "Auto", "1e-3"],
     "weld": [0, 1e-12, 9e-13, 1e-6, 0.0999, 0.1, -1, -0.5, 1],
@@ -80,6 +81,7 @@ class FitOptions(ctypes.Structure):
         ("step_tolerance", ctypes.c_double), ("step_unit", ctypes.c_int32),
         ("step_face_size", ctypes.c_int32), ("coarser_levels", ctypes.c_void_p),
         ("coarser_level_count", ctypes.c_size_t), ("textures", ctypes.c_int32),
+        ("refine", ctypes.c_int32),
     ]
 
 

@@ -27,7 +27,7 @@ struct Arguments {
   std::vector<std::string> only, except;
   std::string folder;  // where meshes are written instead of being measured
   bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
-       defaults = false, creases = false;
+       defaults = false, creases = false, refine = false;
 };
 
 void print_head() {
@@ -105,7 +105,8 @@ std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
   if (arguments.defaults) {
     const auto program = find_mesher_program();
     const Mesher mesher = program ? mesher_process(*program) : Mesher();
-    return print_default_table(cases, program && !arguments.smoke ? &mesher : nullptr);
+    return print_default_table(cases, program && !arguments.smoke ? &mesher : nullptr,
+                               arguments.refine ? RefineChoice::Auto : RefineChoice::Off);
   }
   print_head();
   std::vector<std::string> wrong;
@@ -153,6 +154,9 @@ int main(int argc, char** argv) {
                "which surface is taken by measurement, and which is nearer to the shape");
   app.add_flag("--defaults", arguments.defaults,
                "what comes out without a flag, beside the best of all flags");
+  app.add_flag(
+      "--refine", arguments.refine,
+      "with --defaults: vertices are added to uneven triangles (planish fit --refine auto)");
   app.add_flag("--creases", arguments.creases, "which edges are found to be sharp");
   app.add_option("--write", arguments.folder, "write the cases' meshes into this folder instead");
   app.add_flag("--check", arguments.check, "exit code 1 where the fair method falls short");

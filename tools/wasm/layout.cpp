@@ -78,6 +78,7 @@ extern "C" const char* planish_wasm_layout() {
     MEMBER(fit_options, step_face_size);
     MEMBER(fit_options, coarser_levels);
     MEMBER(fit_options, coarser_level_count);
+    MEMBER(fit_options, refine);
     STRUCT(fit_info);
     MEMBER(fit_info, converged);
     MEMBER(fit_info, iterations);

@@ -136,6 +136,7 @@ FitSettings settings_of(const planish_fit_options& options) {
   set_choice(settings, "precision", options.precision, "a planish_precision is wanted");
   set_choice(settings, "quads", options.quads, "a planish_quads is wanted");
   set_choice(settings, "textures", options.textures, "a planish_textures is wanted");
+  set_choice(settings, "refine", options.refine, "a planish_refine is wanted");
   set_choice(settings, "step_unit", options.step_unit, "a planish_step_unit is wanted");
   set_number(settings, "step_angle", options.step_angle);
   set_number(settings, "step_tolerance", options.step_tolerance);

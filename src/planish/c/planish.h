@@ -67,6 +67,12 @@ typedef enum planish_quads {
   PLANISH_QUADS_OFF
 } planish_quads;
 
+typedef enum planish_refine {
+  PLANISH_REFINE_OFF = 0,
+  PLANISH_REFINE_ON,
+  PLANISH_REFINE_AUTO
+} planish_refine;
+
 typedef enum planish_boundary {
   PLANISH_BOUNDARY_EDGE = 0,
   PLANISH_BOUNDARY_EDGE_AND_CORNER = 1 /**< corners where one face meets an open boundary */
@@ -215,6 +221,7 @@ typedef struct planish_fit_options {
   const int32_t* coarser_levels;
   size_t coarser_level_count;
   int32_t textures; /**< a planish_textures, of planish_fit_file() */
+  int32_t refine; /**< a planish_refine: whether vertices are added between uneven ones */
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);

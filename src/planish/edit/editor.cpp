@@ -17,7 +17,12 @@ Editor::Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& opt
 }
 
 Editor::Editor(const FittedMesh& fitted, int level)
-    : Editor(fitted.mesh, fitted.fit, {level, fitted.options}) {}
+    : Editor(fitted.mesh, fitted.fit, {level, fitted.options}) {
+  if (!fitted.added_vertices.empty())
+    throw Error(ErrorCode::InvalidArgument,
+                "vertices were added to the mesh, which would stay behind when others move; fit "
+                "with refine off");
+}
 
 Editor::Editor(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Editor::Editor(Editor&& other) noexcept = default;

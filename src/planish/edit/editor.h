@@ -56,7 +56,7 @@ class Editor {
   /// Error{InvalidArgument} for a fit that has not reached its tolerance, was allowed to leave the
   /// vertices (`within`) or is of another scheme than Doo-Sabin, Error{OutOfMemory}.
   Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options = {});
-  /// The same of all that fit_mesh() made.
+  /// The same of all that fit_mesh() made; throws where it added vertices.
   explicit Editor(const FittedMesh& fitted, int level = 2);
   Editor(PolygonMesh&& mesh, const Fit& fit, const EditorOptions& options = {}) = delete;
   Editor(Editor&& other) noexcept;

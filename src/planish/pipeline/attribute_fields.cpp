@@ -44,11 +44,17 @@ std::vector<float> rows_of_vertices(std::span<const float> given, int width,
                                     const FittedMesh& fitted, const SurfaceBlocks& surface) {
   const auto numbers = static_cast<std::size_t>(width);
   std::vector<glm::vec4> vertices(fitted.mesh.positions.size(), glm::vec4(0.0f));
-  for (std::size_t v = 0; v < vertices.size(); ++v) {
+  const std::size_t own = vertices.size() - fitted.added_vertices.size();
+  for (std::size_t v = 0; v < own; ++v) {
     const std::size_t source =
         fitted.source_vertices.empty() ? v : static_cast<std::size_t>(fitted.source_vertices[v]);
     for (std::size_t k = 0; k < numbers; ++k)
       vertices[v][static_cast<int>(k)] = given[numbers * source + k];
+  }
+  for (std::size_t v = own; v < vertices.size(); ++v) {
+    const AddedVertex& added = fitted.added_vertices[v - own];
+    for (int k = 0; k < 3; ++k)
+      vertices[v] += static_cast<float>(added.weights[k]) * vertices[added.vertices[k]];
   }
   std::vector<float> values(numbers * static_cast<std::size_t>(surface.info().row_count));
   const std::vector<RowRange> ranges = surface.row_blocks(kAttributeRows);

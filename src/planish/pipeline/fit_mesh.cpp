@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/number_text.h"
 #include "planish/core/version.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/folded_edges.h"
@@ -24,6 +28,12 @@ namespace {
 constexpr double kMadeReady = 0.15;
 // Of the faces, so many must be joined to be worth a second fit.
 constexpr double kWorthPairing = 0.05;
+// Degrees by which faces turn at their edges: where it is less, facets of a fine surface through
+// the given vertices are no more visible than those that are written.
+constexpr double kWorthRefining = 1;
+// Of the bending without them, so much is left at most where added vertices are worth their rows.
+constexpr double kRefinedBending = 0.9;
+constexpr double kFittedOnce = 0.5;                     // of the time, before vertices are added
 constexpr double kOneReady = 0.4, kLookedHalved = 0.5;  // of that, where triangles may be joined
 
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
@@ -218,15 +228,38 @@ FittedMesh fit_one(ReadyFit ready, Backend& backend) {
   return std::move(ready.fitted);
 }
 
+bool refines(const MeshFitOptions& options) {
+  return options.refine == RefineChoice::On ||
+         (options.refine == RefineChoice::Auto && !options.method);
+}
+
+// Whether vertices may be added to a mesh that was fitted: nothing but its surface hangs on them.
+bool may_refine(const FittedMesh& fitted, const MeshFitOptions& options) {
+  return options.stands_alone && fitted.options.method == InterpolationMethod::Fair &&
+         fitted.paired_count == 0 && fitted.options.within == 0.0 &&
+         fitted.options.fair_decisions == nullptr;
+}
+
 SurfaceQuality quality_of(const FittedMesh& fitted, int level, const Callbacks& callbacks) {
   const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
   const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
   return surface_quality(*surface->level(level), fitted.mesh, folds.is_beside, callbacks);
 }
 
-BendingFigures figures_of(const FittedMesh& fitted, const Callbacks& callbacks) {
-  const SurfaceQuality quality = quality_of(fitted, 2, callbacks);
+BendingFigures figures_of(const FittedMesh& fitted, const Callbacks& callbacks, int level = 2) {
+  const SurfaceQuality quality = quality_of(fitted, level, callbacks);
   return {fitted.fit.interpolation.converged, quality.bending, quality.folded_area_elsewhere};
+}
+
+// Why added vertices are no gain; empty: they are.
+std::string refusal_to_refine(const BendingFigures& given, const BendingFigures& refined) {
+  if (!refined.converged) return "none added: the surface through them misses the tolerance";
+  if (refined.folded_area >= kSoundFoldedArea && refined.folded_area > given.folded_area)
+    return formatted("none added: the surface through them folds {} % of the area",
+                     short_number(100 * refined.folded_area));
+  if (refined.bending >= kRefinedBending * given.bending)
+    return "none added: the surface bends hardly less with them";
+  return {};
 }
 
 bool is_whole(const FittedMesh& fitted, const Callbacks& callbacks) {
@@ -277,6 +310,54 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   taken.choose_milliseconds = took.count() - sum_of(taken.fit.timing);
   for (std::size_t i = told; i < taken.warnings.size(); ++i) caller.warn(taken.warnings[i]);
   return std::move(taken);
+}
+
+// The fit through further vertices, too; the given one where it is the better one.
+FittedMesh fit_refined(FittedMesh given, Backend& backend, const MeshFitOptions& options,
+                       const Callbacks& callbacks) {
+  const bool is_open = options.refine == RefineChoice::Auto;
+  if (is_open && rms_turn(given.mesh, *given.fit.prepared) < kWorthRefining) return given;
+  const auto began = std::chrono::steady_clock::now();
+  std::optional<RefinedMesh> made = refine_mesh(given.mesh, *given.fit.prepared);
+  if (!made) return given;
+  FittedMesh refined;
+  refined.options = given.options;
+  refined.options.prepared = nullptr;
+  refined.options.callbacks = share_of(callbacks, 0, 0.6);
+  refined.fit = fit(made->mesh, backend, refined.options);
+  refined.options.callbacks = {};
+  refined.mesh = std::move(made->mesh);
+  RefineReason reason;
+  if (is_open) {
+    reason.given = figures_of(given, share_of(callbacks, 0.6, 0.8));
+    reason.refined = figures_of(refined, share_of(callbacks, 0.8, 1), 1);
+    reason.text = refusal_to_refine(*reason.given, *reason.refined);
+    if (!reason.text.empty()) {
+      given.refine_reason = std::move(reason);
+      return given;
+    }
+    reason.text = formatted(
+        "{} added between those of uneven triangles: the surface bends less "
+        "(--refine off adds none)",
+        counted(std::ssize(made->added), "vertex"));
+  }
+  const double chosen = given.choose_milliseconds + sum_of(given.fit.timing);
+  given.mesh = std::move(refined.mesh);
+  given.fit = std::move(refined.fit);
+  given.added_vertices = std::move(made->added);
+  std::vector<std::int32_t>& sources = given.source_vertices;
+  if (sources.empty()) {
+    sources.resize(given.mesh.positions.size() - given.added_vertices.size());
+    std::iota(sources.begin(), sources.end(), 0);
+  }
+  sources.resize(given.mesh.positions.size(), -1);
+  given.refine_reason = std::move(reason);
+  if (!given.source_faces.empty())
+    for (std::int32_t& face : made->source_faces) face = given.source_faces[face];
+  given.source_faces = std::move(made->source_faces);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+  given.choose_milliseconds = chosen + took.count() - sum_of(given.fit.timing);
+  return given;
 }
 
 // Corners of outlines, where creases are chosen: after pairing, as verify_cage() has it.
@@ -393,12 +474,16 @@ FittedMesh fit_within(ReadyFit ready, Backend& backend) {
 }  // namespace
 
 FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
-  const Callbacks caller = ready.options.fit.callbacks;
-  const bool faces_are_given = ready.options.faces_are_given;
+  const MeshFitOptions options = ready.options;
+  const Callbacks& caller = options.fit.callbacks;
   const std::string name = ready.name;
+  if (refines(options)) ready.options.fit.callbacks = share_of(caller, 0, kFittedOnce);
   FittedMesh fitted = fit_within(std::move(ready), backend);
+  if (refines(options) && may_refine(fitted, options))
+    fitted = fit_refined(std::move(fitted), backend, options, share_of(caller, kFittedOnce, 1));
   const WarningList warnings(fitted.warnings, caller);
-  for (const Warning& warning : mesh_warnings(fitted, name, faces_are_given)) warnings.add(warning);
+  for (const Warning& warning : mesh_warnings(fitted, name, options.faces_are_given))
+    warnings.add(warning);
   return fitted;
 }
 

@@ -19,6 +19,7 @@
 #include "planish/pipeline/choose_quads.h"
 #include "planish/pipeline/fit.h"
 #include "planish/pipeline/fit_best.h"
+#include "planish/refine/refine_mesh.h"
 
 namespace planish {
 
@@ -40,6 +41,9 @@ struct MeshFitOptions {
   bool chooses_creases = true;
   /// Of Doo-Sabin alone auto joins anything, and where the surface is better (see choose_quads.h).
   QuadChoice quads = QuadChoice::Auto;
+  /// Adds vertices (see refine_mesh()) to meshes of triangles that stand alone, of the fair method
+  /// with FitOptions::within 0; auto: where the method is chosen, too, and the surface bends less.
+  RefineChoice refine = RefineChoice::Off;
   std::optional<double> weld;  ///< vertices within this fraction of the diagonal
   FitOptions fit;              ///< its method and prepared are not looked at
 };
@@ -49,6 +53,13 @@ struct MethodReason {
   std::string text;  ///< in a line, for people
   /// At level 1; empty: not measured. `creased`: fair with found creases.
   std::optional<SurfaceQuality> progressive, fair, creased;
+};
+
+/// Whether vertices were added, and why.
+struct RefineReason {
+  std::string text;  ///< in a line, for people
+  /// At level 2, and with added vertices, which are denser, at level 1; empty: not measured.
+  std::optional<BendingFigures> given, refined;
 };
 
 /// A mesh that anybody made, with the fit of it.
@@ -63,6 +74,9 @@ struct FittedMesh {
   bool pairs_triangles = false;   ///< whether they were joined: with it the cage can be verified
   std::int64_t paired_count = 0;  ///< triangles that became quads, each a diagonal less
   std::optional<QuadReason> quad_reason;
+  /// The last vertices of `mesh`, those that refine_mesh() added; of these source_vertices has -1.
+  std::vector<AddedVertex> added_vertices;
+  std::optional<RefineReason> refine_reason;
   double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
   std::int64_t welded_count = 0;   ///< vertices that became another
   MeshDensity density;             ///< before triangles are joined by measurement

@@ -25,17 +25,29 @@ Json choice_json(const std::optional<MethodReason>& choice) {
           {"creased", figures(choice->creased)}};
 }
 
+Json bending_json(const std::optional<BendingFigures>& of) {
+  if (!of) return nullptr;
+  return {{"bending", of->bending}, {"folded_area_elsewhere", of->folded_area}};
+}
+
+Json refinement_json(const FittedMesh& fitted) {
+  Json choice;
+  if (fitted.refine_reason) {
+    const RefineReason& reason = *fitted.refine_reason;
+    choice = {{"reason", reason.text},
+              {"given", bending_json(reason.given)},
+              {"refined", bending_json(reason.refined)}};
+  }
+  return {{"added", fitted.added_vertices.size()}, {"choice", choice}};
+}
+
 Json quads_json(const FittedMesh& fitted) {
   Json choice;
   if (fitted.quad_reason) {
     const QuadReason& reason = *fitted.quad_reason;
-    const auto figures = [](const std::optional<BendingFigures>& of) -> Json {
-      if (!of) return nullptr;
-      return {{"bending", of->bending}, {"folded_area_elsewhere", of->folded_area}};
-    };
     choice = {{"reason", reason.text},
-              {"triangles", figures(reason.triangles)},
-              {"quads", figures(reason.quads)}};
+              {"triangles", bending_json(reason.triangles)},
+              {"quads", bending_json(reason.quads)}};
   }
   return {{"joined", fitted.paired_count}, {"choice", choice}};
 }
@@ -111,6 +123,7 @@ Json solve_json(const FittedMesh& fitted) {
   json["repair"] = fitted.repairs ? "safe" : "none";
   json["weld"] = fitted.weld ? Json(*fitted.weld) : Json();
   json["quads"] = quads_json(fitted);
+  json["refine"] = refinement_json(fitted);
   json["tolerance"] = options.tolerance;
   json["within"] = within_json(fitted.fit.within);
   json["converged"] = result.converged;

@@ -218,6 +218,13 @@ std::vector<FitOption> make_table() {
                              "nothing is joined over ranks; planish fit IN --quads on "
                              "--max-iterations 0 --cage QUADS.obj writes the mesh of quads"}},
                   kQuadWords, &FitSettings::quads),
+      word_option({.name = "refine",
+                   .stage = Stage::Shape,
+                   .initial = "off",
+                   .help = "add vertices between those of uneven triangles, on a smooth guess of "
+                           "the surface; auto: where it bends less for them",
+                   .ranks = {"off", "no vertices are added over ranks"}},
+                  kRefineWords, &FitSettings::refine),
   };
   append(table, file_options());
   append(

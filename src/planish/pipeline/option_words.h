@@ -13,6 +13,7 @@
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/sharpness.h"
 #include "planish/primal/scheme.h"
+#include "planish/refine/refine_mesh.h"
 
 namespace planish {
 
@@ -37,6 +38,9 @@ inline constexpr std::array kSolverWords{OptionWord<Solver>{"chebyshev", Solver:
 inline constexpr std::array kBoundaryWords{
     OptionWord<BoundaryRule>{"edge", BoundaryRule::Edge},
     OptionWord<BoundaryRule>{"edge-and-corner", BoundaryRule::EdgeAndCorner}};
+inline constexpr std::array kRefineWords{OptionWord<RefineChoice>{"off", RefineChoice::Off},
+                                         OptionWord<RefineChoice>{"on", RefineChoice::On},
+                                         OptionWord<RefineChoice>{"auto", RefineChoice::Auto}};
 inline constexpr std::array kQuadWords{OptionWord<QuadChoice>{"auto", QuadChoice::Auto},
                                        OptionWord<QuadChoice>{"on", QuadChoice::On},
                                        OptionWord<QuadChoice>{"off", QuadChoice::Off}};

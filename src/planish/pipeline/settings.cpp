@@ -18,6 +18,7 @@ MeshFitOptions mesh_fit_options(const FitSettings& settings) {
   options.crease_degrees = settings.creases.dihedral_degrees;
   options.chooses_creases = settings.creases.chooses;
   options.quads = settings.quads;
+  options.refine = settings.refine;
   options.weld = settings.weld;
   options.fit.scheme = settings.scheme;
   options.fit.weights = settings.weights;
@@ -52,6 +53,7 @@ VerifyOptions verify_options(const FitSettings& settings) {
   options.crease_degrees = settings.creases.dihedral_degrees;
   options.weld = settings.weld;
   options.quads = settings.quads;
+  options.refine = settings.refine;
   options.tolerance = std::max(settings.tolerance, settings.within.of_diagonal.value_or(0.0));
   return options;
 }

@@ -63,7 +63,8 @@ struct FitSettings {
   CreaseChoice creases{.chooses = true};
   RepairChoice repair = RepairChoice::Safe;
   WithinChoice within;
-  QuadChoice quads = QuadChoice::Auto;   ///< points: on
+  QuadChoice quads = QuadChoice::Auto;  ///< points: on
+  RefineChoice refine = RefineChoice::Off;
   std::optional<double> weld;            ///< vertices within this fraction of the diagonal, first
   std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
   std::vector<CornerVertex> corner_vertices;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "planish/core/error.h"
@@ -74,12 +75,15 @@ struct Limits {
 
 Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const VerifyOptions& options,
                  bool pairs_triangles) {
-  Limits made{make_ready(PolygonMesh(given),
-                         {options.repairs, options.sharp.use_tags, options.crease_degrees,
-                          options.method, options.weld, options.smoothed_vertices, pairs_triangles})
-                  .mesh,
-              {}};
-  require_usable(made.mesh, options.given_name);
+  ReadyMesh ready =
+      make_ready(PolygonMesh(given),
+                 {options.repairs, options.sharp.use_tags, options.crease_degrees, options.method,
+                  options.weld, options.smoothed_vertices, pairs_triangles});
+  require_usable(ready.mesh, options.given_name);
+  if (options.refine == RefineChoice::On)
+    if (auto refined = refine_mesh(ready.mesh, *prepare_mesh(ready.mesh, options.given_name)))
+      ready.mesh = std::move(refined->mesh);
+  Limits made{std::move(ready.mesh), {}};
   // What is compared or taken for control points later may hold anything as yet.
   require_sound_indices(arrays_of(cage), options.cage_name, ErrorCode::UnusableMesh);
   made.points = options.method == InterpolationMethod::Fair

@@ -153,7 +153,7 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   require_memory_for({&need, 1}, settings, planned.outputs);
   std::string text = formatted(
       "would fit {}: {}\n{}  solve        {}, {}{}, tolerance {}\n", name,
-      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count),
+      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count, 0),
       device_line(device), solve_text(settings, planned.outputs),
       ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
                                                : "",

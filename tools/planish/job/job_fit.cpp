@@ -16,6 +16,7 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   report.method = fitted.options.method;
   report.choice = fitted.reason;
   report.quad_reason = fitted.quad_reason;
+  if (fitted.refine_reason) report.refinement = fitted.refine_reason->text;
   CreaseChoice& creases = report.settings.creases;
   report.tried_creases = report.choice && creases.chooses;
   creases.chooses = false;
@@ -23,6 +24,8 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   report.input.joined = fitted.paired_count;
   report.density = fitted.density;
   report.settings.quads = fitted.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
+  report.input.added = std::ssize(fitted.added_vertices);
+  report.settings.refine = report.input.added > 0 ? RefineChoice::On : RefineChoice::Off;
   if (fitted.fit.within) {
     report.settings.within = {.of_diagonal = fitted.fit.within->within};
     report.within = fitted.fit.within;
@@ -82,6 +85,9 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
   made.fitted = fit_prepared(std::move(ready), backend);
   made.fitted.split_normals = report.settings.creases.split_normals;
   if (!moves.empty()) {
+    if (!made.fitted.added_vertices.empty())
+      refuse(moves.front().where,
+             "vertices were added, which would stay behind when others move; take --refine off");
     if (!report.reconstruction.is_null())
       refuse(moves.front().where, "moves are of vertices of a mesh; the input holds points");
     report.moved =

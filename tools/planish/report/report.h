@@ -57,6 +57,7 @@ struct InputFacts {
   double folded_edge_area = 0;
   std::int64_t welded = 0, dropped = 0;
   std::int64_t joined = 0;           ///< pairs of triangles, to quads
+  std::int64_t added = 0;            ///< vertices, between those of uneven triangles
   std::int64_t separated_edges = 0;  ///< along which repair separated sheets
   /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
   std::int64_t file_vertices = 0, file_faces = 0;
@@ -103,6 +104,7 @@ struct JobReport {
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<MethodReason> choice;     ///< where the settings leave the method open
   bool tried_creases = false;             ///< and found creases
+  std::string refinement;  ///< why vertices were added, for people; empty: none were
   std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
   MeshDensity density;                    ///< which settles the level where nobody named one
   std::optional<FairFigures> fair;
@@ -143,10 +145,11 @@ struct JobReport {
 [[nodiscard]] nlohmann::ordered_json histogram_json(const std::vector<std::int64_t>& counts);
 
 /// "1,148 vertices, 1,254 after separating sheets, 2,200 faces": the file's own counts, with what
-/// mending made of them where that differs, and joining so many pairs of triangles.
+/// mending made of them where that differs, and joining so many pairs of triangles. Or, where so
+/// many vertices were added, "400 vertices, 796 faces; with 757 vertices added 2,310 faces".
 [[nodiscard]] std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces,
                                       std::int64_t vertices, std::int64_t faces,
-                                      std::int64_t joined);
+                                      std::int64_t joined, std::int64_t added);
 
 /// For people: what went in, what was chosen and why with how good it is, and what came out; in
 /// full with how it was computed. Lines of repair, of points and of what is missed come where there

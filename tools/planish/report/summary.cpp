@@ -89,6 +89,8 @@ std::string chosen_lines(const JobReport& report) {
   if (report.choice) text += "  chosen      " + report.choice->text + "\n";
   if (report.quad_reason && report.quad_reason->are_better)
     text += (text.empty() ? "  chosen      " : "              ") + report.quad_reason->text + "\n";
+  if (!report.refinement.empty())
+    text += (text.empty() ? "  chosen      " : "              ") + report.refinement + "\n";
   return text;
 }
 
@@ -145,6 +147,7 @@ std::string surface_line(const JobReport& report) {
     text += word_of(kMethodWords, report.method);
   }
   if (report.quad_reason && report.quad_reason->are_better) text += "; " + report.quad_reason->text;
+  if (!report.refinement.empty()) text += "; " + report.refinement;
   if (!result.converged) text += "; not converged: the error is " + short_number(result.error.max);
   if (!report.surface) return text + "\n";
   if (report.surface->quality.folded_area >= kSoundFoldedArea)
@@ -166,8 +169,11 @@ std::string within_line(const JobReport& report) {
 }  // namespace
 
 std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces, std::int64_t vertices,
-                        std::int64_t faces, std::int64_t joined) {
+                        std::int64_t faces, std::int64_t joined, std::int64_t added) {
   std::string text = counted(file_vertices, "vertex");
+  if (added > 0)
+    return formatted("{}, {}; with {} added {}", text, counted(file_faces, "face"),
+                     counted(added, "vertex"), counted(faces, "face"));
   if (vertices != file_vertices)
     text += ", " + with_separators(vertices) +
             (vertices > file_vertices ? " after separating sheets" : " after mending");
@@ -298,11 +304,12 @@ std::string asset_summary(const JobReport& report, bool is_full) {
   text += "\n";
   for (const JobReport& mesh : report.meshes)
     if (is_full)
-      text += formatted("  {}: {}\n{}", mesh.mesh_name,
-                        counts_text(mesh.input.file_vertices, mesh.input.file_faces,
-                                    mesh.input.statistics.vertex_count,
-                                    mesh.input.statistics.face_count, mesh.input.joined),
-                        surface_line(mesh));
+      text += formatted(
+          "  {}: {}\n{}", mesh.mesh_name,
+          counts_text(mesh.input.file_vertices, mesh.input.file_faces,
+                      mesh.input.statistics.vertex_count, mesh.input.statistics.face_count,
+                      mesh.input.joined, mesh.input.added),
+          surface_line(mesh));
   return text + dense_meshes_line(report) + output_lines(report);
 }
 
@@ -315,11 +322,11 @@ std::string summary(const JobReport& report, bool is_full) {
     return all;
   }
   const MeshStatistics& statistics = report.input.statistics;
-  std::string text =
-      formatted("{}: {} ({}){}\n", input_name(report.input.path),
-                counts_text(report.input.file_vertices, report.input.file_faces,
-                            statistics.vertex_count, statistics.face_count, report.input.joined),
-                shape_of(statistics), is_full ? "" : ", " + duration(report.timing.total));
+  std::string text = formatted(
+      "{}: {} ({}){}\n", input_name(report.input.path),
+      counts_text(report.input.file_vertices, report.input.file_faces, statistics.vertex_count,
+                  statistics.face_count, report.input.joined, report.input.added),
+      shape_of(statistics), is_full ? "" : ", " + duration(report.timing.total));
   text += mending_lines(report);
   text += input_folds_line(report.input);
   text += report.reconstruction_summary;

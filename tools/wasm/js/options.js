@@ -10,6 +10,7 @@ export const CHOICES = {
   boundary: ['edge', 'edge-and-corner'],
   precision: ['auto', 'float', 'double'],
   quads: ['auto', 'on', 'off'],
+  refine: ['off', 'on', 'auto'],
   stepUnit: ['mm', 'cm', 'm', 'in', 'auto'],
 };
 /** PLANISH_LEVEL_AUTO: 2, of a dense mesh 1. */

@@ -64,8 +64,9 @@ function describeVertex(vertex, name) {
   }
   state.marked = pointOf(scene, vertex);
   const place = pointOf(scene, vertex).map((x) => Number(x.toPrecision(4))).join(', ');
-  $('picked').textContent =
-      [`${name} ${scene.names[vertex]} (counted from 0) at ${place}`, ...lines].join('\n');
+  const number = scene.names[vertex];
+  const which = number < 0 ? 'a vertex that was added' : `${name} ${number} (counted from 0)`;
+  $('picked').textContent = [`${which} at ${place}`, ...lines].join('\n');
 }
 
 function clearPicked() {

@@ -1,0 +1,309 @@
+// Vertices added between those of uneven triangles: where they lie, what stays, what rides along.
+#include "planish/refine/refine_mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "planish/mesh/check.h"
+#include "planish/refine/vertex_jets.h"
+#include "support/cut_quads.h"
+#include "support/delaunay_sphere.h"
+#include "support/meshes.h"
+
+namespace planish {
+namespace {
+
+using test::cut_quads;
+using test::delaunay_sphere;
+
+RefinedMesh refined(const PolygonMesh& mesh) {
+  std::optional<RefinedMesh> made = refine_mesh(mesh, *prepare_mesh(mesh, "mesh"));
+  EXPECT_TRUE(made.has_value());
+  return made ? *std::move(made) : RefinedMesh{};
+}
+
+// Triangles over [0, 8] x [0, 8] whose inner vertices are moved by lot, at a height.
+template <class Height>
+PolygonMesh uneven_sheet(const Height& height) {
+  PolygonMesh mesh = cut_quads(test::flat_grid(8, 8));
+  std::mt19937 lot(5);
+  const auto share = [&] { return static_cast<double>(lot()) / 4294967296.0 - 0.5; };
+  for (glm::dvec3& p : mesh.positions) {
+    const double dx = 0.7 * share(), dy = 0.7 * share();
+    if (p.x > 0 && p.x < 8) p.x += dx;
+    if (p.y > 0 && p.y < 8) p.y += dy;
+    p.z = height(p.x, p.y);
+  }
+  return mesh;
+}
+
+double flat(double, double) { return 0; }
+
+struct Errors {
+  double normals = 0, distance = 0;  // rms by area, degrees
+};
+
+// Of a mesh's facets from the unit sphere.
+Errors errors_of_sphere(const PolygonMesh& mesh) {
+  double area = 0, normals = 0, distance = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto v = mesh.face(f);
+    const glm::dvec3 &a = mesh.positions[v[0]], &b = mesh.positions[v[1]],
+                     &c = mesh.positions[v[2]];
+    const glm::dvec3 cross = glm::cross(b - a, c - a), middle = (a + b + c) / 3.0;
+    const double size = glm::length(cross);
+    if (size == 0) continue;
+    const double cosine = glm::dot(cross, middle) / size / glm::length(middle);
+    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+    area += size;
+    normals += size * angle * angle;
+    distance += size * std::pow(glm::length(middle) - 1, 2);
+  }
+  return {std::sqrt(normals / area), std::sqrt(distance / area)};
+}
+
+TEST(VertexJets, HaveTheCurvatureOfAParaboloid) {
+  const PolygonMesh mesh = uneven_sheet([](double x, double y) {
+    return 0.05 * (x - 4) * (x - 4) + 0.02 * (x - 4) * (y - 4) - 0.03 * (y - 4) * (y - 4);
+  });
+  const MeshTopology topology(mesh);
+  PolygonMesh moved = mesh;
+  const std::int32_t middle = test::vertex_at(mesh, {4, 4, 0});
+  moved.positions[middle] = {4, 4, 0};
+  const VertexJets jets =
+      fit_vertex_jets(moved.positions, topology, std::vector<char>(topology.edge_count(), 0));
+  const VertexJet& jet = jets.jets[jets.jet_of_corner[topology.corners_at(middle).front()]];
+  EXPECT_NEAR(std::abs(jet.normal.z), 1, 1e-12);
+  for (const glm::dvec2& at : {glm::dvec2(4.5, 4), glm::dvec2(3.8, 4.4), glm::dvec2(4.3, 3.5)}) {
+    const glm::dvec2 d = at - glm::dvec2(4);
+    const double z = 0.05 * d.x * d.x + 0.02 * d.x * d.y - 0.03 * d.y * d.y;
+    EXPECT_NEAR(jet.on_jet({at, 0}).z, z, 1e-6);
+  }
+}
+
+// Heights by lot are no surface: nothing is put between them that bends more than they do.
+TEST(VertexJets, DoNotFollowNoise) {
+  std::mt19937 lot(8);
+  const PolygonMesh mesh = uneven_sheet(
+      [&](double, double) { return 0.02 * (static_cast<double>(lot()) / 4294967296.0 - 0.5); });
+  for (const glm::dvec3& p : refined(mesh).mesh.positions) EXPECT_LT(std::abs(p.z), 0.015);
+}
+
+TEST(RefineMesh, KeepsTheGivenVerticesFirstAndWhereTheyAre) {
+  for (const PolygonMesh& mesh :
+       {delaunay_sphere(300, 3), uneven_sheet(flat), test::tetrahedron(), test::bipyramid(50)}) {
+    const RefinedMesh made = refined(mesh);
+    ASSERT_GT(made.mesh.vertex_count(), mesh.vertex_count());
+    EXPECT_TRUE(
+        std::equal(mesh.positions.begin(), mesh.positions.end(), made.mesh.positions.begin()));
+    EXPECT_EQ(std::ssize(made.added), made.mesh.vertex_count() - mesh.vertex_count());
+    EXPECT_TRUE(check(made.mesh).empty());
+    EXPECT_EQ(made.source_faces.size(), static_cast<std::size_t>(made.mesh.face_count()));
+  }
+}
+
+TEST(RefineMesh, LiesNearTheShapeThatWasSampled) {
+  for (const int count : {400, 1500}) {
+    const PolygonMesh mesh = delaunay_sphere(count, 11);
+    const Errors given = errors_of_sphere(mesh), made = errors_of_sphere(refined(mesh).mesh);
+    EXPECT_LT(made.normals, 0.4 * given.normals) << count;
+    EXPECT_LT(made.distance, 0.3 * given.distance) << count;
+  }
+}
+
+TEST(RefineMesh, LeavesPlanesFlatAndTheirOutlineStraight) {
+  const PolygonMesh mesh = uneven_sheet(flat);
+  const RefinedMesh made = refined(mesh);
+  const MeshTopology topology(made.mesh);
+  for (std::int32_t v = 0; v < made.mesh.vertex_count(); ++v) {
+    const glm::dvec3& p = made.mesh.positions[v];
+    EXPECT_NEAR(p.z, 0, 1e-12);
+    const bool is_outside = std::min({p.x, p.y, 8 - p.x, 8 - p.y}) < 1e-9;
+    EXPECT_EQ(is_outside, topology.is_boundary_vertex(v));
+  }
+}
+
+// A roof: the ridge is tagged, its sides are flat, and stay so up to it.
+TEST(RefineMesh, SplitsCreasesAndLooksAtEachSideAlone) {
+  PolygonMesh mesh = uneven_sheet(flat);
+  for (glm::dvec3& p : mesh.positions) {
+    if (std::abs(p.x - 4) < 0.5) p.x = 4;
+    p.z = -0.3 * std::abs(p.x - 4);
+  }
+  const MeshTopology topology(mesh);
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    const auto [a, b] = topology.edge_vertices(e);
+    if (mesh.positions[a].x == 4 && mesh.positions[b].x == 4) mesh.creases.push_back({a, b});
+  }
+  ASSERT_EQ(mesh.creases.size(), 8u);
+  const RefinedMesh made = refined(mesh);
+  EXPECT_GT(made.mesh.creases.size(), 8u);
+  double length = 0;
+  for (const CreaseEdge& crease : made.mesh.creases) {
+    const glm::dvec3 &a = made.mesh.positions[crease.v0], &b = made.mesh.positions[crease.v1];
+    EXPECT_NEAR(a.x, 4, 1e-12);
+    EXPECT_NEAR(b.x, 4, 1e-12);
+    EXPECT_EQ(crease.sharpness, kInfiniteSharpness);
+    length += glm::distance(a, b);
+  }
+  EXPECT_NEAR(length, 8, 1e-12);
+  for (const glm::dvec3& p : made.mesh.positions) EXPECT_NEAR(p.z, -0.3 * std::abs(p.x - 4), 1e-9);
+}
+
+// Groups left and right of x = 4, texture coordinates with a seam there, a hole, colours and
+// numbers: linear where they were, parted where they were.
+TEST(RefineMesh, CarriesWhatRidesOnTheMesh) {
+  PolygonMesh mesh = uneven_sheet(flat);
+  for (glm::dvec3& p : mesh.positions)
+    if (std::abs(p.x - 4) < 0.5) p.x = 4;
+  mesh.groups = {{"left", "red"}, {"right", "blue"}};
+  VertexAttribute attribute = attribute_of_size("sum", 1, mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::dvec3& p = mesh.positions[v];
+    attribute.values[v] = static_cast<float>(p.x + 2 * p.y);
+    mesh.colors.emplace_back(p.x / 8, p.y / 8, 0.5, 1);
+  }
+  mesh.attributes = {attribute};
+  const auto is_right = [&](std::span<const std::int32_t> face) {
+    return std::ranges::any_of(face, [&](std::int32_t v) { return mesh.positions[v].x > 4; });
+  };
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const bool right = is_right(mesh.face(f));
+    mesh.face_groups.push_back(right ? 1 : 0);
+    if (f == 20) mesh.hole_faces.push_back(f);
+    for (const std::int32_t v : mesh.face(f)) {
+      const glm::dvec3& p = mesh.positions[v];
+      mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
+      mesh.uvs.emplace_back(p.x + (right ? 100 : 0), p.y);
+    }
+  }
+  // One coordinate a vertex and side.
+  std::map<std::pair<double, double>, std::int32_t> numbers;
+  for (std::int32_t& uv : mesh.face_uvs)
+    uv = numbers.emplace(std::pair(mesh.uvs[uv].x, mesh.uvs[uv].y), uv).first->second;
+  const RefinedMesh made = refined(mesh);
+  const PolygonMesh& to = made.mesh;
+  ASSERT_EQ(to.face_uvs.size(), to.face_vertices.size());
+  double hole_area = 0, right_area = 0;
+  for (std::int32_t f = 0; f < to.face_count(); ++f) {
+    double low = 8, high = 0;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3& p = to.positions[to.face(f)[i]];
+      low = std::min(low, p.x);
+      high = std::max(high, p.x);
+      const glm::dvec2& uv = to.uvs[to.face_uvs[3 * f + i]];
+      EXPECT_NEAR(uv.x, p.x + (to.face_groups[f] == 1 ? 100 : 0), 1e-9);
+      EXPECT_NEAR(uv.y, p.y, 1e-9);
+    }
+    EXPECT_EQ(to.face_groups[f], high > 4 + 1e-9 ? 1 : 0);
+    EXPECT_TRUE(low > 4 - 1e-9 || high < 4 + 1e-9);
+    const glm::dvec3& a = to.positions[to.face(f)[0]];
+    const double area =
+        glm::length(glm::cross(to.positions[to.face(f)[1]] - a, to.positions[to.face(f)[2]] - a)) /
+        2;
+    if (to.face_groups[f] == 1) right_area += area;
+    if (std::ranges::count(to.hole_faces, f) > 0) hole_area += area;
+  }
+  EXPECT_NEAR(right_area, 32, 1e-9);
+  const glm::dvec3& corner = mesh.positions[mesh.face(20)[0]];
+  EXPECT_NEAR(hole_area,
+              glm::length(glm::cross(mesh.positions[mesh.face(20)[1]] - corner,
+                                     mesh.positions[mesh.face(20)[2]] - corner)) /
+                  2,
+              1e-9);
+  for (std::size_t v = 0; v < to.positions.size(); ++v) {
+    const glm::dvec3& p = to.positions[v];
+    EXPECT_NEAR(to.attributes[0].values[v], p.x + 2 * p.y, 1e-4);
+    EXPECT_NEAR(to.colors[v].r, p.x / 8, 1e-5);
+    EXPECT_EQ(to.colors[v].a, 1);
+  }
+}
+
+TEST(RefineMesh, GivesTheSameBitsForEveryNumberOfThreadsAndScale) {
+  const PolygonMesh mesh = delaunay_sphere(500, 4);
+  const RefinedMesh one = tbb::task_arena(1).execute([&] { return refined(mesh); });
+  const RefinedMesh many = tbb::task_arena(4).execute([&] { return refined(mesh); });
+  EXPECT_EQ(one.mesh.positions, many.mesh.positions);
+  EXPECT_EQ(one.mesh.face_vertices, many.mesh.face_vertices);
+  PolygonMesh large = mesh;
+  for (glm::dvec3& p : large.positions) p *= 1024;
+  const RefinedMesh scaled = refined(large);
+  EXPECT_EQ(scaled.mesh.face_vertices, one.mesh.face_vertices);
+  for (std::size_t v = 0; v < one.mesh.positions.size(); ++v)
+    EXPECT_EQ(scaled.mesh.positions[v], 1024.0 * one.mesh.positions[v]);
+}
+
+// Length of the edges whose faces turn by more than 90 degrees.
+double folded_length(const PolygonMesh& mesh) {
+  const MeshTopology topology(mesh);
+  const auto normal = [&](std::int32_t face) {
+    const auto v = topology.face(face);
+    const glm::dvec3& a = mesh.positions[v[0]];
+    return glm::cross(mesh.positions[v[1]] - a, mesh.positions[v[2]] - a);
+  };
+  double length = 0;
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    const std::int32_t corner = topology.corner_of(e);
+    if (glm::dot(normal(topology.face_of(corner)),
+                 normal(topology.face_of(topology.twin(corner)))) > 0)
+      continue;
+    const auto [a, b] = topology.edge_vertices(e);
+    length += glm::distance(mesh.positions[a], mesh.positions[b]);
+  }
+  return length;
+}
+
+TEST(RefineMesh, TurnsNoTriangleOver) {
+  EXPECT_EQ(folded_length(refined(delaunay_sphere(1000, 9)).mesh), 0);
+  // A ball with a spike and a pit, through whose sides no smooth surface passes.
+  PolygonMesh spiked = delaunay_sphere(400, 6);
+  spiked.positions[7] *= 1.8;
+  spiked.positions[90] *= 0.4;
+  const double given = folded_length(spiked);
+  ASSERT_GT(given, 0);
+  EXPECT_LT(folded_length(refined(spiked).mesh), 1.25 * given);
+}
+
+TEST(RefineMesh, LeavesMeshesThatAreNoTriangles) {
+  const PolygonMesh mesh = test::cube();
+  EXPECT_FALSE(refine_mesh(mesh, *prepare_mesh(mesh, "mesh")).has_value());
+}
+
+TEST(RefineMesh, LeavesUnusedVerticesWhereTheyAre) {
+  PolygonMesh mesh = delaunay_sphere(100, 2);
+  const RefinedMesh plain = refined(mesh);
+  mesh.positions.insert(mesh.positions.begin() + 10, glm::dvec3(5, 5, 5));
+  for (std::int32_t& v : mesh.face_vertices)
+    if (v >= 10) ++v;
+  const RefinedMesh made = refined(mesh);
+  EXPECT_EQ(made.mesh.positions[10], glm::dvec3(5, 5, 5));
+  PolygonMesh without = made.mesh;
+  without.positions.erase(without.positions.begin() + 10);
+  EXPECT_EQ(without.positions, plain.mesh.positions);
+}
+
+TEST(RmsTurn, IsThatOfTheEdgesThatAreNoCreases) {
+  PolygonMesh mesh = test::prism(4);
+  PolygonMesh box = cut_quads(mesh);
+  const MeshTopology topology(box);
+  const double all = rms_turn(box, *prepare_mesh(box, "box"));
+  EXPECT_GT(all, 60);
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    const auto [a, b] = topology.edge_vertices(e);
+    box.creases.push_back({a, b});
+  }
+  EXPECT_EQ(rms_turn(box, *prepare_mesh(box, "box")), 0);
+}
+
+}  // namespace
+}  // namespace planish
