@@ -63,6 +63,12 @@ void fields(Archive& archive, Interpolation& found) {
           found.worst_vertex, found.history, found.upload_milliseconds);
 }
 
+template <class Archive>
+void fields(Archive& archive, WithinFit& within) {
+  archive(within.within, within.noise, within.distance, within.at_bound, within.bending_before,
+          within.bending_after, within.exact, within.left);
+}
+
 // What prepare_mesh() makes is made again.
 template <class Archive>
 void fields(Archive& archive, Fit& fit) {
@@ -96,6 +102,11 @@ void fields(Archive& archive, QuadReason& reason) {
 }
 
 template <class Archive>
+void fields(Archive& archive, RefineReason& reason) {
+  archive(reason.text, reason.given, reason.refined);
+}
+
+template <class Archive>
 void fields(Archive& archive, Warning& warning) {
   archive(warning.code, warning.message, warning.count, warning.first);
 }
@@ -109,7 +120,8 @@ template <class Archive>
 void fields(Archive& archive, FittedMesh& fitted) {
   archive(fitted.mesh, fitted.fit, fitted.options, fitted.repairs, fitted.uses_tags,
           fitted.crease_degrees, fitted.weld, fitted.split_normals, fitted.reason,
-          fitted.pairs_triangles, fitted.paired_count, fitted.quad_reason,
+          fitted.pairs_triangles, fitted.paired_count, fitted.quad_reason, fitted.added_vertices,
+          fitted.refine_reason,
           fitted.choose_milliseconds, fitted.welded_count, fitted.density, fitted.source_vertices,
           fitted.source_faces, fitted.changed_faces, fitted.smoothed_vertices,
           fitted.separated_edges, fitted.warnings, fitted.rest_positions);

@@ -34,7 +34,7 @@ class SceneDrawing {
       : root_(root), source_(source), budget_({}, file), attribute_(attribute) {}
 
   RenderMesh read() {
-    const std::vector<GltfInstance> instances = gltf_instances(root_, source_);
+    const std::vector<GltfInstance> instances = gltf_scene(root_, source_).instances;
     if (!instances.empty()) mesh_.origin = instances.front().to_world[3];
     for (const GltfInstance& instance : instances) {
       const JsonPlace primitives = root_["meshes"][instance.mesh]["primitives"];
