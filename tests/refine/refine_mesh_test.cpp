@@ -6,13 +6,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <numbers>
 #include <random>
-#include <set>
 
 #include "planish/mesh/check.h"
 #include "planish/refine/vertex_jets.h"

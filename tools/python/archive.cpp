@@ -121,10 +121,9 @@ void fields(Archive& archive, FittedMesh& fitted) {
   archive(fitted.mesh, fitted.fit, fitted.options, fitted.repairs, fitted.uses_tags,
           fitted.crease_degrees, fitted.weld, fitted.split_normals, fitted.reason,
           fitted.pairs_triangles, fitted.paired_count, fitted.quad_reason, fitted.added_vertices,
-          fitted.refine_reason,
-          fitted.choose_milliseconds, fitted.welded_count, fitted.density, fitted.source_vertices,
-          fitted.source_faces, fitted.changed_faces, fitted.smoothed_vertices,
-          fitted.separated_edges, fitted.warnings, fitted.rest_positions);
+          fitted.refine_reason, fitted.choose_milliseconds, fitted.welded_count, fitted.density,
+          fitted.source_vertices, fitted.source_faces, fitted.changed_faces,
+          fitted.smoothed_vertices, fitted.separated_edges, fitted.warnings, fitted.rest_positions);
 }
 
 template <class Archive>
