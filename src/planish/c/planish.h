@@ -221,7 +221,7 @@ typedef struct planish_fit_options {
   const int32_t* coarser_levels;
   size_t coarser_level_count;
   int32_t textures; /**< a planish_textures, of planish_fit_file() */
-  int32_t refine; /**< a planish_refine: whether vertices are added between uneven ones */
+  int32_t refine;   /**< a planish_refine: whether vertices are added between uneven ones */
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);

@@ -104,7 +104,7 @@ struct JobReport {
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<MethodReason> choice;     ///< where the settings leave the method open
   bool tried_creases = false;             ///< and found creases
-  std::string refinement;  ///< why vertices were added, for people; empty: none were
+  std::string refinement;                 ///< why vertices were added, for people; empty: none were
   std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
   MeshDensity density;                    ///< which settles the level where nobody named one
   std::optional<FairFigures> fair;
