@@ -88,7 +88,7 @@ TEST(Step, LiesOnTheSurfaceAndKeepsTheTolerance) {
 
 // Of surfaces that leave the given vertices by so much: the file is that surface, and as far off.
 TEST(Step, SurfacesWithinATolerancePassVerticesByNoMore) {
-  const PolygonMesh mesh = jittered(torus(12, 8, 3, 1), 0.05, 4);
+  const PolygonMesh mesh = jittered(torus(24, 16, 3, 1), 0.1, 4);
   const auto backend = make_cpu_backend();
   constexpr double kWithin = 0.005;  // of the diagonal
   for (const InterpolationMethod method :

@@ -59,8 +59,8 @@ TEST_F(Report, HasTheKeysThatItPromises) {
   EXPECT_THAT(
       keys_of(report["solve"]),
       ElementsAre("method", "choice", "scheme", "weights", "solver", "boundary", "creases",
-                  "repair", "weld", "quads", "tolerance", "within", "converged", "stop_reason",
-                  "iterations", "spectral_bound", "error", "history", "fair"));
+                  "repair", "weld", "quads", "refine", "tolerance", "within", "converged",
+                  "stop_reason", "iterations", "spectral_bound", "error", "history", "fair"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
   EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));
   EXPECT_THAT(keys_of(report["surface"]),

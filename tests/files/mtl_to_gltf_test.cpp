@@ -99,7 +99,10 @@ TEST_F(MtlToGltf, AnObjHasTheMaterialsOfAGltf) {
             "Kd 1 1 1\nPr 0.5\nPm 0\nmap_Kd -s 4 2 1 -o 0.5 0.25 0 -clamp on a b.png\n"
             "norm -bm 0.5 a b.png\n");
   EXPECT_THAT(library.warnings(), IsEmpty());
-  EXPECT_EQ(materials_of(library).lists, given.lists);
+  const GltfMaterials again =
+      converted("newmtl glass\n" + library.statements("glass", folder_.path()) + "newmtl wood\n" +
+                library.statements("wood", folder_.path()));
+  EXPECT_EQ(again.lists, given.lists);
 }
 
 TEST_F(MtlToGltf, SaysWhatAnObjHasNoWordFor) {

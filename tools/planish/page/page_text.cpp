@@ -91,11 +91,13 @@ std::string shell_word(std::string_view word) {
 
 std::string figure(double number) {
   if (!std::isfinite(number)) return "not finite";
-  // Rounded first: 999.9 is 1,000.
-  const double rounded = std::strtod(short_number(number).c_str(), nullptr);
+  // Three digits, as the viewer shows. Rounded first: 999.9 is 1,000.
+  std::array<char, 32> digits;
+  std::snprintf(digits.data(), digits.size(), "%.3g", number);
+  const double rounded = std::strtod(digits.data(), nullptr);
   if (std::abs(rounded) >= 1e3 && std::abs(rounded) < 1e6)
     return with_separators(static_cast<std::int64_t>(rounded));
-  return short_number(number);
+  return digits.data();
 }
 
 std::string figure(const nlohmann::ordered_json& number) {
