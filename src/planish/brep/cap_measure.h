@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <span>
 #include <vector>
