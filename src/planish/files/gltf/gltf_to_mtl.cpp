@@ -100,7 +100,6 @@ class MtlWriter {
       return;
     }
     const json& sampler = json_at(given_.lists, "samplers", json_at(texture, "sampler"));
-    constexpr int kClampToEdge = 33071;
     const bool clamps = json_at(sampler, "wrapS") == kClampToEdge;
     lines_.push_back(keyword +
                      place_options(json_at(json_at(info, "extensions"), "KHR_texture_transform")) +

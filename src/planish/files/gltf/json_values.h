@@ -8,6 +8,9 @@
 
 namespace planish {
 
+/// How a sampler of textures wraps.
+inline constexpr int kClampToEdge = 33071;
+
 /// Values of a glTF document that may be missing, or of another kind.
 using JsonNumbers = std::vector<double>;
 

@@ -12,6 +12,7 @@
 
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/image_type.h"
+#include "planish/files/gltf/json_values.h"
 #include "planish/files/read_file.h"
 
 namespace planish {
@@ -20,7 +21,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kUsualRoughness = 0.5, kMostShininess = 1000;
-constexpr int kClampToEdge = 33071;
 
 class Converter {
  public:
