@@ -47,8 +47,12 @@ Overlay::Overlay(const Device& device, VkRenderPass pass, int scale)
   info.MSAASamples = kSamples;
   info.CheckVkResultFn = [](VkResult result) { vulkan::check(result, "Dear ImGui"); };
   ImGui_ImplVulkan_Init(&info, pass);
+#if IMGUI_VERSION_NUM >= 19000
+  ImGui_ImplVulkan_CreateFontsTexture();
+#else
   device.run([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
   ImGui_ImplVulkan_DestroyFontUploadObjects();
+#endif
 }
 
 Overlay::~Overlay() {

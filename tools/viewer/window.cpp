@@ -25,6 +25,31 @@
 namespace planish::viewer {
 namespace {
 
+// Of a key as GLFW names it, which Dear ImGui took up to 1.86; now it has names of its own.
+bool is_pressed(int key, bool repeats) {
+#if IMGUI_VERSION_NUM < 18700
+  return ImGui::IsKeyPressed(key, repeats);
+#else
+  const auto name = [&] {
+    if (key >= GLFW_KEY_A && key <= GLFW_KEY_Z)
+      return static_cast<ImGuiKey>(ImGuiKey_A + key - GLFW_KEY_A);
+    switch (key) {
+      case GLFW_KEY_LEFT_BRACKET:
+        return ImGuiKey_LeftBracket;
+      case GLFW_KEY_RIGHT_BRACKET:
+        return ImGuiKey_RightBracket;
+      case GLFW_KEY_ESCAPE:
+        return ImGuiKey_Escape;
+      case GLFW_KEY_SPACE:
+        return ImGuiKey_Space;
+      default:
+        return ImGuiKey_None;
+    }
+  };
+  return ImGui::IsKeyPressed(name(), repeats);
+#endif
+}
+
 [[noreturn]] void fail(const std::string& what) {
   const char* why = nullptr;
   glfwGetError(&why);
@@ -218,11 +243,11 @@ void Window::read_mouse() {
 
 void Window::read_edit_keys() {
   const ImGuiIO& io = ImGui::GetIO();
-  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, true); };
+  const auto pressed = [](int key) { return is_pressed(key, true); };
   if (io.KeyCtrl) {
     if (pressed(GLFW_KEY_Z)) tell_problems([&] { session_->undo(); });
     if (pressed(GLFW_KEY_Y)) tell_problems([&] { session_->redo(); });
-    if (ImGui::IsKeyPressed(GLFW_KEY_S, false)) save_edited();
+    if (is_pressed(GLFW_KEY_S, false)) save_edited();
     return;
   }
   constexpr float kGrowth = 1.25f;
@@ -232,9 +257,9 @@ void Window::read_edit_keys() {
   const glm::vec2 place(io.MousePos.x / io.DisplaySize.x, io.MousePos.y / io.DisplaySize.y);
   // Not in a drag, whose positions are those before.
   if (hand_->is_holding()) return;
-  if (ImGui::IsKeyPressed(GLFW_KEY_X, false))
+  if (is_pressed(GLFW_KEY_X, false))
     tell_problems([&] { hand_->toggle_crease(camera_, aspect, place); });
-  if (ImGui::IsKeyPressed(GLFW_KEY_V, false)) {
+  if (is_pressed(GLFW_KEY_V, false)) {
     tell_problems([&] {
       if (const auto vertex = hand_->vertex_at(camera_, aspect, place))
         session_->toggle_corner(*vertex);
@@ -247,13 +272,13 @@ void Window::read_input() {
   read_mouse();
   if (io.WantCaptureKeyboard) return;
   if (edits_) read_edit_keys();
-  if (ImGui::IsKeyPressed(GLFW_KEY_E, false)) {
+  if (is_pressed(GLFW_KEY_E, false)) {
     if (edits_)
       edits_ = false;
     else
       begin_editing();
   }
-  if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) glfwSetWindowShouldClose(window_.get(), true);
+  if (is_pressed(GLFW_KEY_ESCAPE, false)) glfwSetWindowShouldClose(window_.get(), true);
   if (io.KeyCtrl) return;
   const std::array<std::pair<int, bool*>, 6> toggles{{{GLFW_KEY_S, &settings_.surface},
                                                       {GLFW_KEY_C, &settings_.cage},
@@ -262,7 +287,7 @@ void Window::read_input() {
                                                       {GLFW_KEY_T, &settings_.tessellate},
                                                       {GLFW_KEY_SPACE, &settings_.paused}}};
   for (const auto& [key, value] : toggles)
-    if (ImGui::IsKeyPressed(key, false)) *value = !*value;
+    if (is_pressed(key, false)) *value = !*value;
   settings_.tessellate &= device_.has_tessellation();
 }
 
