@@ -63,9 +63,14 @@ def own_folders(compiler):
 def faults_of(compiler, own, searched):
     """What standard headers become where these folders are searched."""
     done = preprocess(compiler, ["-H", *(f"-{flag}{folder}" for flag, folder in searched)], PROGRAM)
-    faults = [f"{path} is included for a standard header"
-              for path in re.findall(r"(?m)^\.+ (.*)$", done.stderr)
-              if not any(os.path.realpath(path).startswith(f"{folder}/") for folder in own)]
+    taken = [os.path.realpath(folder) for _, folder in searched]
+
+    # Compilers' own headers may lie behind links elsewhere.
+    def is_below(path, folders):
+        return any(os.path.realpath(path).startswith(f"{folder}/") for folder in folders)
+
+    faults = [f"{path} is included for a standard header" for path in re.findall(r"(?m)^\.+ (.*)$", done.stderr)
+              if is_below(path, taken) and not is_below(path, own)]
     if done.returncode and not faults:
         faults = re.findall(r"(?m)^.*error: .*$", done.stderr)[:3] or [done.stderr[-400:]]
     return faults
