@@ -17,8 +17,7 @@ constexpr double kTooLong = 1.4;  // of the aim
 constexpr int kSplitPasses = 10, kLastPasses = 4;
 constexpr int kFlipRounds = 6;
 constexpr int kMovesAfterSplits = 2, kLastMoves = 4;
-constexpr double kLeastFlipCosine = 0.5;  // of triangles that are flipped
-constexpr int kMostFaces = 32;            // that a moved place crosses
+constexpr int kMostFaces = 32;  // that a moved place crosses
 
 // Half-edge h = 3 t + i runs from corner i of triangle t to the next.
 std::int32_t next_of(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -269,7 +268,7 @@ class EvenNet {
     if (glm::dot(a - o, b - o) * r + glm::dot(a - p, b - p) * s >= -1e-3 * s * r) return false;
     const glm::dvec3 left = glm::cross(a - o, p - o), right = glm::cross(b - p, o - p);
     const auto turns = [](const glm::dvec3& m, const glm::dvec3& n) {
-      return !(glm::dot(m, n) >= kLeastFlipCosine * glm::length(m) * glm::length(n));
+      return !(glm::dot(m, n) >= kLeastSmoothCosine * glm::length(m) * glm::length(n));
     };
     // Neither across a ridge nor into one.
     if (turns(up, down) || turns(left, right) || turns(up + down, left + right)) return false;
@@ -357,7 +356,7 @@ class EvenNet {
         const std::int32_t t = twin_[h];
         if (t < h || wall_[h] >= 0) continue;
         const glm::dvec3 m = normal_of(h / 3, positions_), n = normal_of(t / 3, positions_);
-        if (glm::dot(m, n) >= kLeastFlipCosine * glm::length(m) * glm::length(n)) continue;
+        if (glm::dot(m, n) >= kLeastSmoothCosine * glm::length(m) * glm::length(n)) continue;
         for (const std::int32_t v : {start_[h], start_[t], opposite(h), opposite(t)}) {
           if (v < given_count_ || guess_.is_flat(places_[v - given_count_].face)) continue;
           guess_.flatten(places_[v - given_count_].face);
@@ -378,7 +377,7 @@ class EvenNet {
         const glm::dvec3 now = normal_of(t, positions_), then = normal_of(t, before);
         if (glm::dot(now, then) > 0) {
           const double lean = lean_of(t, now, places_);
-          if (lean >= kLeastFlipCosine || lean >= lean_of(t, then, places)) continue;
+          if (lean >= kLeastSmoothCosine || lean >= lean_of(t, then, places)) continue;
         }
         for (int i = 0; i < 3; ++i) {
           const std::int32_t v = start_[3 * t + i];

@@ -13,12 +13,9 @@
 namespace planish {
 namespace {
 
-// Curves that turn by more at a vertex end there.
-constexpr double kLineEnds = 0.5;  // cosine: 60 degrees
 constexpr int kBlends = 2;
-constexpr int kLooks = 4;                 // parts of a face's edges
-constexpr double kLeastLookCosine = 0.5;  // 60 degrees: by more no guess turns from its face
-constexpr double kLeastRidge = 0.52;      // 30 degrees, between faces
+constexpr int kLooks = 4;             // parts of a face's edges
+constexpr double kLeastRidge = 0.52;  // 30 degrees, between faces
 
 }  // namespace
 
@@ -62,7 +59,7 @@ bool GuessSurface::is_ridge(std::int32_t corner, std::int32_t twin) const {
     const glm::dvec3 p = place(corner, begin, 0), q = place(corner, end, 0);
     const glm::dvec3 left = glm::cross(q - p, place(corner, middle, 1.0 / kLooks) - p);
     const glm::dvec3 right = glm::cross(place(twin, 1 - middle, 1.0 / kLooks) - p, q - p);
-    if (!(glm::dot(left, right) >= kLeastLookCosine * glm::length(left) * glm::length(right)))
+    if (!(glm::dot(left, right) >= kLeastSmoothCosine * glm::length(left) * glm::length(right)))
       return true;
   }
   return false;
@@ -77,7 +74,8 @@ bool GuessSurface::turns_too_far(std::int32_t face) const {
   const glm::dvec3 normal = face_normal(face);
   const auto turns = [&](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
     const glm::dvec3 part = glm::cross(q - p, r - p);
-    return !(glm::dot(part, normal) >= kLeastLookCosine * glm::length(part) * glm::length(normal));
+    return !(glm::dot(part, normal) >=
+             kLeastSmoothCosine * glm::length(part) * glm::length(normal));
   };
   for (int i = 0; i < kLooks; ++i) {
     for (int j = 0; i + j < kLooks; ++j) {
@@ -124,7 +122,7 @@ void GuessSurface::make_curves(std::span<const char> is_line, std::span<const ch
     const auto [c, d] = topology_.edge_vertices(other);
     const glm::dvec3 back = positions_[v] - positions_[c == v ? d : c];
     const double l1 = glm::dot(along, along), l0 = glm::dot(back, back);
-    if (!(l0 > 0) || !(l1 > 0) || glm::dot(along, back) < kLineEnds * std::sqrt(l0 * l1))
+    if (!(l0 > 0) || !(l1 > 0) || glm::dot(along, back) < kLeastSmoothCosine * std::sqrt(l0 * l1))
       return along;
     const glm::dvec3 tangent = along / l1 + back / l0;
     return tangent * (std::sqrt(l1) / glm::length(tangent));

@@ -10,6 +10,10 @@
 
 namespace planish {
 
+/// Cosine of the angle by which faces turn at most where they sample a smooth surface, 60 degrees:
+/// nothing is guessed across edges that turn by more, nor is a guess believed that does.
+inline constexpr double kLeastSmoothCosine = 0.5;
+
 /// The surface near a vertex as a height over a plane: z = (a x^2 + 2 b x y + c y^2) / 2 + cubic
 /// terms, along `normal` over the axes `e1` and `e2`, all in the mesh's unit. Passes the vertex.
 struct VertexJet {
