@@ -44,7 +44,7 @@ TEST(CageHeader, HasItsLinesInOrder) {
       testing::ElementsAre("planish scheme=loop", "planish interpolation=progressive",
                            "planish weights=doo-sabin", "planish boundary=edge",
                            "planish creases=auto:1e-05", "planish repair=safe",
-                           "planish quads=auto", "planish refine=off", "planish tolerance=1e-06",
+                           "planish quads=auto", "planish refine=auto", "planish tolerance=1e-06",
                            "planish source=a.obj", "planish weld=0"));
   EXPECT_EQ(parse_cage_header(lines, "a").settings.creases.dihedral_degrees, 1e-5);
 }

@@ -8,7 +8,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST_F(Fair, AutoTakesWhatFoldsLessAndSaysWhy) {
-  const nlohmann::json taken = fit(sphere_, {"-o", path("a.ply")});
+  const nlohmann::json taken = fit(sphere_, {"-o", path("a.ply"), "--refine", "off"});
   EXPECT_EQ(taken["solve"]["method"], "fair");
   EXPECT_THAT(messages_, HasSubstr("surface     fair: progressive folds"));
   const nlohmann::json& choice = taken["solve"]["choice"];

@@ -26,7 +26,7 @@ VALUES = {
                 "auto:+1", "auto:.5", "auto:5.", "auto:nan", "auto:30 ", "40", "AUTO"],
     "repair": ["safe", "none", "all"],
     "quads": ["auto", "on", "off", "yes"],
-    "refine": ["off", "on", "auto", "yes"],
+    "refine": ["auto", "on", "off", "yes"],
     "tolerance": [1e-6, 0.5, 1, 1.5, 0, -1e-6, 1e-300],
     "within": [0, "auto", 0.001, 1e-6, 1e-7, 0.0999, 0.1, -1, -0.5, "Auto", "1e-3"],
     "weld": [0, 1e-12, 9e-13, 1e-6, 0.0999, 0.1, -1, -0.5, 1],

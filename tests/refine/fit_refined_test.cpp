@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -89,10 +90,101 @@ TEST(FitRefined, HasACageThatCanBeVerified) {
   (void)test::message_of(ErrorCode::UnusableMesh, [&] { (void)verify_cage(cage, mesh, verify); });
 }
 
-TEST(FitRefined, CannotBeEdited) {
+// Some of few points look as if they were halves of quads.
+TEST(FitRefined, IsTakenBeforeQuadsThatBendMore) {
+  int both = 0, taken = 0;
+  for (int seed = 1; seed <= 40; ++seed) {
+    const PolygonMesh mesh = test::delaunay_sphere(24, static_cast<unsigned>(seed));
+    const FittedMesh made = fitted(mesh, RefineChoice::Auto);
+    if (!made.quad_reason) continue;
+    SCOPED_TRACE(seed);
+    ++both;
+    if (made.added_vertices.empty()) continue;
+    ++taken;
+    const FittedMesh plain = fitted(mesh, RefineChoice::Off);
+    EXPECT_EQ(made.paired_count, 0);
+    EXPECT_FALSE(made.quad_reason->are_better);
+    EXPECT_LT(normals_off(made, 1), normals_off(plain, 2));
+  }
+  EXPECT_GT(both, 0);
+  EXPECT_GT(taken, 0);
+}
+
+TEST(FitRefined, IsWrittenALevelLess) {
+  const FittedMesh made = fitted(test::delaunay_sphere(200, 5), RefineChoice::Auto);
+  EXPECT_EQ(made.density.level(), 1);
+  EXPECT_EQ(fitted(test::delaunay_sphere(200, 5), RefineChoice::Off).density.level(), 2);
+}
+
+TEST(FitRefined, IsNotLeftBehindWithinABound) {
+  MeshFitOptions options;
+  options.fit.within = 1e-3;
+  const FittedMesh made = fitted(test::delaunay_sphere(200, 5), RefineChoice::Auto, options);
+  EXPECT_TRUE(made.added_vertices.empty());
+}
+
+TEST(FitRefined, HasWarningsOfTheSurfaceThatIsTakenAlone) {
+  const PolygonMesh mesh = test::delaunay_sphere(200, 5);
+  std::vector<Warning> told;
+  MeshFitOptions options;
+  options.fit.callbacks.warning = [&](const Warning& warning) { told.push_back(warning); };
+  const FittedMesh made = fitted(mesh, RefineChoice::Auto, options);
+  ASSERT_EQ(told.size(), made.warnings.size());
+  for (std::size_t i = 0; i < told.size(); ++i)
+    EXPECT_EQ(told[i].message, made.warnings[i].message);
+}
+
+// Each added vertex by the weights of the given ones that move, and by nothing else.
+TEST(FitRefined, IsEditedByItsGivenVertices) {
   const FittedMesh made = fitted(test::delaunay_sphere(200, 5), RefineChoice::Auto);
   ASSERT_FALSE(made.added_vertices.empty());
-  (void)test::message_of(ErrorCode::InvalidArgument, [&] { const Editor editor(made); });
+  const auto given =
+      static_cast<std::int32_t>(made.mesh.positions.size() - made.added_vertices.size());
+  Editor editor(made);
+  const std::vector<glm::dvec3> before(editor.points().begin(), editor.points().end());
+  const std::array<std::int32_t, 2> vertices{7, 11};
+  const glm::dvec3 way(0.02, -0.01, 0.03);
+  editor.move(vertices, std::array{before[7] + way, before[11] - way});
+  const auto way_of = [&](std::int32_t v) { return v == 7 ? way : v == 11 ? -way : glm::dvec3(0); };
+  int followed = 0;
+  for (std::int32_t v = 0; v < std::ssize(before); ++v) {
+    glm::dvec3 expected(0);
+    if (v < given) {
+      expected = way_of(v);
+    } else {
+      const AddedVertex& added = made.added_vertices[v - given];
+      for (int k = 0; k < 3; ++k) expected += added.weights[k] * way_of(added.vertices[k]);
+      followed += expected != glm::dvec3(0);
+    }
+    EXPECT_LT(glm::distance(editor.points()[v] - before[v], expected), 1e-15);
+  }
+  EXPECT_GT(followed, 4);
+  EXPECT_LT(editor.measured_error(), 1e-12);
+  editor.undo();
+  EXPECT_TRUE(std::ranges::equal(editor.points(), before));
+  // They go on to follow where all is made anew.
+  editor.refit();
+  editor.move(std::array{7}, std::array{before[7] + way});
+  EXPECT_GT(glm::distance(editor.points()[7], before[7]), 0.03);
+  EXPECT_TRUE(std::any_of(before.begin() + given, before.end(), [&](const glm::dvec3& p) {
+    return editor.points()[&p - before.data()] != p;
+  }));
+}
+
+TEST(FitRefined, LetsNobodyMoveOrSelectAnAddedVertex) {
+  const FittedMesh made = fitted(test::delaunay_sphere(200, 5), RefineChoice::Auto);
+  const auto given =
+      static_cast<std::int32_t>(made.mesh.positions.size() - made.added_vertices.size());
+  Editor editor(made);
+  EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
+                               [&] { editor.move(std::array{given}, std::array{glm::dvec3(0)}); }),
+              testing::HasSubstr("the mesh has 0 to 199"));
+  const Selection selection = editor.select(std::array{7}, 0.5);
+  EXPECT_GT(selection.vertices.size(), 3u);
+  EXPECT_TRUE(std::ranges::all_of(selection.vertices, [&](std::int32_t v) { return v < given; }));
+  EXPECT_EQ(selection.weights.size(), selection.vertices.size());
+  editor.transform(selection, glm::dmat4(1.01));
+  EXPECT_LT(editor.measured_error(), 1e-12);
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ void fields(Archive& archive, Warning& warning) {
 
 template <class Archive>
 void fields(Archive& archive, MeshDensity& density) {
-  archive(density.vertex_count, density.even_share);
+  archive(density.vertex_count, density.even_share, density.is_refined);
 }
 
 template <class Archive>

@@ -53,6 +53,7 @@ Scene load_scene(const std::string& path, const std::string& name,
     for (glm::dvec3& p : input.file.mesh.positions) p = {p.x, p.z, -p.y};
   MeshFitOptions options = mesh_fit_options(settings);
   if (method) options.method = method;
+  options.refine = RefineChoice::Off;  // its points are those that are dragged
   FittedMesh fitted =
       fit_prepared(command::prepare_mesh(std::move(input), options, settings),
                    *make_cpu_backend({.solve_precision = precision_for(settings.tolerance)}));

@@ -68,9 +68,9 @@ typedef enum planish_quads {
 } planish_quads;
 
 typedef enum planish_refine {
-  PLANISH_REFINE_OFF = 0,
+  PLANISH_REFINE_AUTO = 0,
   PLANISH_REFINE_ON,
-  PLANISH_REFINE_AUTO
+  PLANISH_REFINE_OFF
 } planish_refine;
 
 typedef enum planish_boundary {

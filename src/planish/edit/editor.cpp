@@ -17,11 +17,11 @@ Editor::Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& opt
 }
 
 Editor::Editor(const FittedMesh& fitted, int level)
-    : Editor(fitted.mesh, fitted.fit, {level, fitted.options}) {
-  if (!fitted.added_vertices.empty())
-    throw Error(ErrorCode::InvalidArgument,
-                "vertices were added to the mesh, which would stay behind when others move; fit "
-                "with refine off");
+    : Editor(fitted, EditorOptions{level, fitted.options}) {}
+
+Editor::Editor(const FittedMesh& fitted, const EditorOptions& options)
+    : Editor(fitted.mesh, fitted.fit, options) {
+  impl_->lead(fitted.added_vertices);
 }
 
 Editor::Editor(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

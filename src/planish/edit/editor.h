@@ -56,8 +56,10 @@ class Editor {
   /// Error{InvalidArgument} for a fit that has not reached its tolerance, was allowed to leave the
   /// vertices (`within`) or is of another scheme than Doo-Sabin, Error{OutOfMemory}.
   Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options = {});
-  /// The same of all that fit_mesh() made; throws where it added vertices.
+  /// The same of all that fit_mesh() made. Vertices that it added are moved along with the given
+  /// ones around, by the same weights, and by nothing else.
   explicit Editor(const FittedMesh& fitted, int level = 2);
+  Editor(const FittedMesh& fitted, const EditorOptions& options);
   Editor(PolygonMesh&& mesh, const Fit& fit, const EditorOptions& options = {}) = delete;
   Editor(Editor&& other) noexcept;
   Editor& operator=(Editor&& other) noexcept;

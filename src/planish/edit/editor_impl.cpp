@@ -127,6 +127,7 @@ std::unique_ptr<Editor::Impl> Editor::Impl::next(std::unique_ptr<const PolygonMe
   auto result = std::make_unique<Impl>(std::move(mesh), fit, options_, callbacks);
   result->past_ = past_;
   result->future_ = future_;
+  result->followers_ = followers_;
   return result;
 }
 
@@ -138,8 +139,11 @@ EditChange Editor::Impl::all_rows() {
 
 EditChange Editor::Impl::move(std::span<const std::int32_t> vertices,
                               std::span<const glm::dvec3> positions, const Callbacks& callbacks) {
-  require_moves(vertices, positions, mesh_.vertex_count(), fit_.placement);
-  PastMove before = take_moves(vertices, positions);
+  require_moves(vertices, positions, followers_->leader_count(points_.size()), fit_.placement);
+  std::vector<std::int32_t> movers(vertices.begin(), vertices.end());
+  std::vector<glm::dvec3> to(positions.begin(), positions.end());
+  followers_->follow(points_, movers, to);
+  PastMove before = take_moves(movers, to);
   EditChange change = apply(callbacks);
   if (moved_.empty()) return change;  // no step that could be taken back
   future_.clear();
@@ -181,7 +185,21 @@ Selection Editor::Impl::select(std::span<const std::int32_t> vertices, double ra
                           mesh_.vertex_count() - 1),
                 vertex);
   }
-  return select_around(*fit_.prepared, points_, vertices, radius);
+  Selection found = select_around(*fit_.prepared, points_, vertices, radius);
+  const std::int32_t leaders = followers_->leader_count(points_.size());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < found.vertices.size(); ++i) {
+    if (found.vertices[i] >= leaders) continue;
+    found.vertices[kept] = found.vertices[i];
+    found.weights[kept++] = found.weights[i];
+  }
+  found.vertices.resize(kept);
+  found.weights.resize(kept);
+  return found;
+}
+
+void Editor::Impl::lead(std::span<const AddedVertex> added) {
+  followers_ = std::make_shared<Followers>(added, mesh_.positions);
 }
 
 PolygonMesh Editor::Impl::mesh() const {

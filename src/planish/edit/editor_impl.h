@@ -9,6 +9,7 @@
 
 #include "planish/edit/edited_surface.h"
 #include "planish/edit/editor.h"
+#include "planish/edit/followers.h"
 #include "planish/edit/local_fair.h"
 #include "planish/edit/local_solve.h"
 #include "planish/edit/measured_error.h"
@@ -39,6 +40,8 @@ class Editor::Impl {
   /// One way through the moves that were made.
   EditChange step(MoveHistory& from, MoveHistory& to, const Callbacks& callbacks);
   EditChange settle(const Callbacks& callbacks);
+  /// The last vertices of the mesh go with the others from now on.
+  void lead(std::span<const AddedVertex> added);
 
   [[nodiscard]] Selection select(std::span<const std::int32_t> vertices, double radius) const;
   [[nodiscard]] PolygonMesh mesh() const;
@@ -71,6 +74,7 @@ class Editor::Impl {
   Fit fit_;  // without its arrays
   std::vector<glm::dvec3> points_;
   UsedPart used_;
+  std::shared_ptr<const Followers> followers_ = std::make_shared<Followers>();
   std::optional<Subdivision> subdivision_;
   std::optional<LocalSolve> solve_;  // of the progressive method
   std::optional<LocalFair> fair_;    // of the other

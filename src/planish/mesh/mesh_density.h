@@ -20,10 +20,13 @@ struct MeshDensity {
   std::int64_t vertex_count = 0;  ///< of its faces
   /// Of its area, that of even faces; measured from kDenseVertices on, 0 below.
   double even_share = 0;
+  /// Vertices were added since between those of uneven triangles, about as a split does.
+  bool is_refined = false;
 
   [[nodiscard]] bool is_dense() const { return even_share >= kDenseShare; }
-  /// How often faces are split where nobody says it: 2 times, 1 where the mesh is dense.
-  [[nodiscard]] int level() const { return is_dense() ? 1 : 2; }
+  /// How often faces are split where nobody says it: 2 times, 1 where the mesh is dense or was
+  /// refined.
+  [[nodiscard]] int level() const { return is_dense() || is_refined ? 1 : 2; }
 };
 
 /// `topology`: of the mesh.

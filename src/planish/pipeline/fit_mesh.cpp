@@ -33,7 +33,8 @@ constexpr double kWorthPairing = 0.05;
 constexpr double kWorthRefining = 1;
 // Of the bending without them, so much is left at most where added vertices are worth their rows.
 constexpr double kRefinedBending = 0.9;
-constexpr double kFittedOnce = 0.5;                     // of the time, before vertices are added
+// Of the time, what comes before vertices are added, and of the rest, the fit through these.
+constexpr double kFittedOnce = 0.5, kRefinedFitted = 0.6;
 constexpr double kOneReady = 0.4, kLookedHalved = 0.5;  // of that, where triangles may be joined
 
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
@@ -228,18 +229,6 @@ FittedMesh fit_one(ReadyFit ready, Backend& backend) {
   return std::move(ready.fitted);
 }
 
-bool refines(const MeshFitOptions& options) {
-  return options.refine == RefineChoice::On ||
-         (options.refine == RefineChoice::Auto && !options.method);
-}
-
-// Whether vertices may be added to a mesh that was fitted: nothing but its surface hangs on them.
-bool may_refine(const FittedMesh& fitted, const MeshFitOptions& options) {
-  return options.stands_alone && fitted.options.method == InterpolationMethod::Fair &&
-         fitted.paired_count == 0 && fitted.options.within == 0.0 &&
-         fitted.options.fair_decisions == nullptr;
-}
-
 SurfaceQuality quality_of(const FittedMesh& fitted, int level, const Callbacks& callbacks) {
   const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
   const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
@@ -270,13 +259,70 @@ bool is_whole(const FittedMesh& fitted, const Callbacks& callbacks) {
   return folded < kSoundFoldedArea;
 }
 
-// The fit of quads, and that of triangles unless they are plainly halves and the quads do not fold:
-// the better one is given out, with its warnings alone.
+bool is_fair(const FittedMesh& fitted) {
+  return fitted.options.method == InterpolationMethod::Fair;
+}
+
+// Makes of a fit one through further vertices, too, where that bends less than the best without
+// them, as `given` tells, and says why or why not; empty where nothing is to be said.
+std::optional<RefineReason> refine_into(FittedMesh& fitted, const MeshFitOptions& options,
+                                        Backend& backend,
+                                        const std::optional<BendingFigures>& given,
+                                        const Callbacks& callbacks) {
+  const auto began = std::chrono::steady_clock::now();
+  std::optional<RefinedMesh> made = refine_mesh(fitted.mesh, *fitted.fit.prepared);
+  if (!made) return std::nullopt;
+  FittedMesh refined;
+  refined.options = fitted.options;
+  refined.options.prepared = nullptr;
+  refined.options.callbacks = share_of(callbacks, 0, kRefinedFitted);
+  refined.options.callbacks.warning = [&](const Warning& warning) {
+    refined.warnings.push_back(warning);
+  };
+  refined.fit = fit(made->mesh, backend, refined.options);
+  refined.options.callbacks = {};
+  refined.mesh = std::move(made->mesh);
+  RefineReason reason;
+  if (options.refine == RefineChoice::Auto) {
+    reason.given = given ? *given : figures_of(fitted, share_of(callbacks, kRefinedFitted, 0.8));
+    reason.refined = figures_of(refined, share_of(callbacks, 0.8, 1), 1);
+    reason.text = refusal_to_refine(*reason.given, *reason.refined);
+    if (!reason.text.empty()) return reason;
+    reason.text = formatted(
+        "{} added between those of uneven triangles: the surface bends less "
+        "(--refine off adds none)",
+        counted(std::ssize(made->added), "vertex"));
+  }
+  const double chosen = fitted.choose_milliseconds + sum_of(fitted.fit.timing);
+  fitted.mesh = std::move(refined.mesh);
+  fitted.fit = std::move(refined.fit);
+  fitted.added_vertices = std::move(made->added);
+  fitted.density.is_refined = true;
+  std::vector<std::int32_t>& sources = fitted.source_vertices;
+  if (sources.empty()) {
+    sources.resize(fitted.mesh.positions.size() - fitted.added_vertices.size());
+    std::iota(sources.begin(), sources.end(), 0);
+  }
+  sources.resize(fitted.mesh.positions.size(), -1);
+  if (!fitted.source_faces.empty())
+    for (std::int32_t& face : made->source_faces) face = fitted.source_faces[face];
+  fitted.source_faces = std::move(made->source_faces);
+  const WarningList warnings(fitted.warnings, callbacks);
+  for (const Warning& warning : refined.warnings) warnings.add(warning);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+  fitted.choose_milliseconds = chosen + took.count() - sum_of(fitted.fit.timing);
+  return reason;
+}
+
+// The fit of quads, and that of triangles, with added vertices, too, unless they are plainly halves
+// and the quads do not fold: the best one is given out, with its warnings alone.
 FittedMesh fit_both(ReadyFit ready, Backend& backend) {
+  const MeshFitOptions options = ready.options;
+  const bool may_add = may_refine(ready);
   const bool is_plain = ready.is_plainly_halved;
   // Of the time, the first fit, and both.
   const double first = is_plain ? 0.9 : 0.45, both = is_plain ? 0.95 : 0.9;
-  const Callbacks caller = ready.options.fit.callbacks;
+  const Callbacks caller = share_of(options.fit.callbacks, 0, kFittedOnce);
   ReadyFit paired = std::move(*std::exchange(ready.paired, nullptr));
   paired.options.fit.callbacks = share_of(caller, 0, first);
   ready.options.fit.callbacks = share_of(caller, first, both);
@@ -302,62 +348,26 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   FittedMesh triangles = fit_one(std::move(ready), backend);
   const double one_measured = (1 + both) / 2;
   const BendingFigures of_triangles = figures_of(triangles, share_of(caller, both, one_measured));
-  QuadReason reason =
-      choose_quads(of_triangles, figures_of(quads, share_of(caller, one_measured, 1)));
+  const BendingFigures of_quads = figures_of(quads, share_of(caller, one_measured, 1));
+  QuadReason reason = choose_quads(of_triangles, of_quads);
+  std::optional<RefineReason> refining;
+  if (may_add && is_fair(triangles)) {
+    Callbacks rest = share_of(options.fit.callbacks, kFittedOnce, 1);
+    rest.warning = {};
+    refining =
+        refine_into(triangles, options, backend, reason.are_better ? of_quads : of_triangles, rest);
+    if (reason.are_better && !triangles.added_vertices.empty()) {
+      reason.are_better = false;
+      reason.text = "triangles, with vertices added: the surface of quads bends more";
+    }
+  }
   FittedMesh& taken = reason.are_better ? quads : triangles;
   taken.quad_reason = std::move(reason);
+  taken.refine_reason = std::move(refining);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
   taken.choose_milliseconds = took.count() - sum_of(taken.fit.timing);
   for (std::size_t i = told; i < taken.warnings.size(); ++i) caller.warn(taken.warnings[i]);
   return std::move(taken);
-}
-
-// The fit through further vertices, too; the given one where it is the better one.
-FittedMesh fit_refined(FittedMesh given, Backend& backend, const MeshFitOptions& options,
-                       const Callbacks& callbacks) {
-  const bool is_open = options.refine == RefineChoice::Auto;
-  if (is_open && rms_turn(given.mesh, *given.fit.prepared) < kWorthRefining) return given;
-  const auto began = std::chrono::steady_clock::now();
-  std::optional<RefinedMesh> made = refine_mesh(given.mesh, *given.fit.prepared);
-  if (!made) return given;
-  FittedMesh refined;
-  refined.options = given.options;
-  refined.options.prepared = nullptr;
-  refined.options.callbacks = share_of(callbacks, 0, 0.6);
-  refined.fit = fit(made->mesh, backend, refined.options);
-  refined.options.callbacks = {};
-  refined.mesh = std::move(made->mesh);
-  RefineReason reason;
-  if (is_open) {
-    reason.given = figures_of(given, share_of(callbacks, 0.6, 0.8));
-    reason.refined = figures_of(refined, share_of(callbacks, 0.8, 1), 1);
-    reason.text = refusal_to_refine(*reason.given, *reason.refined);
-    if (!reason.text.empty()) {
-      given.refine_reason = std::move(reason);
-      return given;
-    }
-    reason.text = formatted(
-        "{} added between those of uneven triangles: the surface bends less "
-        "(--refine off adds none)",
-        counted(std::ssize(made->added), "vertex"));
-  }
-  const double chosen = given.choose_milliseconds + sum_of(given.fit.timing);
-  given.mesh = std::move(refined.mesh);
-  given.fit = std::move(refined.fit);
-  given.added_vertices = std::move(made->added);
-  std::vector<std::int32_t>& sources = given.source_vertices;
-  if (sources.empty()) {
-    sources.resize(given.mesh.positions.size() - given.added_vertices.size());
-    std::iota(sources.begin(), sources.end(), 0);
-  }
-  sources.resize(given.mesh.positions.size(), -1);
-  given.refine_reason = std::move(reason);
-  if (!given.source_faces.empty())
-    for (std::int32_t& face : made->source_faces) face = given.source_faces[face];
-  given.source_faces = std::move(made->source_faces);
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
-  given.choose_milliseconds = chosen + took.count() - sum_of(given.fit.timing);
-  return given;
 }
 
 // Corners of outlines, where creases are chosen: after pairing, as verify_cage() has it.
@@ -402,6 +412,32 @@ std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<Po
 
 }  // namespace
 
+bool may_refine(const ReadyFit& ready) {
+  const MeshFitOptions& options = ready.options;
+  const FittedMesh& mesh = ready.fitted;
+  const bool is_free = options.stands_alone && options.fit.scheme == Scheme::DooSabin &&
+                       options.fit.within == 0.0 && options.fit.fair_decisions == nullptr;
+  if (!is_free || mesh.paired_count > 0) return false;
+  if (options.refine != RefineChoice::Auto)
+    return options.refine == RefineChoice::On &&
+           options.method.value_or(InterpolationMethod::Fair) == InterpolationMethod::Fair;
+  return !options.method && !ready.is_plainly_halved && !mesh.density.is_dense() &&
+         rms_turn(mesh.mesh, *mesh.options.prepared) >= kWorthRefining;
+}
+
+void prepare_refined(ReadyFit& ready) {
+  if (!may_refine(ready)) return;
+  auto made = refine_mesh(ready.fitted.mesh, *ready.fitted.options.prepared);
+  if (!made) return;
+  ready.refined = std::make_shared<ReadyFit>();
+  FittedMesh& refined = ready.refined->fitted;
+  refined.options.prepared = prepare_mesh(made->mesh, ready.name);
+  refined.mesh = std::move(made->mesh);
+  refined.added_vertices = std::move(made->added);
+  refined.density = ready.fitted.density;
+  refined.density.is_refined = true;
+}
+
 ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
   const HostScope host(options.fit.callbacks);
   const auto report = [&](double fraction) { options.fit.callbacks.report("check", fraction); };
@@ -443,10 +479,21 @@ namespace {
 constexpr double kChosen = 0.5;
 
 FittedMesh fit_chosen(ReadyFit ready, Backend& backend) {
-  return ready.paired ? fit_both(std::move(ready), backend) : fit_one(std::move(ready), backend);
+  if (ready.paired) return fit_both(std::move(ready), backend);
+  const MeshFitOptions options = ready.options;
+  const Callbacks& caller = options.fit.callbacks;
+  const bool may_add = may_refine(ready);
+  if (may_add) ready.options.fit.callbacks = share_of(caller, 0, kFittedOnce);
+  FittedMesh fitted = fit_one(std::move(ready), backend);
+  if (may_add && is_fair(fitted))
+    fitted.refine_reason =
+        refine_into(fitted, options, backend, std::nullopt, share_of(caller, kFittedOnce, 1));
+  return fitted;
 }
 
+// And without added vertices: where the given ones may be left, these would be left behind.
 void set_exact(ReadyFit& ready, const Callbacks& callbacks) {
+  ready.options.refine = RefineChoice::Off;
   ready.options.fit.within = ready.fitted.options.within = 0.0;
   ready.options.fit.callbacks = callbacks;
   if (ready.paired) set_exact(*ready.paired, callbacks);
@@ -477,10 +524,7 @@ FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
   const MeshFitOptions options = ready.options;
   const Callbacks& caller = options.fit.callbacks;
   const std::string name = ready.name;
-  if (refines(options)) ready.options.fit.callbacks = share_of(caller, 0, kFittedOnce);
   FittedMesh fitted = fit_within(std::move(ready), backend);
-  if (refines(options) && may_refine(fitted, options))
-    fitted = fit_refined(std::move(fitted), backend, options, share_of(caller, kFittedOnce, 1));
   const WarningList warnings(fitted.warnings, caller);
   for (const Warning& warning : mesh_warnings(fitted, name, options.faces_are_given))
     warnings.add(warning);

@@ -43,7 +43,7 @@ struct MeshFitOptions {
   QuadChoice quads = QuadChoice::Auto;
   /// Adds vertices (see refine_mesh()) to meshes of triangles that stand alone, of the fair method
   /// with FitOptions::within 0; auto: where the method is chosen, too, and the surface bends less.
-  RefineChoice refine = RefineChoice::Off;
+  RefineChoice refine = RefineChoice::Auto;
   std::optional<double> weld;  ///< vertices within this fraction of the diagonal
   FitOptions fit;              ///< its method and prepared are not looked at
 };
@@ -116,7 +116,16 @@ struct ReadyFit {
   /// The same with triangles joined, where these may be better, or plainly are.
   std::shared_ptr<ReadyFit> paired;
   bool is_plainly_halved = false;
+  /// The same with added vertices, which prepare_refined() makes: for who wants to know beforehand
+  /// what may come; fit_prepared() makes them of the mesh with all that it finds.
+  std::shared_ptr<ReadyFit> refined;
 };
+
+/// Whether vertices may be added: nothing but its surface hangs on the mesh's own, and where nobody
+/// named it, nothing but measurement chooses.
+[[nodiscard]] bool may_refine(const ReadyFit& ready);
+/// Sets ReadyFit::refined where vertices may be added and are.
+void prepare_refined(ReadyFit& ready);
 
 /// Which creases are tried of a mesh whose creases are chosen.
 [[nodiscard]] inline CreaseTrial crease_trial(const FittedMesh& fitted) {

@@ -220,10 +220,10 @@ std::vector<FitOption> make_table() {
                   kQuadWords, &FitSettings::quads),
       word_option({.name = "refine",
                    .stage = Stage::Shape,
-                   .initial = "off",
+                   .initial = "auto",
                    .help = "add vertices between those of uneven triangles, on a smooth guess of "
                            "the surface; auto: where it bends less for them",
-                   .ranks = {"off", "no vertices are added over ranks"}},
+                   .ranks = {"auto|off", "no vertices are added over ranks"}},
                   kRefineWords, &FitSettings::refine),
   };
   append(table, file_options());

@@ -38,9 +38,9 @@ inline constexpr std::array kSolverWords{OptionWord<Solver>{"chebyshev", Solver:
 inline constexpr std::array kBoundaryWords{
     OptionWord<BoundaryRule>{"edge", BoundaryRule::Edge},
     OptionWord<BoundaryRule>{"edge-and-corner", BoundaryRule::EdgeAndCorner}};
-inline constexpr std::array kRefineWords{OptionWord<RefineChoice>{"off", RefineChoice::Off},
+inline constexpr std::array kRefineWords{OptionWord<RefineChoice>{"auto", RefineChoice::Auto},
                                          OptionWord<RefineChoice>{"on", RefineChoice::On},
-                                         OptionWord<RefineChoice>{"auto", RefineChoice::Auto}};
+                                         OptionWord<RefineChoice>{"off", RefineChoice::Off}};
 inline constexpr std::array kQuadWords{OptionWord<QuadChoice>{"auto", QuadChoice::Auto},
                                        OptionWord<QuadChoice>{"on", QuadChoice::On},
                                        OptionWord<QuadChoice>{"off", QuadChoice::Off}};

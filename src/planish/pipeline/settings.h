@@ -64,7 +64,7 @@ struct FitSettings {
   RepairChoice repair = RepairChoice::Safe;
   WithinChoice within;
   QuadChoice quads = QuadChoice::Auto;  ///< points: on
-  RefineChoice refine = RefineChoice::Off;
+  RefineChoice refine = RefineChoice::Auto;
   std::optional<double> weld;            ///< vertices within this fraction of the diagonal, first
   std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
   std::vector<CornerVertex> corner_vertices;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -74,13 +75,13 @@ struct Limits {
 };
 
 Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const VerifyOptions& options,
-                 bool pairs_triangles) {
+                 bool pairs_triangles, bool refines) {
   ReadyMesh ready =
       make_ready(PolygonMesh(given),
                  {options.repairs, options.sharp.use_tags, options.crease_degrees, options.method,
                   options.weld, options.smoothed_vertices, pairs_triangles});
   require_usable(ready.mesh, options.given_name);
-  if (options.refine == RefineChoice::On)
+  if (refines)
     if (auto refined = refine_mesh(ready.mesh, *prepare_mesh(ready.mesh, options.given_name)))
       ready.mesh = std::move(refined->mesh);
   Limits made{std::move(ready.mesh), {}};
@@ -92,18 +93,25 @@ Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const Verify
   return made;
 }
 
+// As the options say; what they leave open, as the first that the cage fits.
 Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const VerifyOptions& options) {
-  if (options.quads != QuadChoice::Auto)
-    return limits_of(cage, given, options, options.quads == QuadChoice::On);
+  const bool pairs = options.quads == QuadChoice::On, adds = options.refine == RefineChoice::On;
   try {
-    return limits_of(cage, given, options, false);
+    return limits_of(cage, given, options, pairs, adds);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::UnusableMesh) throw;
-    try {
-      return limits_of(cage, given, options, true);
-    } catch (const Error& again) {
-      if (again.code() != ErrorCode::UnusableMesh) throw;
-    }
+    const auto as = [&](bool joined, bool refined) -> std::optional<Limits> {
+      try {
+        return limits_of(cage, given, options, joined, refined);
+      } catch (const Error& again) {
+        if (again.code() != ErrorCode::UnusableMesh) throw;
+        return std::nullopt;
+      }
+    };
+    if (options.quads == QuadChoice::Auto)
+      if (auto made = as(true, adds)) return std::move(*made);
+    if (options.refine == RefineChoice::Auto && options.method == InterpolationMethod::Fair)
+      if (auto made = as(pairs, true)) return std::move(*made);
     throw;
   }
 }

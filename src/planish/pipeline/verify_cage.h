@@ -27,8 +27,8 @@ struct VerifyOptions {
   std::span<const std::int32_t> smoothed_vertices{};  ///< see CreasedFit
   /// Of the given mesh, as when it was fitted; auto: joined where the cage is of no other faces.
   QuadChoice quads = QuadChoice::Auto;
-  /// The same: on adds the vertices that the fit added, of the fair method; auto is off.
-  RefineChoice refine = RefineChoice::Off;
+  /// The same, of the fair method; auto: added where the cage is of no other faces.
+  RefineChoice refine = RefineChoice::Auto;
   double tolerance = 1e-6;
   bool cage_has_tags = true;                            ///< false: it takes the given mesh's
   std::string cage_name = "cage", given_name = "mesh";  ///< in messages

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <numeric>
 #include <ranges>
 #include <utility>
 
@@ -173,6 +174,38 @@ bool are_triangles(const PolygonMesh& mesh) {
                              [&](std::int32_t f) { return mesh.face_size(f) == 3; });
 }
 
+// Faces in the order of the given ones that they lie over, added vertices in that of the faces:
+// what is drawn, packed or cut into parts by numbers keeps together what lies together.
+void order_by_hosts(EvenTriangles& even) {
+  std::vector<std::int32_t> order(even.triangles.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&](std::int32_t f) { return even.source_faces[f]; });
+  EvenTriangles made = even;
+  const std::size_t given = even.positions.size() - even.places.size();
+  std::vector<std::int32_t> number(even.positions.size(), -1);
+  std::iota(number.begin(), number.begin() + static_cast<std::ptrdiff_t>(given), 0);
+  auto next = static_cast<std::int32_t>(given);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto from = static_cast<std::size_t>(order[i]);
+    made.source_faces[i] = even.source_faces[from];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t v = even.triangles[from][k];
+      if (number[v] < 0) number[v] = next++;
+      made.triangles[i][k] = number[v];
+      made.corner_places[3 * i + k] = even.corner_places[3 * from + k];
+    }
+  }
+  for (std::size_t v = given; v < even.positions.size(); ++v) {
+    made.positions[number[v]] = even.positions[v];
+    made.places[number[v] - given] = even.places[v - given];
+  }
+  for (LinePart& part : made.lines) {
+    part.v0 = number[part.v0];
+    part.v1 = number[part.v1];
+  }
+  even = std::move(made);
+}
+
 }  // namespace
 
 std::optional<RefinedMesh> refine_mesh(const PolygonMesh& mesh, const PreparedMesh& prepared) {
@@ -183,6 +216,7 @@ std::optional<RefinedMesh> refine_mesh(const PolygonMesh& mesh, const PreparedMe
   EvenTriangles even =
       make_even_triangles(used, *prepared.topology, riders.lines(), riders.sharp_edges());
   if (even.places.empty()) return std::nullopt;
+  order_by_hosts(even);
   RefinedMesh made;
   PolygonMesh& to = made.mesh;
   to.positions = mesh.positions;

@@ -13,7 +13,7 @@
 namespace planish {
 
 /// Whether vertices are put between those of uneven triangles; auto: where the surface is better.
-enum class RefineChoice { Off, On, Auto };
+enum class RefineChoice { Auto, On, Off };
 
 /// A vertex that was added, as a mean of three given ones.
 struct AddedVertex {

@@ -83,7 +83,7 @@ void apply_move(Editor& editor, const VerticesOfInput& input, const SceneMove& m
 // The editor of all moves; why there is none stands where they do.
 Editor editor_of(const FittedMesh& fitted, const SceneMove& first, int undo_steps) {
   try {
-    return Editor(fitted.mesh, fitted.fit, {0, fitted.options, undo_steps});
+    return Editor(fitted, EditorOptions{0, fitted.options, undo_steps});
   } catch (const Error& error) {
     if (error.code() != ErrorCode::InvalidArgument) throw;
     refuse(first.where, error.what());

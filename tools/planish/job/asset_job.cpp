@@ -73,11 +73,11 @@ void prepare_part(const AssetJob& work, AssetPart& part, std::int64_t number) {
   part.ready = timed(part.report.timing.check, [&] {
     return prepare_input(part.made, work.outputs, part.report, work.context);
   });
-  part.outputs = settled(work.outputs, part.ready.fitted.density.level());
 }
 
 void fit_part(const AssetJob& work, AssetPart& part) {
   fit_input(part.made, std::move(part.ready), work.backend, {}, part.report, work.context);
+  part.outputs = settled(work.outputs, part.made.fitted.density.level());
   // Of several, what has none on one has on another.
   if (work.asset.surfaces().size() == 1)
     warn_of_unused_settings(work.job, part.made, part.report, work.context.console);

@@ -135,6 +135,8 @@ ReadyFit expected_ready(const PlannedJob& planned, Input input) {
         (void)add_clear_creases(one->fitted.mesh, one->fitted.options.prepared,
                                 crease_trial(one->fitted));
   }
+  if (chooses_by_measurement(settings, planned.outputs)) ready.options.method.reset();
+  prepare_refined(ready);
   return ready;
 }
 
@@ -153,13 +155,15 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   require_memory_for({&need, 1}, settings, planned.outputs);
   std::string text = formatted(
       "would fit {}: {}\n{}  solve        {}, {}{}, tolerance {}\n", name,
-      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count, 0),
+      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count,
+                  std::ssize(fitted.added_vertices)),
       device_line(device), solve_text(settings, planned.outputs),
       ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
+      : ready.refined                          ? "vertices added where that is better, "
                                                : "",
       subdivision_text(settings.scheme, settings.weights), short_number(settings.tolerance));
   PlannedJob shown = planned;
-  shown.outputs = settled(planned.outputs, ready.fitted.density.level());
+  shown.outputs = settled(planned.outputs, fitted.density.level());
   text += outputs_text(shown, format, mesh, forecast, claims);
   return text + needs_text(forecast);
 }
@@ -186,7 +190,7 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
     std::vector<MeshNeed> needs;
     for (const Part& part : parts) {
       needs.push_back({&part.ready, &part.mesh.vertices});
-      finest = std::max(finest, part.ready.fitted.density.level());
+      finest = std::max(finest, expected_fit(part.ready).fitted.density.level());
     }
     forecast = forecast_of(needs, planned.job.settings, planned.outputs, 0, asset.byte_count());
     require_memory_for(needs, planned.job.settings, planned.outputs);

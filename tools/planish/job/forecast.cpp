@@ -39,6 +39,10 @@ constexpr std::uint64_t kStillBytes = std::uint64_t{36} * kStillWidth * kStillHe
 constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCarriedPointBytes = 130;
 // Copies of what points have besides their places: the reader's and the cloud's.
 constexpr std::uint64_t kRiderCopies = 2;
+// So many times the vertices and faces a mesh may have where vertices are added to it: of 60 meshes
+// 2.5 to 7 times.
+// With added vertices a mesh has about 3 times its faces, seldom more than so many.
+constexpr std::int64_t kMostAdded = 4;
 // Samples may be so many times more than asked for.
 constexpr double kMostSamples = 1.3;
 
@@ -154,9 +158,25 @@ double thread_count() { return std::max(1u, std::thread::hardware_concurrency())
 
 const FittedMesh& expected_mesh(const MeshNeed& mesh) { return expected_fit(*mesh.ready).fitted; }
 
+// Whose level is settled: as if vertices were added where they may be.
+MeshDensity expected_density(const MeshNeed& mesh) {
+  MeshDensity density = expected_mesh(mesh).density;
+  density.is_refined |= may_refine(*mesh.ready);
+  return density;
+}
+
+MeshCounts expected_counts(const MeshNeed& mesh) {
+  MeshCounts counts = mesh_counts_of(*expected_mesh(mesh).options.prepared);
+  if (mesh.ready->refined || !may_refine(*mesh.ready)) return counts;
+  for (std::int64_t* count :
+       {&counts.base.vertices, &counts.base.edges, &counts.base.faces, &counts.corners})
+    *count *= kMostAdded;
+  return counts;
+}
+
 std::vector<PlannedOutput> settled_for(const MeshNeed& mesh,
                                        const std::vector<PlannedOutput>& outputs) {
-  return settled(outputs, mesh.ready->fitted.density.level());
+  return settled(outputs, expected_density(mesh).level());
 }
 
 // With so many levels less, as far as there are any.
@@ -167,8 +187,8 @@ std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& setti
     const FittedMesh& expected = expected_mesh(mesh);
     std::vector<int> levels = held_levels(settled_for(mesh, outputs));
     for (int& level : levels) level = std::max(0, level - less);
-    held.add(RefinedAttributes::of(expected.mesh), mesh_counts_of(*expected.options.prepared),
-             levels, solve_bytes(*mesh.ready, settings), mesh.vertices);
+    held.add(RefinedAttributes::of(expected.mesh), expected_counts(mesh), levels,
+             solve_bytes(*mesh.ready, settings), mesh.vertices);
   }
   return held.peak();
 }
@@ -230,6 +250,7 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
 }  // namespace
 
 const ReadyFit& expected_fit(const ReadyFit& ready) {
+  if (ready.refined) return *ready.refined;
   return ready.paired && ready.is_plainly_halved ? *ready.paired : ready;
 }
 

@@ -136,10 +136,10 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
       require_memory_for({&need, 1}, job.settings, outputs);
       return prepared;
     });
-    const std::vector<PlannedOutput> written = settled(outputs, ready.fitted.density.level());
     const bool was_open = ready.chooses_method;
     fit_input(made, std::move(ready), backend, job.moves, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
+    const std::vector<PlannedOutput> written = settled(outputs, made.fitted.density.level());
     stdout_bytes = staged.naming_targets([&] {
       return write_outputs({job, written, backend, context, made, report, staged, page});
     });

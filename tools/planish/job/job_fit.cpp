@@ -85,9 +85,6 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
   made.fitted = fit_prepared(std::move(ready), backend);
   made.fitted.split_normals = report.settings.creases.split_normals;
   if (!moves.empty()) {
-    if (!made.fitted.added_vertices.empty())
-      refuse(moves.front().where,
-             "vertices were added, which would stay behind when others move; take --refine off");
     if (!report.reconstruction.is_null())
       refuse(moves.front().where, "moves are of vertices of a mesh; the input holds points");
     report.moved =

@@ -226,7 +226,9 @@ bool has_level_by_density(const JobReport& report) {
 }
 
 std::string density_line(const JobReport& report) {
-  if (!has_level_by_density(report) || !report.density.is_dense()) return "";
+  if (!has_level_by_density(report) || report.density.level() == 2) return "";
+  if (report.density.is_refined)
+    return "  level       1, by added vertices as fine as 2 without (--levels 2 is finer)\n";
   return formatted(
       "  level       {}: the mesh is dense, faces of {} of its area turn by less than {} degrees "
       "(--levels 2 is finer)\n",

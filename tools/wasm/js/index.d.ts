@@ -53,7 +53,7 @@ export interface FitOptions {
   creases?: string;
   within?: number | 'auto';
   quads?: 'auto' | 'on' | 'off';
-  refine?: 'off' | 'on' | 'auto';
+  refine?: 'auto' | 'on' | 'off';
   /** What the coordinates of STEP are in: 'auto', which is mm, and metres of a glTF fitted as a file. */
   stepUnit?: 'mm' | 'cm' | 'm' | 'in' | 'auto';
   /** Most degrees by which normals jump where faces of STEP meet: 0.25. */

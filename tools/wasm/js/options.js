@@ -10,7 +10,7 @@ export const CHOICES = {
   boundary: ['edge', 'edge-and-corner'],
   precision: ['auto', 'float', 'double'],
   quads: ['auto', 'on', 'off'],
-  refine: ['off', 'on', 'auto'],
+  refine: ['auto', 'on', 'off'],
   stepUnit: ['mm', 'cm', 'm', 'in', 'auto'],
 };
 /** PLANISH_LEVEL_AUTO: 2, of a dense mesh 1. */
