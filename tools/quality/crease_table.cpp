@@ -12,6 +12,7 @@
 #include "make_scenes/bust.h"
 #include "make_scenes/revolve.h"
 #include "make_scenes/rocker_arm.h"
+#include "planish/features/find_features.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/detect_creases.h"
 #include "planish/mesh/mesh_topology.h"
@@ -85,6 +86,13 @@ EdgeSet found_edges(const PolygonMesh& mesh) {
   return edges;
 }
 
+EdgeSet feature_edges(const PolygonMesh& mesh) {
+  EdgeSet edges;
+  for (const CreaseEdge& edge : find_features(mesh).sharp_edges())
+    edges.insert(std::minmax(edge.v0, edge.v1));
+  return edges;
+}
+
 struct PartCase {
   const char* name;
   bool is_held_out;
@@ -130,19 +138,28 @@ std::string case_name(const char* name, bool is_decimated, bool is_held_out) {
          (is_held_out ? ", held out" : "");
 }
 
-void print_part(const PartCase& part, double tolerance, std::vector<std::string>& wrong) {
-  const PolygonMesh whole = part.make();
-  const PolygonMesh mesh = tolerance > 0 ? simplified(whole, tolerance) : whole;
-  const EdgeSet model = model_edges(mesh, outline_corners(whole)), found = found_edges(mesh);
+struct Match {
+  double precision, recall;
+};
+
+Match match(const EdgeSet& model, const EdgeSet& found) {
   std::vector<std::pair<std::int32_t, std::int32_t>> both;
   std::ranges::set_intersection(model, found, std::back_inserter(both));
   const auto share = [&](const EdgeSet& of) {
     return of.empty() ? 1.0 : static_cast<double>(both.size()) / static_cast<double>(of.size());
   };
-  const double precision = share(found), recall = share(model);
+  return {share(found), share(model)};
+}
+
+void print_part(const PartCase& part, double tolerance, std::vector<std::string>& wrong) {
+  const PolygonMesh whole = part.make();
+  const PolygonMesh mesh = tolerance > 0 ? simplified(whole, tolerance) : whole;
+  const EdgeSet model = model_edges(mesh, outline_corners(whole));
+  const Match old = match(model, found_edges(mesh)), features = match(model, feature_edges(mesh));
   const std::string name = case_name(part.name, tolerance > 0, part.is_held_out);
-  std::printf("| %s | %zu | %.3f | %.3f |\n", name.c_str(), model.size(), precision, recall);
-  if (std::min(precision, recall) < kPartAim)
+  std::printf("| %s | %zu | %.3f | %.3f | %.3f | %.3f |\n", name.c_str(), model.size(),
+              old.precision, old.recall, features.precision, features.recall);
+  if (std::min(old.precision, old.recall) < kPartAim)
     wrong.push_back(name + ": other edges than the model's");
 }
 
@@ -176,20 +193,22 @@ std::vector<OrganicCase> organic_cases() {
 std::vector<std::string> print_crease_table(
     const std::function<bool(const std::string& name)>& is_wanted) {
   std::vector<std::string> wrong;
-  std::printf("| part | edges of the model | precision | recall |\n|---|--:|--:|--:|\n");
+  std::printf("| part | edges of the model | precision | recall | of features | recall |\n"
+              "|---|--:|--:|--:|--:|--:|\n");
   for (const double tolerance : {0.0, 2e-3}) {
     for (const PartCase& part : part_cases())
       if (is_wanted(case_name(part.name, tolerance > 0, part.is_held_out)))
         print_part(part, tolerance, wrong);
   }
-  std::printf("\n| organic shape | edges | found |\n|---|--:|--:|\n");
+  std::printf("\n| organic shape | edges | found | features |\n|---|--:|--:|--:|\n");
   for (const OrganicCase& organic : organic_cases()) {
     const std::string name = case_name(organic.name, false, organic.is_held_out);
     if (!is_wanted(name)) continue;
     const PolygonMesh mesh = organic.make();
     const auto count = static_cast<double>(found_edges(mesh).size());
     const double edges = MeshTopology(mesh).edge_count();
-    std::printf("| %s | %.0f | %.0f |\n", name.c_str(), edges, count);
+    std::printf("| %s | %.0f | %.0f | %zu |\n", name.c_str(), edges, count,
+                feature_edges(mesh).size());
     if (count > kOrganicAim * edges && edges > kFewEdges)
       wrong.push_back(name + ": creases are found on an organic shape");
   }

@@ -1,0 +1,172 @@
+#include "planish/features/find_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/core/error.h"
+#include "planish/core/formatted.h"
+#include "planish/core/number_text.h"
+#include "planish/core/parallel.h"
+#include "planish/features/corners.h"
+#include "planish/features/jumps.h"
+#include "planish/features/line_cut.h"
+#include "planish/features/regions.h"
+
+namespace planish {
+namespace {
+
+// Sharp edges explain nothing, so that others become sharp: so often at most.
+constexpr int kPasses = 8;
+// Vertices with more lines have none that goes on.
+constexpr std::size_t kMostLines = 16;
+
+class Labeller {
+ public:
+  Labeller(const MeshTopology& topology, const RegionMap& map, const FeatureRules& rules)
+      : topology_(topology), map_(map), rules_(rules), jumps_(map, rules) {
+    const std::size_t count = map.segments.size();
+    labels_.assign(count, 0);
+    for (std::size_t s = 0; s < count; ++s) labels_[s] = map.segments[s].is_tagged ? 1 : 0;
+    jump_.resize(count);
+    link();
+  }
+
+  void run() {
+    measure();
+    for (int pass = 0; pass < kPasses && cut(); ++pass) measure();
+  }
+
+  [[nodiscard]] const std::vector<char>& labels() const { return labels_; }
+  [[nodiscard]] SegmentJumps::Jump jump(std::int32_t segment) const { return jump_[segment]; }
+
+ private:
+  const MeshTopology& topology_;
+  const RegionMap& map_;
+  const FeatureRules& rules_;
+  SegmentJumps jumps_;
+  std::vector<char> labels_;
+  std::vector<SegmentJumps::Jump> jump_;
+  std::vector<LabelLink> links_;
+
+  void measure() {
+    parallel_each(jump_.size(), 256, [&](std::size_t s) {
+      jump_[s] = jumps_.jump(static_cast<std::int32_t>(s), labels_);
+    });
+  }
+
+  // A line goes on at a vertex where one of the same sense leaves it nearly straight.
+  void link() {
+    std::vector<std::int32_t> lines;
+    for (std::int32_t v = 0; v < topology_.vertex_count(); ++v) {
+      lines.clear();
+      for (const std::int32_t corner : topology_.corners_at(v)) {
+        add_line(topology_.edge_of(corner), v, lines);
+        if (topology_.ccw(corner) < 0) add_line(topology_.edge_of(topology_.prev(corner)), v, lines);
+      }
+      if (lines.size() > kMostLines) continue;
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) link(lines[i] / 2, lines[j] / 2,
+                                                 (lines[i] ^ lines[j]) & 1);
+    }
+  }
+
+  // A segment twice, and 1 where it runs to the vertex.
+  void add_line(std::int32_t edge, std::int32_t v, std::vector<std::int32_t>& lines) const {
+    const std::int32_t s = map_.segment_of_edge[edge];
+    if (s < 0 || map_.segments[s].regions[1] < 0) return;
+    const std::int32_t corner = topology_.corner_of(edge);
+    const bool is_left =
+        map_.region_of_face[topology_.face_of(corner)] == map_.segments[s].regions[0];
+    lines.push_back(2 * s + ((topology_.vertex_of(corner) == v) != is_left ? 1 : 0));
+  }
+
+  void link(std::int32_t s, std::int32_t t, bool is_in_and_out) {
+    const Segment &a = map_.segments[s], &b = map_.segments[t];
+    if (s == t || a.turn * b.turn <= 0) return;
+    const double cosine = glm::dot(a.along, b.along) * (is_in_and_out ? 1 : -1);
+    if (cosine >= rules_.straight)
+      links_.push_back({s, t, rules_.line / 2 * std::min(a.length, b.length) * cosine});
+  }
+
+  // Whether there are more sharp segments now. What is sharp stays so.
+  bool cut() {
+    std::vector<LabelCost> costs(map_.segments.size());
+    for (std::size_t s = 0; s < costs.size(); ++s) {
+      const double length = map_.segments[s].length;
+      const double share = jump_[s].jump / jump_[s].scale;
+      costs[s] = {length * std::min(share * share, 1e6), labels_[s] ? 0.0 : length};
+      if (labels_[s]) costs[s].smooth = 1e6 * length;
+      if (map_.segments[s].regions[1] < 0) costs[s] = {0, length};
+    }
+    const std::vector<char> cheapest = cheapest_labels(costs, links_);
+    bool has_more = false;
+    for (std::size_t s = 0; s < cheapest.size(); ++s) {
+      if (!cheapest[s] || labels_[s]) continue;
+      labels_[s] = 1;
+      has_more = true;
+    }
+    return has_more;
+  }
+};
+
+void require_rules(const FeatureRules& rules) {
+  const auto require = [](const char* name, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+      throw Error(ErrorCode::InvalidArgument,
+                  formatted("the rule of features {} is {}; give {} to {}", name, short_number(value),
+                            short_number(least), short_number(most)));
+  };
+  require("flat", rules.flat, 0, 45);
+  require("cap", rules.cap, 0, 90);
+  require("jump", rules.jump, 1e-3, 180);
+  require("line", rules.line, 0, 100);
+  require("parallel", rules.parallel, 0, 1);
+  require("straight", rules.straight, 0, 1);
+}
+
+FeatureReason reason_of(const Segment& segment, const SegmentJumps::Jump& jump, bool is_sharp) {
+  if (segment.is_tagged) return FeatureReason::Tagged;
+  const bool jumps = jump.jump >= jump.scale;
+  if (is_sharp) return jumps ? FeatureReason::Jump : FeatureReason::Line;
+  return jumps ? FeatureReason::Ended : FeatureReason::Explained;
+}
+
+}  // namespace
+
+std::vector<CreaseEdge> Features::sharp_edges() const {
+  std::vector<CreaseEdge> sharp;
+  for (const FeatureEdge& edge : edges)
+    if (edge.is_sharp) sharp.push_back({edge.v0, edge.v1});
+  return sharp;
+}
+
+Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
+                       const FeatureRules& rules) {
+  require_rules(rules);
+  const RegionMap map = make_regions(mesh, topology, rules);
+  Labeller labeller(topology, map, rules);
+  labeller.run();
+  Features features;
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    const std::int32_t s = map.segment_of_edge[e];
+    if (s < 0 || map.segments[s].regions[1] < 0) continue;
+    const auto [a, b] = topology.edge_vertices(e);
+    const SegmentJumps::Jump jump = labeller.jump(s);
+    const bool is_sharp = labeller.labels()[s];
+    features.edges.push_back({a, b, map.segments[s].turn, jump.jump,
+                              reason_of(map.segments[s], jump, is_sharp), is_sharp});
+  }
+  features.corners = find_corners(mesh, topology, map, labeller.labels(), rules);
+  for (const CornerVertex& corner : mesh.corners) features.corners.push_back(corner.vertex);
+  std::ranges::sort(features.corners);
+  features.corners.erase(std::unique(features.corners.begin(), features.corners.end()),
+                         features.corners.end());
+  return features;
+}
+
+Features find_features(const PolygonMesh& mesh, const FeatureRules& rules) {
+  return find_features(mesh, MeshTopology(mesh), rules);
+}
+
+}  // namespace planish

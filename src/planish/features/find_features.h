@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+/// What a feature is; angles in degrees. All constants of this module.
+struct FeatureRules {
+  /// Faces that turn by less are one plane; three times the noise of normals where it is known.
+  double flat = 1;
+  /// So much of a turn at most is explained by the smooth surface on one side.
+  double cap = 13;
+  /// A jump from here on is a feature where nothing else speaks.
+  double jump = 30;
+  /// What it costs, relative to its length, that a line begins or ends where it could go on.
+  double line = 1;
+  /// Cosine from which on edges are parallel across a face.
+  double parallel = 0.94;
+  /// Cosine from which on one edge continues another.
+  double straight = 0.8;
+};
+
+/// Why an edge is sharp or smooth.
+enum class FeatureReason {
+  Tagged,     ///< the mesh says that it is sharp
+  Jump,       ///< sharp: the surfaces of both sides disagree
+  Line,       ///< sharp: continues lines that are
+  Explained,  ///< smooth: the surfaces of both sides agree, or nearly
+  Ended       ///< smooth although they disagree: no line goes on there
+};
+
+/// An edge at which the planes of both sides differ.
+struct FeatureEdge {
+  std::int32_t v0, v1;
+  double turn;  ///< degrees; above 0 at ridges, below at valleys
+  double jump;  ///< degrees: the turn less what the surfaces of both sides explain, 0 or more
+  FeatureReason reason;
+  bool is_sharp;
+};
+
+struct Features {
+  std::vector<FeatureEdge> edges;     ///< those that turn, in the order of MeshTopology
+  std::vector<std::int32_t> corners;  ///< ascending: of outlines and of lines, tips, and tagged ones
+
+  /// Edges that are sharp.
+  [[nodiscard]] std::vector<CreaseEdge> sharp_edges() const;
+};
+
+/// The sharp features of a mesh: where extrapolations from both sides disagree. Tagged edges and
+/// vertices of the mesh are among them. Time n log n. Throws Error{UnusableMesh} where faces do not
+/// meet as a manifold, Error{InvalidArgument} for rules that are out of range.
+[[nodiscard]] Features find_features(const PolygonMesh& mesh, const FeatureRules& rules = {});
+/// The same where the connectivity is at hand.
+[[nodiscard]] Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
+                                     const FeatureRules& rules = {});
+
+}  // namespace planish

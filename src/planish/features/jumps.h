@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/features/find_features.h"
+#include "planish/features/regions.h"
+
+namespace planish {
+
+/// What the smooth surface on one side of a turn leads one to expect there, in degrees.
+struct Explained {
+  double turn = 0;    ///< 0 to the rules' cap
+  double whole = 0;   ///< without the cap
+  double spread = 0;  ///< how far the surface itself is from what was fitted
+};
+
+/// The jump: a turn less what both sides explain.
+[[nodiscard]] double jump_of(double turn, const Explained& left, const Explained& right);
+
+/// What a turn explains of the one before it on the same line or surface: half of it, less where
+/// the way between them (`width`) is shorter than the way behind (`width_behind`), as a smooth
+/// curve turns by its curvature times the half ways, and less where the way before (`width_before`)
+/// is far shorter: there the surface changes.
+[[nodiscard]] Explained explained_by(double turn_behind, double width, double width_behind,
+                                     double width_before, const FeatureRules& rules);
+
+/// The jumps of a mesh's segments.
+class SegmentJumps {
+ public:
+  SegmentJumps(const RegionMap& map, const FeatureRules& rules);
+
+  struct Jump {
+    double jump = 0;   ///< degrees
+    double scale = 1;  ///< degrees: where a jump begins to be a feature
+  };
+  /// Segments that are `is_sharp` belong to no smooth surface, and explain nothing.
+  [[nodiscard]] Jump jump(std::int32_t segment, std::span<const char> is_sharp) const;
+
+ private:
+  // What lies across a region from a segment.
+  struct Across {
+    double width = 0;           // 0: nothing
+    std::int32_t segment = -1;  // -1: nothing parallel
+  };
+  const RegionMap& map_;
+  const FeatureRules& rules_;
+  std::vector<std::array<Across, 2>> across_;  // by segment and side
+
+  void look_across(std::int32_t region);
+  [[nodiscard]] int side_of(std::int32_t segment, std::int32_t region) const {
+    return map_.segments[segment].regions[0] == region ? 0 : 1;
+  }
+  [[nodiscard]] Explained explained(std::int32_t segment, int side,
+                                    std::span<const char> is_sharp) const;
+  [[nodiscard]] Explained fitted(std::int32_t segment, std::int32_t region,
+                                 std::span<const char> is_sharp) const;
+  [[nodiscard]] bool is_plane(std::int32_t region) const;
+};
+
+}  // namespace planish
