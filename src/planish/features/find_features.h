@@ -13,7 +13,7 @@ struct FeatureRules {
   /// Faces that turn by less are one plane; three times the noise of normals where it is known.
   double flat = 1;
   /// So much of a turn at most is explained by the smooth surface on one side.
-  double cap = 13;
+  double cap = 14;
   /// A jump from here on is a feature where nothing else speaks.
   double jump = 30;
   /// What it costs, relative to its length, that a line begins or ends where it could go on.
