@@ -132,9 +132,21 @@ class LineGrid {
   }
 };
 
+constexpr double kSpread = 3;
 struct Sample {
   double ratio, weight, distance, turn;
 };
+
+// Of the ratios: what half of the weights are at or below.
+double weighted_median(std::vector<Sample>& samples, double weights) {
+  std::ranges::sort(samples, {}, &Sample::ratio);
+  double sum = 0;
+  for (const Sample& sample : samples) {
+    sum += sample.weight;
+    if (sum >= weights / 2) return sample.ratio;
+  }
+  return samples.back().ratio;
+}
 
 }  // namespace
 
@@ -146,8 +158,8 @@ Explained explained_by(double turn_behind, double width, double width_behind, do
                        const FeatureRules& rules) {
   double whole = turn_behind / 2;
   if (width_behind > 0) whole = std::min(whole, turn_behind * width / (width + width_behind));
-  const double even = width_before > 0 ? std::min(1.0, 2 * width_before / width) : 1.0;
-  return {std::min(rules.cap, whole) * even, whole * even, 0};
+  const double even = width_before > 0 ? std::min(1.0, 3 * width_before / width) : 1.0;
+  return {std::min(rules.cap, whole) * even * even, whole * even * even, 0};
 }
 
 SegmentJumps::SegmentJumps(const RegionMap& map, const FeatureRules& rules)
@@ -181,8 +193,8 @@ void SegmentJumps::look_across(std::int32_t region) {
   }
 }
 
-bool SegmentJumps::is_plane(std::int32_t region) const {
-  if (region < 0 || map_.outlines.of(region).size() < 4) return false;
+bool SegmentJumps::is_plane(std::int32_t region, std::size_t corners) const {
+  if (region < 0 || map_.outlines.of(region).size() < corners) return false;
   const Region& plane = map_.regions[region];
   return plane.bulge <= std::sin(glm::radians(rules_.flat)) * std::sqrt(plane.area);
 }
@@ -236,13 +248,7 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
     }
   }
   if (samples.empty()) return {};
-  std::ranges::sort(samples, {}, &Sample::ratio);
-  double sum = 0, rate = 0;
-  for (const Sample& sample : samples) {
-    sum += sample.weight;
-    rate = sample.ratio;
-    if (sum >= weights / 2) break;
-  }
+  const double rate = weighted_median(samples, weights);
   Explained result;
   for (const Sample& sample : samples)
     result.spread += sample.weight / weights * std::abs(sample.turn - rate * sample.distance);
@@ -256,11 +262,11 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
   if (line.regions[1] < 0) return {};
   const Explained left = explained(segment, 0, is_sharp), right = explained(segment, 1, is_sharp);
   Jump result{jump_of(line.turn, left, right), rules_.jump};
-  if (is_plane(line.regions[0]) && is_plane(line.regions[1])) {
+  if (is_plane(line.regions[0], 4) && is_plane(line.regions[1], 4)) {
     const double share = (left.whole + right.whole) / std::max(std::abs(line.turn), 1e-9);
     result.scale = std::clamp(2 * share * rules_.jump, 3 * rules_.flat, rules_.jump);
-  } else {
-    result.scale = std::hypot(rules_.jump, left.spread + right.spread);
+  } else if (!is_plane(line.regions[0], 5) && !is_plane(line.regions[1], 5)) {
+    result.scale = std::hypot(rules_.jump, kSpread * (left.spread + right.spread));
   }
   return result;
 }

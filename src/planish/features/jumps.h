@@ -56,7 +56,7 @@ class SegmentJumps {
                                     std::span<const char> is_sharp) const;
   [[nodiscard]] Explained fitted(std::int32_t segment, std::int32_t region,
                                  std::span<const char> is_sharp) const;
-  [[nodiscard]] bool is_plane(std::int32_t region) const;
+  [[nodiscard]] bool is_plane(std::int32_t region, std::size_t corners) const;
 };
 
 }  // namespace planish
