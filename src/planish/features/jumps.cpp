@@ -132,7 +132,12 @@ class LineGrid {
   }
 };
 
+// So many spreads of the surfaces around a jump must stand out from.
 constexpr double kSpread = 3;
+// Of the rules' flat angle: a plane that is no chance of a few triangles. Of its part's size, as
+// roots of areas: a large plane.
+constexpr double kFlatter = 0.125, kLeastShare = 0.02;
+
 struct Sample {
   double ratio, weight, distance, turn;
 };
@@ -194,9 +199,9 @@ void SegmentJumps::look_across(std::int32_t region) {
 }
 
 bool SegmentJumps::is_plane(std::int32_t region, std::size_t corners) const {
-  if (region < 0 || map_.outlines.of(region).size() < corners) return false;
+  if (map_.outlines.of(region).size() < corners) return false;
   const Region& plane = map_.regions[region];
-  return plane.bulge <= std::sin(glm::radians(rules_.flat)) * std::sqrt(plane.area);
+  return plane.warp <= kFlatter * rules_.flat && plane.share >= kLeastShare;
 }
 
 Explained SegmentJumps::explained(std::int32_t segment, int side,
@@ -204,6 +209,15 @@ Explained SegmentJumps::explained(std::int32_t segment, int side,
   const std::int32_t region = map_.segments[segment].regions[side];
   const Across& across = across_[segment][side];
   if (across.segment < 0) return fitted(segment, region, is_sharp);
+  Explained result = explained_by_far(segment, side, is_sharp);
+  result.spread = map_.regions[region].warp;
+  return result;
+}
+
+Explained SegmentJumps::explained_by_far(std::int32_t segment, int side,
+                                         std::span<const char> is_sharp) const {
+  const std::int32_t region = map_.segments[segment].regions[side];
+  const Across& across = across_[segment][side];
   const Segment& far = map_.segments[across.segment];
   if (is_sharp[across.segment] || far.turn * map_.segments[segment].turn <= 0) return {};
   const int behind = 1 - side_of(across.segment, region);

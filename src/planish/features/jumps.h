@@ -54,6 +54,8 @@ class SegmentJumps {
   }
   [[nodiscard]] Explained explained(std::int32_t segment, int side,
                                     std::span<const char> is_sharp) const;
+  [[nodiscard]] Explained explained_by_far(std::int32_t segment, int side,
+                                           std::span<const char> is_sharp) const;
   [[nodiscard]] Explained fitted(std::int32_t segment, std::int32_t region,
                                  std::span<const char> is_sharp) const;
   [[nodiscard]] bool is_plane(std::int32_t region, std::size_t corners) const;

@@ -156,9 +156,32 @@ class RegionMaker {
     for (std::int32_t f = 0; f < topology_.face_count(); ++f) {
       Region& region = map_.regions[map_.region_of_face[f]];
       for (const std::int32_t v : topology_.face(f))
-        region.bulge =
-            std::max(region.bulge, std::abs(glm::dot(at(v) - region.centre, region.normal)));
+        region.warp =
+            std::max(region.warp, std::abs(glm::dot(at(v) - region.centre, region.normal)));
     }
+    const std::vector<double> parts = part_areas();
+    for (std::size_t r = 0; r < map_.regions.size(); ++r) {
+      Region& region = map_.regions[r];
+      const double size = std::sqrt(region.area);
+      // A square whose corners are off by h, two up and two down, bends by 4 h over its side.
+      region.warp = size > 0 ? glm::degrees(4 * region.warp / size) : 0;
+      region.share = parts[r] > 0 ? size / std::sqrt(parts[r]) : 0;
+    }
+  }
+
+  // By region: the area of the connected part that it is of.
+  [[nodiscard]] std::vector<double> part_areas() const {
+    DisjointSets parts(map_.regions.size());
+    for (std::int32_t e = 0; e < topology_.edge_count(); ++e) {
+      const auto [a, b] = regions_of(e);
+      if (b >= 0) parts.unite(a, b);
+    }
+    std::vector<double> sums(map_.regions.size(), 0.0), areas(map_.regions.size());
+    for (std::size_t r = 0; r < sums.size(); ++r)
+      sums[parts.find(static_cast<std::int32_t>(r))] += map_.regions[r].area;
+    for (std::size_t r = 0; r < sums.size(); ++r)
+      areas[r] = sums[parts.find(static_cast<std::int32_t>(r))];
+    return areas;
   }
 
   [[nodiscard]] std::pair<std::int32_t, std::int32_t> regions_of(std::int32_t edge) const {

@@ -22,7 +22,8 @@ namespace planish {
 struct Region {
   glm::dvec3 normal{0.0}, centre{0.0};
   double area = 0;
-  double bulge = 0;  ///< how far its vertices are off its plane
+  double warp = 0;   ///< degrees by which it is bent, as its vertices are off its plane
+  double share = 0;  ///< of its connected part's size: the root of the areas' ratio
 };
 
 /// A straight line between two regions, of one edge or several.
