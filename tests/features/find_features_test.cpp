@@ -4,14 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <set>
 #include <utility>
 
 #include "features/shapes.h"
-#include "planish/mesh/merged_meshes.h"
-#include "planish/mesh/mesh_topology.h"
+#include "planish/core/error.h"
 #include "support/cone.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -36,6 +37,49 @@ EdgeSet expected_edges(const FeatureCase& shape) {
   return edges;
 }
 
+// Sharp edges as pairs of places, so that meshes of the same shape can be compared.
+using Places = std::set<std::array<double, 6>>;
+
+Places sharp_places(const PolygonMesh& mesh, std::int32_t vertices) {
+  // To a grid that is far wider than rounding and far narrower than an edge.
+  const auto rounded = [](double x) { return std::round(x * 1e5) / 1e5 + 0.0; };
+  Places places;
+  for (const auto& [v, w] : sharp_edges(mesh)) {
+    if (v >= vertices || w >= vertices) continue;
+    std::array<double, 3> a{}, b{};
+    for (int i = 0; i < 3; ++i) {
+      a[i] = rounded(mesh.positions[v][i]);
+      b[i] = rounded(mesh.positions[w][i]);
+    }
+    if (b < a) std::swap(a, b);
+    places.insert({a[0], a[1], a[2], b[0], b[1], b[2]});
+  }
+  return places;
+}
+
+Places sharp_places(const PolygonMesh& mesh) { return sharp_places(mesh, mesh.vertex_count()); }
+
+template <class Change>
+PolygonMesh moved(PolygonMesh mesh, const Change& change) {
+  for (glm::dvec3& p : mesh.positions) p = change(p);
+  return mesh;
+}
+
+// The other way round, which turns its faces, too.
+PolygonMesh mirrored(const PolygonMesh& mesh) {
+  FaceList faces = faces_of(mesh);
+  for (auto& face : faces) std::ranges::reverse(face);
+  PolygonMesh result = make_mesh(mesh.positions, faces);
+  for (glm::dvec3& p : result.positions) p.x = -p.x;
+  return result;
+}
+
+std::vector<FeatureCase> all_cases() {
+  std::vector<FeatureCase> cases = tuned_cases();
+  for (FeatureCase& shape : held_out_cases()) cases.push_back(std::move(shape));
+  return cases;
+}
+
 void expect_own_edges(const std::vector<FeatureCase>& cases) {
   std::size_t lost = 0;
   for (const FeatureCase& shape : cases) {
@@ -49,6 +93,176 @@ void expect_own_edges(const std::vector<FeatureCase>& cases) {
 TEST(FindFeatures, FindsTheSharpEdgesOfShapes) { expect_own_edges(tuned_cases()); }
 
 TEST(FindFeatures, FindsThoseOfShapesThatWereHeldOut) { expect_own_edges(held_out_cases()); }
+
+TEST(FindFeatures, DoNotDependOnOrderPlaceSizeNorHand) {
+  for (const FeatureCase& shape : all_cases()) {
+    const EdgeSet own = sharp_edges(shape.mesh);
+    for (const double scale : {1e-3, 1e3})
+      EXPECT_EQ(sharp_edges(moved(shape.mesh, [&](const auto& p) { return scale * p; })), own)
+          << shape.name << " x " << scale;
+    const glm::dvec3 far(1e3, -2e3, 500);
+    EXPECT_EQ(sharp_edges(moved(shape.mesh, [&](const auto& p) { return p + far; })), own)
+        << shape.name << ", far away";
+    EXPECT_EQ(sharp_edges(turned(shape.mesh)), own) << shape.name << ", turned";
+    EXPECT_EQ(sharp_edges(mirrored(shape.mesh)), own) << shape.name << ", mirrored";
+    EXPECT_EQ(sharp_edges(jittered(shape.mesh, 1e-12, 3)), own) << shape.name << ", moved a little";
+    const Relabelled other = relabelled(shape.mesh, 5);
+    EdgeSet renamed;
+    for (const auto& [v, w] : own)
+      renamed.insert(std::minmax(other.new_index[v], other.new_index[w]));
+    EXPECT_EQ(sharp_edges(other.mesh), renamed) << shape.name << ", in another order";
+  }
+}
+
+TEST(FindFeatures, DoNotDependOnHowPlanesAreCut) {
+  std::vector<FeatureCase> cases = all_cases();
+  // Polygons, fans and two cuttings by lot of each come one after another.
+  for (std::size_t i = 0; i < cases.size(); i += 4)
+    for (std::size_t k = 1; k < 4; ++k)
+      EXPECT_EQ(sharp_places(cases[i + k].mesh), sharp_places(cases[i].mesh)) << cases[i + k].name;
+}
+
+TEST(FindFeatures, DoNotDependOnWhatElseIsThere) {
+  const PolygonMesh ball = moved(icosphere(2), [](const auto& p) { return 5.0 * p + 20.0; });
+  for (const FeatureCase& shape : all_cases()) {
+    PolygonMesh both = shape.mesh;
+    const std::int32_t count = both.vertex_count();
+    both.positions.insert(both.positions.end(), ball.positions.begin(), ball.positions.end());
+    for (std::vector<std::int32_t> face : faces_of(ball)) {
+      for (std::int32_t& v : face) v += count;
+      both.add_face(face);
+    }
+    EXPECT_EQ(sharp_edges(both), sharp_edges(shape.mesh)) << shape.name;
+  }
+}
+
+std::size_t corner_count(const PolygonMesh& mesh) { return find_features(mesh).corners.size(); }
+
+TEST(FindFeatures, FindsTheCornersOfSheets) {
+  EXPECT_EQ(corner_count(single_polygon(4)), 4u);
+  EXPECT_EQ(corner_count(single_polygon(5)), 5u);
+  EXPECT_EQ(corner_count(single_polygon(6)), 6u);
+  EXPECT_EQ(corner_count(single_polygon(8)), 0u);
+  EXPECT_EQ(corner_count(single_polygon(24)), 0u);
+  EXPECT_EQ(corner_count(flat_grid(5, 3)), 4u);
+  EXPECT_EQ(corner_count(l_shaped_plate(2)), 6u);
+  const auto l = make_mesh({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}},
+                           {{0, 1, 2, 3, 4, 5}});
+  EXPECT_EQ(corner_count(l), 6u);
+  EXPECT_EQ(corner_count(in_fans(l)), 6u);
+  const auto t = make_mesh({{1, 0, 0},
+                            {2, 0, 0},
+                            {2, 2, 0},
+                            {3, 2, 0},
+                            {3, 3, 0},
+                            {1.5, 3, 0},
+                            {0, 3, 0},
+                            {0, 2, 0},
+                            {1, 2, 0}},
+                           {{0, 1, 2, 3, 4, 5, 6, 7, 8}});
+  EXPECT_EQ(find_features(t).corners, (std::vector<std::int32_t>{0, 1, 2, 3, 4, 6, 7, 8}));
+  EXPECT_EQ(find_features(cut_by_lot(t, 3)).corners, find_features(t).corners);
+  // Bent sheets have corners, too; their boundaries turn little elsewhere.
+  EXPECT_EQ(corner_count(grid(8, 8,
+                              [](double x, double y) {
+                                return glm::dvec3(x, y, 0.04 * (x - 4) * (x - 4) + 0.02 * x * y);
+                              })),
+            4u);
+}
+
+TEST(FindFeatures, FindsTipsAndNoPoles) {
+  for (const int n : {8, 12, 32})
+    for (const double h : {1.0, 2.0, 4.0})
+      EXPECT_EQ(find_features(cone(n, h)).corners, (std::vector<std::int32_t>{n}))
+          << n << " x " << h;
+  for (const FeatureCase& shape : all_cases())
+    if (shape.name.starts_with("sphere") || shape.name.starts_with("ico"))
+      EXPECT_THAT(find_features(shape.mesh).corners, ::testing::IsEmpty()) << shape.name;
+}
+
+TEST(FindFeatures, TakesTagsAsTheyAre) {
+  PolygonMesh mesh = icosphere(2);
+  const auto face = mesh.face(7);
+  mesh.creases = {{face[0], face[1]}};
+  mesh.corners = {{face[2]}};
+  const Features features = find_features(mesh);
+  const std::vector<CreaseEdge> sharp = features.sharp_edges();
+  ASSERT_EQ(sharp.size(), 1u);
+  EXPECT_EQ(std::minmax(sharp[0].v0, sharp[0].v1), std::minmax(face[0], face[1]));
+  EXPECT_THAT(features.corners, ::testing::Contains(face[2]));
+}
+
+TEST(FindFeatures, SaysWhy) {
+  for (const FeatureEdge& edge : find_features(cube()).edges) {
+    EXPECT_NEAR(edge.turn, 90, 1e-9);
+    EXPECT_EQ(edge.reason, FeatureReason::Jump);
+    EXPECT_GE(edge.jump, 60);
+  }
+  for (const FeatureEdge& edge : find_features(icosphere(2)).edges) {
+    EXPECT_EQ(edge.reason, FeatureReason::Explained);
+    EXPECT_LT(edge.jump, edge.turn);
+  }
+}
+
+TEST(FindFeatures, LeavesNoisySpheresSmooth) {
+  const PolygonMesh ball = icosphere(3);
+  for (const double noise : {0.005, 0.01, 0.02})
+    EXPECT_LE(sharp_edges(jittered(ball, noise, 7)).size(), 19u) << noise;  // a hundredth
+}
+
+// A cube of side 1, each side of n x n quads.
+PolygonMesh gridded_cube(int n) {
+  PolygonMesh mesh;
+  std::map<std::array<int, 3>, std::int32_t> vertices;
+  const auto vertex = [&](const std::array<int, 3>& at) {
+    const auto [place, is_new] = vertices.try_emplace(at, mesh.vertex_count());
+    if (is_new) mesh.positions.push_back(glm::dvec3(at[0], at[1], at[2]) / double(n));
+    return place->second;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int end : {0, n})
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          std::vector<std::int32_t> face;
+          for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+            std::array<int, 3> at{};
+            at[axis] = end;
+            at[(axis + 1) % 3] = i + di;
+            at[(axis + 2) % 3] = j + dj;
+            face.push_back(vertex(at));
+          }
+          if (end == 0) std::ranges::reverse(face);
+          mesh.add_face(face);
+        }
+  return mesh;
+}
+
+TEST(FindFeatures, KeepsTheEdgesOfNoisyBoxes) {
+  const PolygonMesh box = gridded_cube(6);
+  const auto is_rim = [&](const auto& edge) {
+    const glm::dvec3 middle = (box.positions[edge.first] + box.positions[edge.second]) / 2.0;
+    int ends = 0;
+    for (int i = 0; i < 3; ++i) ends += middle[i] < 1e-9 || middle[i] > 1 - 1e-9;
+    return ends == 2;
+  };
+  for (const double noise : {0.0, 0.001, 0.005, 0.01}) {
+    const EdgeSet found = sharp_edges(jittered(box, noise, 2));
+    EXPECT_EQ(found.size(), 72u) << noise;
+    EXPECT_TRUE(std::ranges::all_of(found, is_rim)) << noise;
+  }
+}
+
+TEST(FindFeatures, RefusesRulesThatAreOutOfRange) {
+  FeatureRules rules;
+  rules.flat = -1;
+  try {
+    (void)find_features(cube(), rules);
+    FAIL() << "taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("flat"));
+  }
+}
 
 }  // namespace
 }  // namespace planish::test

@@ -5,9 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/vec3.hpp>
-#include <numeric>
 #include <random>
-#include <span>
 
 #include "planish/mesh/area_vector.h"
 #include "support/cone.h"
@@ -101,8 +99,8 @@ PolygonMesh of_rings(const std::vector<std::vector<dvec3>>& rings) {
   mesh.add_face(lower);
   for (std::int32_t r = 0; r < last; ++r)
     for (std::int32_t i = 0; i < n; ++i)
-      mesh.add_face(std::array{r * n + i, r * n + (i + 1) % n, (r + 1) * n + (i + 1) % n,
-                               (r + 1) * n + i});
+      mesh.add_face(
+          std::array{r * n + i, r * n + (i + 1) % n, (r + 1) * n + (i + 1) % n, (r + 1) * n + i});
   mesh.add_face(upper);
   return mesh;
 }
@@ -130,8 +128,8 @@ PolygonMesh uv_sphere(int around, int across) {
     const int j = (i + 1) % around, top = (across - 2) * around;
     mesh.add_face(std::array{low, j, i});
     for (int r = 0; r + 2 < across; ++r)
-      mesh.add_face(std::array{r * around + i, r * around + j, (r + 1) * around + j,
-                               (r + 1) * around + i});
+      mesh.add_face(
+          std::array{r * around + i, r * around + j, (r + 1) * around + j, (r + 1) * around + i});
     mesh.add_face(std::array{top + i, top + j, high});
   }
   return mesh;
@@ -141,11 +139,16 @@ PolygonMesh uv_sphere(int around, int across) {
 PolygonMesh house(double a, double b, double pitch) {
   const double ridge = 1 + b / 2 * std::tan(pitch * kTau / 360);
   PolygonMesh mesh;
-  mesh.positions = {{0, 0, 0}, {a, 0, 0}, {a, b, 0}, {0, b, 0}, {0, 0, 1},
+  mesh.positions = {{0, 0, 0}, {a, 0, 0}, {a, b, 0}, {0, b, 0},         {0, 0, 1},
                     {a, 0, 1}, {a, b, 1}, {0, b, 1}, {0, b / 2, ridge}, {a, b / 2, ridge}};
-  for (const std::vector<std::int32_t>& face : std::vector<std::vector<std::int32_t>>{
-           {3, 2, 1, 0}, {0, 1, 5, 4}, {2, 3, 7, 6}, {1, 2, 6, 9, 5}, {3, 0, 4, 8, 7},
-           {4, 5, 9, 8}, {6, 7, 8, 9}})
+  for (const std::vector<std::int32_t>& face :
+       std::vector<std::vector<std::int32_t>>{{3, 2, 1, 0},
+                                              {0, 1, 5, 4},
+                                              {2, 3, 7, 6},
+                                              {1, 2, 6, 9, 5},
+                                              {3, 0, 4, 8, 7},
+                                              {4, 5, 9, 8},
+                                              {6, 7, 8, 9}})
     mesh.add_face(face);
   return mesh;
 }
@@ -157,12 +160,8 @@ PolygonMesh chamfered_box(double x, double y, double z, double chamfer) {
 }
 
 Outline2 l_outline() { return {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 3}, {0, 3}}; }
-Outline2 u_outline() {
-  return {{0, 0}, {3, 0}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
-}
-Outline2 t_outline() {
-  return {{1, 0}, {2, 0}, {2, 2}, {3, 2}, {3, 3}, {0, 3}, {0, 2}, {1, 2}};
-}
+Outline2 u_outline() { return {{0, 0}, {3, 0}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}; }
+Outline2 t_outline() { return {{1, 0}, {2, 0}, {2, 2}, {3, 2}, {3, 3}, {0, 3}, {0, 2}, {1, 2}}; }
 Outline2 slot_outline(int steps, double length) {
   Outline2 outline;
   for (const int side : {0, 1})
@@ -259,7 +258,8 @@ std::vector<FeatureCase> tuned_cases() {
     add(cases, "box 1 x 1 x " + text(h), extruded(box_outline(1, 1), h), all);
   for (const double taper : {0.5, 0.8})
     for (const int n : {4, 8, 12})
-      add(cases, "frustum " + std::to_string(n) + ", " + text(taper),
+      add(
+          cases, "frustum " + std::to_string(n) + ", " + text(taper),
           extruded(ellipse(n, 1, 1), 1, taper),
           n <= 6 ? IsSharp(all) : [](const dvec3& a, const dvec3& b) { return is_level(a, b); });
   add(cases, "L", extruded(l_outline(), 1), all);
@@ -284,7 +284,8 @@ std::vector<FeatureCase> tuned_cases() {
   add(cases, "icosahedron", icosphere(0), none);
   add(cases, "sphere 6 x 4", uv_sphere(6, 4), none);
   add(cases, "sphere 12 x 8", uv_sphere(12, 8), none);
-  for (const int n : {8, 12}) add(cases, "torus " + std::to_string(n), torus(2 * n, n, 1, 0.4), none);
+  for (const int n : {8, 12})
+    add(cases, "torus " + std::to_string(n), torus(2 * n, n, 1, 0.4), none);
   return cases;
 }
 
@@ -295,7 +296,8 @@ std::vector<FeatureCase> held_out_cases() {
     add(cases, "box 1 x 1 x " + text(h), extruded(box_outline(1, 1), h), all);
   for (const double taper : {0.3, 0.65, 0.9})
     for (const int n : {5, 9, 16})
-      add(cases, "frustum " + std::to_string(n) + ", " + text(taper),
+      add(
+          cases, "frustum " + std::to_string(n) + ", " + text(taper),
           extruded(ellipse(n, 1, 1), 1, taper),
           n <= 6 ? IsSharp(all) : [](const dvec3& a, const dvec3& b) { return is_level(a, b); });
   add(cases, "U", extruded(u_outline(), 1), all);

@@ -193,8 +193,9 @@ std::vector<OrganicCase> organic_cases() {
 std::vector<std::string> print_crease_table(
     const std::function<bool(const std::string& name)>& is_wanted) {
   std::vector<std::string> wrong;
-  std::printf("| part | edges of the model | precision | recall | of features | recall |\n"
-              "|---|--:|--:|--:|--:|--:|\n");
+  std::printf(
+      "| part | edges of the model | precision | recall | of features | recall |\n"
+      "|---|--:|--:|--:|--:|--:|\n");
   for (const double tolerance : {0.0, 2e-3}) {
     for (const PartCase& part : part_cases())
       if (is_wanted(case_name(part.name, tolerance > 0, part.is_held_out)))

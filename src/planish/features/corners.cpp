@@ -142,7 +142,7 @@ class CornerFinder {
       if (count_[way.vertex] == 2 && turns_[way.vertex] > 0)
         around = std::max(around, jump(way.vertex));
     }
-    return own >= std::hypot(rules_.jump, 3 * around);
+    return own >= std::hypot(rules_.jump, rules_.spread * around);
   }
 
   // Whether one side of the line is a plane with more corners than any triangle has.
@@ -178,8 +178,16 @@ class CornerFinder {
     const auto lean = [&](std::int32_t region) {
       return degrees_between(map_.regions[region].normal, axis);
     };
+    double least = 180, mean = 0, spread = 0;
+    const auto count = static_cast<double>(corners.size());
+    for (const std::int32_t corner : corners) {
+      least = std::min(least, lean(region_of(corner)));
+      mean += lean(region_of(corner)) / count;
+    }
+    if (least < rules_.jump) return false;
     for (const std::int32_t corner : corners)
-      if (lean(region_of(corner)) < rules_.jump) return false;
+      spread += std::abs(lean(region_of(corner)) - mean) / count;
+    const double scale = std::hypot(rules_.jump, rules_.spread * spread);
     return std::ranges::all_of(corners, [&](std::int32_t corner) {
       const std::int32_t region = region_of(corner);
       const double own = lean(region);
@@ -189,7 +197,7 @@ class CornerFinder {
         if (far < 0 || is_sharp_[s]) continue;
         if (lean(far) < 90) back = std::max(back, (lean(far) - own) / 2);
       }
-      return own - back >= rules_.jump;
+      return own - back >= scale;
     });
   }
 };

@@ -20,6 +20,8 @@ namespace {
 constexpr int kPasses = 8;
 // Vertices with more lines have none that goes on.
 constexpr std::size_t kMostLines = 16;
+// Of a region on whose outline something has changed: those beyond it are marked, too.
+constexpr char kLookedAround = 2;
 
 class Labeller {
  public:
@@ -33,8 +35,11 @@ class Labeller {
   }
 
   void run() {
-    measure();
-    for (int pass = 0; pass < kPasses && cut(); ++pass) measure();
+    std::vector<char> is_near(map_.regions.size(), 1);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      measure(is_near);
+      if (!cut(is_near)) return;
+    }
   }
 
   [[nodiscard]] const std::vector<char>& labels() const { return labels_; }
@@ -49,9 +54,12 @@ class Labeller {
   std::vector<SegmentJumps::Jump> jump_;
   std::vector<LabelLink> links_;
 
-  void measure() {
+  // Those with a region on which something has changed.
+  void measure(const std::vector<char>& is_near) {
     parallel_each(jump_.size(), 256, [&](std::size_t s) {
-      jump_[s] = jumps_.jump(static_cast<std::int32_t>(s), labels_);
+      const auto& [a, b] = map_.segments[s].regions;
+      if (is_near[a] || (b >= 0 && is_near[b]))
+        jump_[s] = jumps_.jump(static_cast<std::int32_t>(s), labels_);
     });
   }
 
@@ -62,12 +70,13 @@ class Labeller {
       lines.clear();
       for (const std::int32_t corner : topology_.corners_at(v)) {
         add_line(topology_.edge_of(corner), v, lines);
-        if (topology_.ccw(corner) < 0) add_line(topology_.edge_of(topology_.prev(corner)), v, lines);
+        if (topology_.ccw(corner) < 0)
+          add_line(topology_.edge_of(topology_.prev(corner)), v, lines);
       }
       if (lines.size() > kMostLines) continue;
       for (std::size_t i = 0; i < lines.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j) link(lines[i] / 2, lines[j] / 2,
-                                                 (lines[i] ^ lines[j]) & 1);
+        for (std::size_t j = 0; j < i; ++j)
+          link(lines[i] / 2, lines[j] / 2, (lines[i] ^ lines[j]) & 1);
     }
   }
 
@@ -89,8 +98,9 @@ class Labeller {
       links_.push_back({s, t, rules_.line / 2 * std::min(a.length, b.length) * cosine});
   }
 
-  // Whether there are more sharp segments now. What is sharp stays so.
-  bool cut() {
+  // Whether there are more sharp segments now, and which regions look at one. What is sharp stays
+  // so.
+  bool cut(std::vector<char>& is_near) {
     std::vector<LabelCost> costs(map_.segments.size());
     for (std::size_t s = 0; s < costs.size(); ++s) {
       const double length = map_.segments[s].length;
@@ -101,10 +111,18 @@ class Labeller {
     }
     const std::vector<char> cheapest = cheapest_labels(costs, links_);
     bool has_more = false;
+    std::ranges::fill(is_near, 0);
     for (std::size_t s = 0; s < cheapest.size(); ++s) {
       if (!cheapest[s] || labels_[s]) continue;
       labels_[s] = 1;
       has_more = true;
+      for (const std::int32_t region : map_.segments[s].regions) {
+        if (is_near[region] == kLookedAround) continue;
+        is_near[region] = kLookedAround;
+        for (const std::int32_t other : map_.outlines.of(region))
+          if (const std::int32_t near = map_.beyond(other, region); near >= 0 && is_near[near] == 0)
+            is_near[near] = 1;
+      }
     }
     return has_more;
   }
@@ -114,12 +132,15 @@ void require_rules(const FeatureRules& rules) {
   const auto require = [](const char* name, double value, double least, double most) {
     if (!(value >= least && value <= most))
       throw Error(ErrorCode::InvalidArgument,
-                  formatted("the rule of features {} is {}; give {} to {}", name, short_number(value),
-                            short_number(least), short_number(most)));
+                  formatted("the rule of features {} is {}; give {} to {}", name,
+                            short_number(value), short_number(least), short_number(most)));
   };
   require("flat", rules.flat, 0, 45);
   require("cap", rules.cap, 0, 90);
   require("jump", rules.jump, 1e-3, 180);
+  require("spread", rules.spread, 0, 100);
+  require("large", rules.large, 0, 1);
+  require("uneven", rules.uneven, 1, 100);
   require("line", rules.line, 0, 100);
   require("parallel", rules.parallel, 0, 1);
   require("straight", rules.straight, 0, 1);

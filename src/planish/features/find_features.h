@@ -12,10 +12,18 @@ namespace planish {
 struct FeatureRules {
   /// Faces that turn by less are one plane; three times the noise of normals where it is known.
   double flat = 1;
-  /// So much of a turn at most is explained by the smooth surface on one side.
+  /// So much of a turn at most is explained by the smooth surface on one side: prisms of seven
+  /// sides are round, of six not.
   double cap = 14;
   /// A jump from here on is a feature where nothing else speaks.
   double jump = 30;
+  /// A jump is one where it is so many times what the surfaces around scatter by.
+  double spread = 3;
+  /// Of the size of a part, as roots of areas: from here on planes are large, and meet in features
+  /// at any angle that nothing explains.
+  double large = 0.02;
+  /// Ways across a smooth surface differ by this factor at most from one to the next.
+  double uneven = 3;
   /// What it costs, relative to its length, that a line begins or ends where it could go on.
   double line = 1;
   /// Cosine from which on edges are parallel across a face.
@@ -43,8 +51,9 @@ struct FeatureEdge {
 };
 
 struct Features {
-  std::vector<FeatureEdge> edges;     ///< those that turn, in the order of MeshTopology
-  std::vector<std::int32_t> corners;  ///< ascending: of outlines and of lines, tips, and tagged ones
+  std::vector<FeatureEdge> edges;  ///< those that turn, in the order of MeshTopology
+  std::vector<std::int32_t>
+      corners;  ///< ascending: of outlines and of lines, tips, and tagged ones
 
   /// Edges that are sharp.
   [[nodiscard]] std::vector<CreaseEdge> sharp_edges() const;

@@ -46,13 +46,12 @@ class LineGrid {
     cell_ = widest > 0 ? widest / cells * (1 + kSame) : 1;
     columns_ = static_cast<int>(size.x / cell_) + 1;
     rows_ = static_cast<int>(size.y / cell_) + 1;
-    in_cell_ = group_by<std::int32_t>(static_cast<std::size_t>(columns_) * rows_,
-                                      [&](const auto& take) {
-                                        for (std::size_t i = 0; i < lines_.size(); ++i)
-                                          visit_box(lines_[i], [&](std::size_t cell) {
-                                            take(cell, static_cast<std::int32_t>(i));
-                                          });
-                                      });
+    in_cell_ =
+        group_by<std::int32_t>(static_cast<std::size_t>(columns_) * rows_, [&](const auto& take) {
+          for (std::size_t i = 0; i < lines_.size(); ++i)
+            visit_box(lines_[i],
+                      [&](std::size_t cell) { take(cell, static_cast<std::int32_t>(i)); });
+        });
   }
 
   [[nodiscard]] const std::vector<Line>& lines() const { return lines_; }
@@ -132,12 +131,6 @@ class LineGrid {
   }
 };
 
-// So many spreads of the surfaces around a jump must stand out from.
-constexpr double kSpread = 3;
-// Of the rules' flat angle: a plane that is no chance of a few triangles. Of its part's size, as
-// roots of areas: a large plane.
-constexpr double kFlatter = 0.125, kLeastShare = 0.02;
-
 struct Sample {
   double ratio, weight, distance, turn;
 };
@@ -163,7 +156,7 @@ Explained explained_by(double turn_behind, double width, double width_behind, do
                        const FeatureRules& rules) {
   double whole = turn_behind / 2;
   if (width_behind > 0) whole = std::min(whole, turn_behind * width / (width + width_behind));
-  const double even = width_before > 0 ? std::min(1.0, 3 * width_before / width) : 1.0;
+  const double even = width_before > 0 ? std::min(1.0, rules.uneven * width_before / width) : 1.0;
   return {std::min(rules.cap, whole) * even * even, whole * even * even, 0};
 }
 
@@ -181,7 +174,9 @@ void SegmentJumps::look_across(std::int32_t region) {
   const glm::dvec3 e1 = glm::normalize(
       glm::cross(n, std::abs(n.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
   const glm::dvec3 e2 = glm::cross(n, e1);
-  const auto flat = [&](const glm::dvec3& v) { return glm::dvec2(glm::dot(v, e1), glm::dot(v, e2)); };
+  const auto flat = [&](const glm::dvec3& v) {
+    return glm::dvec2(glm::dot(v, e1), glm::dot(v, e2));
+  };
   std::vector<Line> lines;
   lines.reserve(outline.size());
   for (const std::int32_t s : outline) {
@@ -201,7 +196,7 @@ void SegmentJumps::look_across(std::int32_t region) {
 bool SegmentJumps::is_plane(std::int32_t region, std::size_t corners) const {
   if (map_.outlines.of(region).size() < corners) return false;
   const Region& plane = map_.regions[region];
-  return plane.warp <= kFlatter * rules_.flat && plane.share >= kLeastShare;
+  return plane.warp <= rules_.flat / 8 && plane.share >= rules_.large;
 }
 
 Explained SegmentJumps::explained(std::int32_t segment, int side,
@@ -278,9 +273,9 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
   Jump result{jump_of(line.turn, left, right), rules_.jump};
   if (is_plane(line.regions[0], 4) && is_plane(line.regions[1], 4)) {
     const double share = (left.whole + right.whole) / std::max(std::abs(line.turn), 1e-9);
-    result.scale = std::clamp(2 * share * rules_.jump, 3 * rules_.flat, rules_.jump);
+    result.scale = std::clamp(2 * share * rules_.jump, rules_.spread * rules_.flat, rules_.jump);
   } else if (!is_plane(line.regions[0], 5) && !is_plane(line.regions[1], 5)) {
-    result.scale = std::hypot(rules_.jump, kSpread * (left.spread + right.spread));
+    result.scale = std::hypot(rules_.jump, rules_.spread * (left.spread + right.spread));
   }
   return result;
 }

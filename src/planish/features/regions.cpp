@@ -74,8 +74,8 @@ class RegionMaker {
       const std::int32_t twin = topology_.twin(sliver[f]);
       const std::int32_t other = twin < 0 ? -1 : topology_.face_of(twin);
       const double own = glm::length(areas_[f]);
-      areas_[f] = other < 0 || sliver[other] >= 0 ? glm::dvec3(0.0)
-                                                  : own * unit_or_zero(areas_[other]);
+      areas_[f] =
+          other < 0 || sliver[other] >= 0 ? glm::dvec3(0.0) : own * unit_or_zero(areas_[other]);
     }
   }
 

@@ -28,8 +28,8 @@ struct Region {
 
 /// A straight line between two regions, of one edge or several.
 struct Segment {
-  glm::dvec3 middle{0.0}, along{0.0};    ///< along: a unit vector, regions[0] on its left
-  double length = 0, turn = 0;           ///< turn: degrees, above 0 at ridges
+  glm::dvec3 middle{0.0}, along{0.0};           ///< along: a unit vector, regions[0] on its left
+  double length = 0, turn = 0;                  ///< turn: degrees, above 0 at ridges
   std::array<std::int32_t, 2> regions{-1, -1};  ///< the second -1 at a boundary
   bool is_tagged = false;
 };
