@@ -256,7 +256,7 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
       add(far, 0.5);
     }
   }
-  if (samples.empty()) return {};
+  if (samples.empty()) return {.is_known = false};
   const double rate = weighted_median(samples, weights);
   Explained result;
   for (const Sample& sample : samples)
@@ -269,11 +269,13 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
 SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char> is_sharp) const {
   const Segment& line = map_.segments[segment];
   if (line.regions[1] < 0) return {};
-  const Explained left = explained(segment, 0, is_sharp), right = explained(segment, 1, is_sharp);
+  Explained left = explained(segment, 0, is_sharp), right = explained(segment, 1, is_sharp);
+  if (!left.is_known) left = right;
+  if (!right.is_known) right = left;
   Jump result{jump_of(line.turn, left, right), rules_.jump};
   if (is_plane(line.regions[0], 4) && is_plane(line.regions[1], 4)) {
     const double share = (left.whole + right.whole) / std::max(std::abs(line.turn), 1e-9);
-    result.scale = std::clamp(2 * share * rules_.jump, rules_.spread * rules_.flat, rules_.jump);
+    result.scale = std::clamp(2 * share * rules_.jump, rules_.flat, rules_.jump);
   } else if (!is_plane(line.regions[0], 5) && !is_plane(line.regions[1], 5)) {
     result.scale = std::hypot(rules_.jump, rules_.spread * (left.spread + right.spread));
   }

@@ -14,6 +14,7 @@ struct Explained {
   double turn = 0;    ///< 0 to the rules' cap
   double whole = 0;   ///< without the cap
   double spread = 0;  ///< how far the surface itself is from what was fitted
+  bool is_known = true;  ///< false: nothing is there to tell; then the other side speaks for both
 };
 
 /// The jump: a turn less what both sides explain.
