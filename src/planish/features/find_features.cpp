@@ -105,7 +105,7 @@ class Labeller {
     for (std::size_t s = 0; s < costs.size(); ++s) {
       const double length = map_.segments[s].length;
       const double share = jump_[s].jump / jump_[s].scale;
-      costs[s] = {length * std::min(share * share, 1e6), labels_[s] ? 0.0 : length};
+      costs[s] = {length * (share < 1e3 ? share * share : 1e6), labels_[s] ? 0.0 : length};
       if (labels_[s]) costs[s].smooth = 1e6 * length;
       if (map_.segments[s].regions[1] < 0) costs[s] = {0, length};
     }

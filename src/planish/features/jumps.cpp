@@ -238,10 +238,10 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
     const Region& there = map_.regions[r];
     const glm::dvec3 to = there.centre - own.centre;
     const double distance = glm::dot(to, away), length = glm::length(to);
-    if (distance <= 0.25 * reach || !(length > 0)) return;
+    if (!(distance > std::max(0.0, 0.25 * reach)) || !(length > 0)) return;
     const double turn = sign * glm::degrees(std::atan2(glm::dot(there.normal, away),
                                                        glm::dot(there.normal, own.normal)));
-    weight *= distance / length * (distance / length);
+    weight *= distance / length;
     samples.push_back({turn / distance, weight, distance, turn});
     weights += weight;
   };

@@ -11,9 +11,9 @@ namespace planish {
 
 /// What the smooth surface on one side of a turn leads one to expect there, in degrees.
 struct Explained {
-  double turn = 0;    ///< 0 to the rules' cap
-  double whole = 0;   ///< without the cap
-  double spread = 0;  ///< how far the surface itself is from what was fitted
+  double turn = 0;       ///< 0 to the rules' cap
+  double whole = 0;      ///< without the cap
+  double spread = 0;     ///< how far the surface itself is from what was fitted
   bool is_known = true;  ///< false: nothing is there to tell; then the other side speaks for both
 };
 
