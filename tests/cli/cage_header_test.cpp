@@ -11,7 +11,7 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
   FitSettings settings;
   settings.weights = Weights::Averaged;
   settings.boundary = BoundaryRule::EdgeAndCorner;
-  settings.creases = {true, 32.5};
+  settings.creases = {.dihedral_degrees = 32.5};
   settings.repair = RepairChoice::None;
   settings.tolerance = 1.0 / 3.0 * 1e-7;
   settings.weld = 1.0 / 3.0 * 1e-5;
@@ -34,7 +34,7 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
 // Those of older versions are read: order and spelling stay.
 TEST(CageHeader, HasItsLinesInOrder) {
   FitSettings settings;
-  settings.creases = {true, 1e-5};
+  settings.creases = {.dihedral_degrees = 1e-5};
   settings.weld = 0;
   settings.scheme = Scheme::Loop;
   const std::vector<std::string> lines =

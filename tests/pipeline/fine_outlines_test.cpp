@@ -6,7 +6,7 @@
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/mesh/even_parts.h"
-#include "planish/pipeline/fit_best.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/surface_quality.h"
 #include "support/outlines.h"
 
@@ -37,11 +37,11 @@ TEST(FineOutlines, KeepTheirRimsWithoutFolds) {
   for (const auto& [name, outline, upright, degrees] : cases) {
     SCOPED_TRACE(name);
     const PolygonMesh mesh = prism_over(outline);
-    const BestFit best = fit_best(mesh, *backend);
-    EXPECT_EQ(best.mesh(mesh).creases.size(), 2 * outline.size() + std::size_t(upright));
-    EXPECT_LT(folded_area(best.mesh(mesh), best.fit, *backend), 1e-5);
-    const SurfaceMesh surface = evaluate(best.mesh(mesh), best.fit, *backend, {.level = 2});
-    EXPECT_LT(surface_quality(surface, best.mesh(mesh)).rms_normal_deviation, degrees);
+    const FittedMesh fitted = fit_mesh(mesh, "outline", *backend);
+    EXPECT_EQ(fitted.mesh.creases.size(), 2 * outline.size() + std::size_t(upright));
+    EXPECT_LT(folded_area(fitted.mesh, fitted.fit, *backend), 1e-5);
+    const SurfaceMesh surface = evaluate(fitted.mesh, fitted.fit, *backend, {.level = 2});
+    EXPECT_LT(surface_quality(surface, fitted.mesh).rms_normal_deviation, degrees);
   }
 }
 

@@ -1,4 +1,5 @@
 #include "planish/pipeline/fit_best.h"
+#include "planish/pipeline/fit_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -117,7 +118,7 @@ TEST(FitBest, LooksBetweenThePlacesOfLevelOne) {
     mesh.add_face(std::array{2 * kSides + 1, kSides + i, kSides + next});
   }
   const auto backend = make_cpu_backend({Precision::Double});
-  const BestFit best = fit_best(mesh, *backend, {}, {}, CreaseTrial::None);  // its rim is sharp
+  const BestFit best = fit_best(mesh, *backend);
   EXPECT_LT(best.progressive->folded_area_elsewhere, kSoundFoldedArea);
   EXPECT_LT(best.progressive->rms_normal_deviation,
             kClearlyBetter * best.fair->rms_normal_deviation);
@@ -183,7 +184,7 @@ TEST(FitBest, ItsFiguresAreThoseOfBothSurfaces) {
 }
 
 // A box: flat faces in triangles, whose rims alone turn.
-TEST(FitBest, TakesCreasesThatAreClear) {
+TEST(Features, AreKeptWithoutAFlag) {
   const auto backend = make_cpu_backend();
   PolygonMesh box;
   for (const auto& face : faces_of(cube())) {
@@ -191,57 +192,44 @@ TEST(FitBest, TakesCreasesThatAreClear) {
     box.add_face(std::array{face[0], face[2], face[3]});
   }
   box.positions = cube().positions;
-  const BestFit best = fit_best(box, *backend);
-  EXPECT_EQ(best.crease_degrees, 30.0);
-  ASSERT_TRUE(best.creased.has_value());
-  EXPECT_FALSE(best.fair.has_value()) << "a third fit that nobody needs";
-  EXPECT_NEAR(best.creased->rms_normal_deviation, 0, 1e-4);
-  EXPECT_GT(best.progressive->rms_normal_deviation, 10);
-  EXPECT_THAT(best.reason, HasSubstr("12 edges kept sharp"));
-  EXPECT_THAT(best.reason, HasSubstr("--creases use"));
-  EXPECT_EQ(best.mesh(box).creases.size(), 12u);
-
-  EXPECT_FALSE(fit_best(box, *backend, {}, {}, CreaseTrial::None).creased.has_value());
+  const FittedMesh fitted = fit_mesh(box, "box", *backend);
+  EXPECT_TRUE(fitted.finds_features);
+  EXPECT_EQ(fitted.creases(), "auto");
+  EXPECT_EQ(fitted.mesh.creases.size(), 12u);
+  EXPECT_NEAR(fitted.chosen_quality()->rms_normal_deviation, 0, 1e-4);
+  EXPECT_THAT(fitted.reason->text, HasSubstr("12 edges kept sharp"));
+  EXPECT_THAT(fitted.reason->text, HasSubstr("--creases use"));
+  MeshFitOptions none;
+  none.chooses_creases = false;
+  EXPECT_TRUE(fit_mesh(box, "box", *backend, none).mesh.creases.empty());
   PolygonMesh tagged = box;
-  tagged.creases = {{best.mesh(box).creases.front()}};
-  EXPECT_FALSE(fit_best(tagged, *backend).creased.has_value()) << "who tags has chosen";
+  tagged.creases = {{fitted.mesh.creases.front()}};
+  EXPECT_EQ(fit_mesh(tagged, "box", *backend).mesh.creases.size(), 1u) << "who tags has chosen";
 }
 
-// Of a bolt's head all edges are sharp, as those of a cube are that is meant to be round: its
-// chamfers say that it is a part.
-TEST(FitBest, KeepsPrismsWithChamfersAsTheyAre) {
+// In polygons and in triangles.
+TEST(Features, OfPrismsAndSolidsAreTheirEdges) {
   const auto backend = make_cpu_backend();
-  const BestFit best = fit_best(chamfered_prism(6), *backend);
-  ASSERT_TRUE(best.creased.has_value());
-  EXPECT_NEAR(best.creased->rms_normal_deviation, 0, 1e-4);
-  EXPECT_EQ(best.mesh(chamfered_prism(6)).creases.size(), 42u);
-}
-
-// So do the sides of a prism, which are no ball's, in polygons and in triangles.
-TEST(FitBest, KeepsPrismsAsTheyAre) {
-  const auto backend = make_cpu_backend();
-  for (const PolygonMesh& mesh : {prism(6), as_triangles(prism(6))}) {
-    const BestFit best = fit_best(mesh, *backend);
-    ASSERT_TRUE(best.creased.has_value());
-    EXPECT_NEAR(best.creased->rms_normal_deviation, 0, 1e-4);
-    EXPECT_EQ(best.mesh(mesh).creases.size(), 18u);
+  for (const auto& [mesh, edges] : {std::pair{prism(6), 18u},
+                                    {as_triangles(prism(6)), 18u},
+                                    {prism(8), 16u},
+                                    {as_triangles(prism(8)), 16u},
+                                    {cube(), 12u},
+                                    {bipyramid(4), 12u}}) {
+    const FittedMesh fitted = fit_mesh(mesh, "mesh", *backend);
+    EXPECT_EQ(fitted.mesh.creases.size(), edges);
+    if (edges != 16) EXPECT_NEAR(fitted.chosen_quality()->rms_normal_deviation, 0, 1e-4);
   }
 }
 
-TEST(FitBest, SaysThatACubeMayBeKeptSharp) {
-  const BestFit best = fit_best(cube(), *make_cpu_backend());
-  EXPECT_TRUE(best.is_coarse_ball);
-  EXPECT_THAT(best.reason, HasSubstr("--creases auto"));
-  EXPECT_FALSE(fit_best(cube(), *make_cpu_backend(), {}, {}, CreaseTrial::None).is_coarse_ball);
-}
-
-// Coarse balls turn at all of their edges, and round ones at none.
-TEST(FitBest, RoundShapesHaveNoCreases) {
+TEST(Features, RoundShapesHaveNone) {
   const auto backend = make_cpu_backend();
   for (const PolygonMesh& mesh :
-       {cube(), dodecahedron(), bipyramid(4), icosphere(0), icosphere(2), torus(8, 4, 1, 0.4),
-        torus(24, 12, 1, 0.4), jittered(icosphere(3), 0.02, 1)})
-    EXPECT_FALSE(fit_best(mesh, *backend).crease_degrees.has_value()) << mesh.vertex_count();
+       {icosphere(0), icosphere(2), torus(24, 12, 1, 0.4), jittered(icosphere(3), 0.02, 1)}) {
+    const FittedMesh fitted = fit_mesh(mesh, "mesh", *backend);
+    EXPECT_TRUE(fitted.mesh.creases.empty()) << mesh.vertex_count();
+    EXPECT_TRUE(fitted.mesh.corners.empty()) << mesh.vertex_count();
+  }
 }
 
 // A ball of 24 by 9 faces with a bore along its axis.
@@ -266,21 +254,17 @@ PolygonMesh bored_ball() {
   return mesh;
 }
 
-// Its faces turn by 15 degrees, in sum more than the rims do, of which each edge turns by over 100:
-// nothing lies between.
-TEST(FitBest, KeepsRimsThatAreApartFromAllOtherEdges) {
+// Its faces turn by 15 degrees, in sum more than the rims do. A dent changes nothing far from it.
+TEST(Features, AreRimsOfABallWithABore) {
   const auto backend = make_cpu_backend();
-  const PolygonMesh ball = bored_ball();
-  for (const PolygonMesh& mesh : {ball, as_triangles(ball)}) {
-    const BestFit best = fit_best(mesh, *backend);
-    ASSERT_TRUE(best.crease_degrees.has_value());
-    EXPECT_EQ(best.mesh(mesh).creases.size(), 48u);
-    EXPECT_LT(best.creased->rms_normal_deviation, 0.5 * best.progressive->rms_normal_deviation);
+  PolygonMesh ball = bored_ball();
+  for (const double dent : {1.0, 1.08}) {
+    ball.positions[5 * 24] *= dent;
+    for (const PolygonMesh& mesh : {ball, as_triangles(ball)}) {
+      const FittedMesh fitted = fit_mesh(mesh, "ball", *backend);
+      EXPECT_EQ(fitted.mesh.creases.size(), 48u) << dent;
+    }
   }
-  // On a dented one something does.
-  PolygonMesh dented = ball;
-  dented.positions[5 * 24] *= 1.08;
-  EXPECT_FALSE(fit_best(dented, *backend).crease_degrees.has_value());
 }
 
 // A fit that is not taken has nothing to warn of.

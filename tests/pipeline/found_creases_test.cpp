@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "planish/backend/cpu_backend.h"
-#include "planish/pipeline/fit_best.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/surface_quality.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -56,12 +56,12 @@ PolygonMesh arc_plate(int n) {
 TEST(FoundCreases, StayAroundFinelyDrawnPlates) {
   const auto backend = make_cpu_backend();
   for (const int corners : {1000, 10'000}) {
-    const BestFit best = fit_best(arc_plate(corners), *backend);
-    EXPECT_TRUE(best.crease_degrees.has_value()) << best.reason;
-    EXPECT_TRUE(best.smoothed_vertices.empty()) << best.smoothed_vertices.size();
-    ASSERT_TRUE(best.creased.has_value());
-    EXPECT_LT(best.creased->rms_normal_deviation, 0.5) << corners;
-    EXPECT_EQ(best.creased->folded_area_elsewhere, 0) << corners;
+    const FittedMesh fitted = fit_mesh(arc_plate(corners), "plate", *backend);
+    EXPECT_EQ(fitted.mesh.creases.size(), 2u * static_cast<unsigned>(corners) + 4);
+    EXPECT_TRUE(fitted.smoothed_vertices.empty()) << fitted.smoothed_vertices.size();
+    ASSERT_NE(fitted.chosen_quality(), nullptr);
+    EXPECT_LT(fitted.chosen_quality()->rms_normal_deviation, 0.5) << corners;
+    EXPECT_EQ(fitted.chosen_quality()->folded_area_elsewhere, 0) << corners;
   }
 }
 
@@ -72,7 +72,7 @@ TEST(FoundCreases, AreTakenBackWhereTheyFoldTheSurface) {
     const PolygonMesh given = test::jittered(test::icosphere(2), 0.25, seed);
     PolygonMesh mesh = given;
     const auto prepared = prepare_mesh(mesh, "ball");
-    const FoundCreases found = add_found_creases(mesh, *prepared, {});
+    const FoundCreases found = add_creases_above(mesh, *prepared, 30);
     const PolygonMesh all = mesh;
     const CreasedFit creased = fit_with_found_creases(mesh, found, *backend, {});
     const double area = folds_of(mesh, creased.fit, *backend);
@@ -82,7 +82,7 @@ TEST(FoundCreases, AreTakenBackWhereTheyFoldTheSurface) {
     taken_back += !creased.smoothed_vertices.empty();
     // The list alone says which they are.
     PolygonMesh again = all;
-    leave_smooth(again, *prepared, found, creased.smoothed_vertices);
+    leave_smooth(again, found, creased.smoothed_vertices);
     EXPECT_EQ(edges_of(again), edges_of(mesh));
     EXPECT_EQ(again.corners.size(), mesh.corners.size());
   }
@@ -92,7 +92,7 @@ TEST(FoundCreases, AreTakenBackWhereTheyFoldTheSurface) {
 TEST(FoundCreases, StayWhereNothingFolds) {
   const auto backend = make_cpu_backend({Precision::Double});
   PolygonMesh mesh = test::cube();
-  const FoundCreases found = add_found_creases(mesh, *prepare_mesh(mesh, "cube"), {});
+  const FoundCreases found = add_features(mesh, prepare_mesh(mesh, "cube"));
   const CreasedFit creased = fit_with_found_creases(mesh, found, *backend, {});
   EXPECT_EQ(mesh.creases.size(), 12u);
   EXPECT_TRUE(creased.smoothed_vertices.empty());
@@ -103,10 +103,10 @@ TEST(FoundCreases, LeaveGivenTagsAlone) {
   PolygonMesh mesh = test::cube();
   mesh.creases = {{0, 1}};
   const auto prepared = prepare_mesh(mesh, "cube");
-  const FoundCreases found = add_found_creases(mesh, *prepared, {});
+  const FoundCreases found = add_features(mesh, prepared);
   EXPECT_EQ(mesh.creases.size(), 12u);
   const std::vector<std::int32_t> smooth{0};
-  leave_smooth(mesh, *prepared, found, smooth);
+  leave_smooth(mesh, found, smooth);
   EXPECT_EQ(mesh.creases.size(), 10u) << "of three at the vertex one is the file's";
 }
 
@@ -115,7 +115,7 @@ TEST(FoundCreases, GiveTheWarningsOfTheFitThatIsTaken) {
   int folded = 0;
   for (const double amount : {0.5, 1.0, 2.0}) {
     PolygonMesh mesh = test::jittered(test::icosphere(2), amount, 1);
-    const FoundCreases found = add_found_creases(mesh, *prepare_mesh(mesh, "ball"), {});
+    const FoundCreases found = add_creases_above(mesh, *prepare_mesh(mesh, "ball"), 30);
     std::vector<Warning> warnings;
     FitOptions options;
     options.callbacks.warning = [&](const Warning& warning) { warnings.push_back(warning); };

@@ -42,6 +42,7 @@ FittedMesh fitted_of(const MpiJob& job, const DistributedFit& fit) {
       settings, fit.fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive);
   all.repairs = false;
   all.uses_tags = settings.creases.use_tags;
+  all.finds_features = settings.creases.finds_features;
   all.crease_degrees = settings.creases.dihedral_degrees;
   all.reason = choice_of(job);
   all.fit.spectral_bound = fit.spectral_bound;

@@ -93,7 +93,7 @@ void fields(Archive& archive, SurfaceQuality& quality) {
 
 template <class Archive>
 void fields(Archive& archive, MethodReason& reason) {
-  archive(reason.text, reason.progressive, reason.fair, reason.creased);
+  archive(reason.text, reason.progressive, reason.fair);
 }
 
 template <class Archive>
@@ -119,11 +119,12 @@ void fields(Archive& archive, MeshDensity& density) {
 template <class Archive>
 void fields(Archive& archive, FittedMesh& fitted) {
   archive(fitted.mesh, fitted.fit, fitted.options, fitted.repairs, fitted.uses_tags,
-          fitted.crease_degrees, fitted.weld, fitted.split_normals, fitted.reason,
-          fitted.pairs_triangles, fitted.paired_count, fitted.quad_reason, fitted.added_vertices,
-          fitted.refine_reason, fitted.choose_milliseconds, fitted.welded_count, fitted.density,
-          fitted.source_vertices, fitted.source_faces, fitted.changed_faces,
-          fitted.smoothed_vertices, fitted.separated_edges, fitted.warnings, fitted.rest_positions);
+          fitted.finds_features, fitted.crease_degrees, fitted.weld, fitted.split_normals,
+          fitted.reason, fitted.pairs_triangles, fitted.paired_count, fitted.quad_reason,
+          fitted.added_vertices, fitted.refine_reason, fitted.choose_milliseconds,
+          fitted.welded_count, fitted.density, fitted.source_vertices, fitted.source_faces,
+          fitted.changed_faces, fitted.smoothed_vertices, fitted.separated_edges, fitted.warnings,
+          fitted.rest_positions);
 }
 
 template <class Archive>

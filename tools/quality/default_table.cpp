@@ -52,7 +52,7 @@ std::vector<std::pair<std::string, MeshFitOptions>> mesh_flags() {
         MeshFitOptions options;
         options.method = method;
         options.chooses_creases = false;
-        if (creases) options.crease_degrees = CreaseDetectionOptions{}.dihedral_degrees;
+        options.finds_features = creases;
         options.quads = quads ? QuadChoice::On : QuadChoice::Off;
         all.emplace_back(
             std::string(name) + (creases ? ", creases" : "") + (quads ? ", quads" : ""), options);

@@ -44,14 +44,16 @@ WildFigures of_method(const PolygonMesh& mesh, InterpolationMethod method, Backe
 }
 
 WildFigures with_creases(PolygonMesh mesh, Backend& backend) {
-  const FoundCreases found = add_found_creases(mesh, *prepare_mesh(mesh, "mesh"), {});
+  const FoundCreases found = add_features(mesh, prepare_mesh(mesh, "mesh"));
   const CreasedFit creased = fit_with_found_creases(mesh, found, backend, {});
   return measure_wild(mesh, creased.fit, backend);
 }
 
 WildFigures chosen(const PolygonMesh& mesh, Backend& backend) {
-  const BestFit best = fit_best(mesh, backend);
-  return measure_wild(best.mesh(mesh), best.fit, backend);
+  MeshFitOptions options;
+  options.refine = RefineChoice::Off;
+  const FittedMesh best = fit_mesh(mesh, "mesh", backend, options);
+  return measure_wild(best.mesh, best.fit, backend);
 }
 
 void print_cell(const WildFigures& figures) {

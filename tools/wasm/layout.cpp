@@ -89,6 +89,7 @@ extern "C" const char* planish_wasm_layout() {
     MEMBER(fit_info, vertex_count);
     MEMBER(fit_info, face_count);
     MEMBER(fit_info, crease_degrees);
+    MEMBER(fit_info, finds_features);
     MEMBER(fit_info, within);
     STRUCT(surface_arrays);
     MEMBER(surface_arrays, positions);

@@ -90,6 +90,7 @@ planish_fit_info info_of(const FittedMesh& fitted) {
   info.vertex_count = fitted.mesh.positions.size();
   info.face_count = static_cast<std::size_t>(fitted.mesh.face_count());
   info.warning_count = fitted.warnings.size();
+  info.finds_features = fitted.finds_features ? 1 : 0;
   info.crease_degrees = fitted.crease_degrees.value_or(0);
   if (fitted.fit.within) info.within = fitted.fit.within->within;
   return info;

@@ -238,7 +238,10 @@ typedef struct planish_fit_info {
   size_t face_count;     /**< the same */
   size_t warning_count;  /**< of repair and fit */
   double crease_degrees; /**< by which creases were found, for planish_verify(); 0: none were */
-  double within;         /**< how far the surface might leave vertices, of the diagonal; the same */
+  /** Whether sharp features were found by the shape: planish_verify() then wants options.creases
+   * "auto". */
+  int32_t finds_features;
+  double within; /**< how far the surface might leave vertices, of the diagonal; the same */
 } planish_fit_info;
 
 void planish_fit_info_init(planish_fit_info* info, size_t struct_size);

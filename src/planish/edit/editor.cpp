@@ -126,10 +126,11 @@ FittedMesh edited(const FittedMesh& first, const Editor& editor) {
     // What is sharp was set by hand: no rule of the first fit finds it again.
     result.uses_tags = true;
     result.split_normals = false;
+    result.finds_features = false;
     result.crease_degrees.reset();
   }
   // What was measured was the surface before the moves.
-  if (result.reason) result.reason->progressive = result.reason->fair = result.reason->creased = {};
+  if (result.reason) result.reason->progressive = result.reason->fair = {};
   return result;
 }
 

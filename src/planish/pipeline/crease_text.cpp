@@ -8,7 +8,6 @@
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
-#include "planish/mesh/detect_creases.h"
 
 namespace planish {
 namespace {
@@ -35,12 +34,12 @@ CreaseChoice parse_creases(std::string_view text, std::string_view where) {
   constexpr std::array<std::string_view, 5> kKnown{"choose", "use", "ignore", "normals", "auto"};
   const std::string shown = "\"" + visible(text) + "\"";
   const std::string no_choice = shown + " is not one of choose, use, ignore, normals, auto:DEGREES";
-  double degrees = CreaseDetectionOptions{}.dihedral_degrees;
+  double degrees = 0;
   if (text == "choose") return {.chooses = true};
   if (text == "use") return {};
   if (text == "ignore") return {.use_tags = false};
   if (text == "normals") return {.split_normals = true};
-  if (text == "auto") return {.dihedral_degrees = degrees};
+  if (text == "auto") return {.finds_features = true};
   if (parse_number(text, degrees))
     refuse(where, no_choice + "; did you mean auto:" + visible(text) + "?");
   if (!text.starts_with("auto:")) refuse(where, no_choice + did_you_mean(text, kKnown));

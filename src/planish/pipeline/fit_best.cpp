@@ -13,6 +13,7 @@
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
 #include "planish/mesh/folded_edges.h"
+#include "planish/mesh/mesh_density.h"
 #include "planish/mesh/prepared_mesh.h"
 #include "planish/surface/block_quality.h"
 
@@ -40,6 +41,8 @@ struct Candidate {
 
 // Of the time of a candidate, that of its fit.
 constexpr double kCandidateFitted = 0.75;
+// Of the time, the surface that is sharp where that was found.
+constexpr double kSharpMeasured = 0.5;
 // Of the time of two candidates, that of the first and of both: a look at level 2 may come.
 constexpr double kFirstMeasured = 0.3, kBothMeasured = 0.9;
 
@@ -127,42 +130,6 @@ void choose(const Candidate& progressive, const Candidate& fair,
   }
 }
 
-ClearCreases clear_creases_of(const PolygonMesh& mesh, const Fit& fitted, CreaseTrial trial) {
-  if (trial == CreaseTrial::None || !mesh.creases.empty()) return {};
-  PolygonMesh tagged = mesh;
-  return add_clear_creases(tagged, fitted.prepared, trial);
-}
-
-// The fair surface with found creases, if it is the better one; else the mesh is as it was.
-std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
-                                            const FitOptions& options, const Candidate& round,
-                                            CreaseTrial trial, BestFit& best) {
-  if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
-  ClearCreases clear = add_clear_creases(made.mesh, made.prepared, trial);
-  if (!clear.found) return std::nullopt;
-  made.found = std::move(clear.found);
-  Candidate creased = fair_candidate(made, backend, options, best);
-  best.creased = creased.quality;
-  const SurfaceQuality &sharp = creased.quality, &rounded = round.quality;
-  const bool folds_more =
-      sharp.folded_area_elsewhere > rounded.folded_area_elsewhere + kWorthAllCreases;
-  if (creased.fit.interpolation.converged && !folds_more &&
-      sharp.rms_normal_deviation <=
-          (clear.are_apart ? 1 : kCreasesBetter) * rounded.rms_normal_deviation) {
-    best.method = InterpolationMethod::Fair;
-    best.crease_degrees = made.found->options.dihedral_degrees;
-    best.reason = "fair, with " + counted(std::ssize(made.mesh.creases), "edge") +
-                  " kept sharp: its normals are nearer to the faces' than with all rounded "
-                  "(--creases use rounds them)";
-    return creased;
-  }
-  made.mesh.creases = made.found->creases;
-  made.mesh.corners = made.found->corners;
-  made.found.reset();
-  best.smoothed_vertices.clear();
-  return std::nullopt;
-}
-
 void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
   best.fit = std::move(taken.fit);
   for (const Warning& warning : taken.warnings) callbacks.warn(warning);
@@ -173,61 +140,59 @@ void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
 namespace {
 
 FairMesh fair_mesh_of(const PolygonMesh& mesh, const std::function<FairMesh()>& make) {
-  return make ? make() : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}, {}};
+  return make ? make() : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
 }
 
 BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                const std::function<FairMesh()>& make_fair_mesh, CreaseTrial trial) {
+                const std::function<FairMesh()>& make_fair_mesh, bool are_found_sharp) {
   BestFit best;
   FitOptions of_candidate = options;
-  of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
+  Callbacks caller = options.callbacks;
+  if (are_found_sharp) {
+    of_candidate.callbacks = share_of(caller, 0, kSharpMeasured);
+    FairMesh made = fair_mesh_of(mesh, make_fair_mesh);
+    Candidate fair = fair_candidate(made, backend, of_candidate, best);
+    if (fair.is_sound()) {
+      best.method = InterpolationMethod::Fair;
+      best.fair = fair.quality;
+      best.fair_mesh = std::move(made.mesh);
+      best.reason = "fair: it is sharp where that was found, and does not fold";
+      give_out(std::move(fair), best, options.callbacks);
+      return best;
+    }
+    best.smoothed_vertices.clear();
+    caller = share_of(caller, kSharpMeasured, 1);
+  }
+  of_candidate.callbacks = share_of(caller, 0, kFirstMeasured);
   Candidate progressive = candidate(mesh, backend, of_candidate);
   best.progressive = progressive.quality;
-  const ClearCreases clear = clear_creases_of(mesh, progressive.fit, trial);
-  const bool tries_found = clear.found.has_value();
-  best.is_coarse_ball = clear.are_of_balls;
+  const auto folded_at_two = [&] {
+    return measured_quality(mesh, progressive.fit, options, share_of(caller, kBothMeasured, 1), 2)
+        .folded_area_elsewhere;
+  };
   const bool is_close =
       progressive.is_sound() && progressive.quality.rms_normal_deviation < kCloseDegrees;
-  if (is_close && !tries_found) {
+  // The places of level 1 of a dense mesh are near enough to each other.
+  if (is_close && (mesh_density(mesh, *progressive.fit.prepared->topology).is_dense() ||
+                   folded_at_two() < kSoundFoldedArea)) {
     best.reason = "progressive: it does not fold, and its normals are near the faces'";
-    give_out(std::move(progressive), best, options.callbacks);
+    give_out(std::move(progressive), best, caller);
     return best;
   }
   FairMesh made = fair_mesh_of(mesh, make_fair_mesh);
-  double done = kFirstMeasured;
-  if (tries_found) {
-    done = (kFirstMeasured + kBothMeasured) / 2;
-    of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, done);
-    if (auto creased = with_clear_creases(made, backend, of_candidate, progressive, trial, best)) {
-      best.fair_mesh = std::move(made.mesh);
-      give_out(std::move(*creased), best, options.callbacks);
-      return best;
-    }
-  }
-  if (made.outline) {
-    if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
-    tag_outline_corners(made.mesh, *made.prepared, *made.outline);
-  }
   // It is taken only where the fair one is worse still, and made again then.
   if (!progressive.is_sound()) progressive.drop();
-  of_candidate.callbacks = share_of(options.callbacks, done, kBothMeasured);
+  of_candidate.callbacks = share_of(caller, kFirstMeasured, kBothMeasured);
   Candidate fair = fair_candidate(made, backend, of_candidate, best);
   best.fair = fair.quality;
-  choose(
-      progressive, fair,
-      [&] {
-        return measured_quality(mesh, progressive.fit, options,
-                                share_of(options.callbacks, kBothMeasured, 1), 2)
-            .folded_area_elsewhere;
-      },
-      best);
+  choose(progressive, fair, folded_at_two, best);
   const bool is_fair = best.method == InterpolationMethod::Fair;
   if (!is_fair && !progressive.is_kept) {
     fair = {};
-    of_candidate.callbacks = share_of(options.callbacks, kBothMeasured, 1);
+    of_candidate.callbacks = share_of(caller, kBothMeasured, 1);
     progressive = candidate(mesh, backend, of_candidate);
   }
-  give_out(std::move(is_fair ? fair : progressive), best, options.callbacks);
+  give_out(std::move(is_fair ? fair : progressive), best, caller);
   if (is_fair) {
     best.fair_mesh = std::move(made.mesh);
   } else {
@@ -239,12 +204,11 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
 }  // namespace
 
 BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                 const std::function<FairMesh()>& make_fair_mesh, CreaseTrial trial) {
+                 const std::function<FairMesh()>& make_fair_mesh, bool are_found_sharp) {
   const HostScope host(options.callbacks);
   BestFit best;
-  backend.run_on_host([&] { best = best_of(mesh, backend, options, make_fair_mesh, trial); });
-  if (best.is_coarse_ball)
-    best.reason += "; all its edges turn alike, and are rounded (--creases auto keeps them sharp)";
+  backend.run_on_host(
+      [&] { best = best_of(mesh, backend, options, make_fair_mesh, are_found_sharp); });
   options.callbacks.report("choose", 1);
   return best;
 }

@@ -17,9 +17,6 @@ struct FairMesh {
   PolygonMesh mesh;
   std::shared_ptr<const PreparedMesh> prepared;
   std::optional<FoundCreases> found;  ///< where creases were: for fit_with_found_creases()
-  /// What add_outline_corners() gave for the given mesh. This one has none of these corners yet:
-  /// found creases come with their own.
-  std::optional<std::vector<std::int32_t>> outline;
 };
 
 /// The better of the two surfaces through a mesh's vertices, and why.
@@ -29,12 +26,8 @@ struct BestFit {
   /// That `fit` is of, where it is fair; else it is of the given mesh.
   std::optional<PolygonMesh> fair_mesh;
   std::vector<std::int32_t> smoothed_vertices;  ///< of fair_mesh, see CreasedFit
-  /// That `fair_mesh` has found creases by, where they were taken.
-  std::optional<double> crease_degrees;
   // At level 1, against the mesh's faces; empty: not tried.
   std::optional<SurfaceQuality> progressive, fair;
-  std::optional<SurfaceQuality> creased;  ///< of fair with creases that were tried
-  bool is_coarse_ball = false;            ///< rounded as such, see are_coarse_balls()
   std::string reason;  ///< in a line, for people: without figures of level 1 beside the surface's
 
   /// The mesh that `fit` is of.
@@ -47,7 +40,6 @@ struct BestFit {
 inline constexpr double kSoundFoldedArea = 1e-5;  ///< folds of less are none
 inline constexpr double kCloseDegrees = 1;        ///< normals nearer to the faces' need no rival
 inline constexpr double kClearlyBetter = 0.96;    ///< of the other's deviation
-inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found creases
 
 /// Fits by the progressive method and measures the surface at level 1; where it converges, does not
 /// fold (but where the input does itself) and its normals are within kCloseDegrees rms of the
@@ -57,18 +49,15 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 /// own faces, which the progressive method follows more closely even where it is no nearer to the
 /// shape.
 ///
-/// Where the mesh has no tags but those of add_outline_corners() and creases that are found by
-/// `trial` are clear (see add_clear_creases()), the fair surface that has them comes second,
-/// whatever the first, and is taken where it does not fold more, by kWorthAllCreases of the area,
-/// and is off by kCreasesBetter of what progressive is at most; where they are apart from all other
-/// edges, by no more.
+/// `are_found_sharp`: sharp edges were found, not given. Then the fair surface comes first, which
+/// takes them back where it folds for them, and is taken where it converges and does not fold.
 ///
-/// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
+/// `make_fair_mesh` is called at most twice, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.
 /// Throws as fit(), whatever options.method is.
 [[nodiscard]] BestFit fit_best(const PolygonMesh& mesh, Backend& backend,
                                const FitOptions& options = {},
                                const std::function<FairMesh()>& make_fair_mesh = {},
-                               CreaseTrial trial = CreaseTrial::NotOfBalls);
+                               bool are_found_sharp = false);
 
 }  // namespace planish

@@ -40,6 +40,7 @@ constexpr double kOneReady = 0.4, kLookedHalved = 0.5;  // of that, where triang
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
   return {.repairs = options.repairs,
           .uses_tags = options.fit.sharp.use_tags,
+          .finds_features = options.finds_features,
           .crease_degrees = options.crease_degrees,
           .method = method,
           .weld = options.weld,
@@ -100,38 +101,44 @@ double sum_of(const FitTiming& timing) {
   return timing.check + timing.topology + timing.stencils + timing.upload + timing.solve;
 }
 
+// What is sharp though nobody asked for it.
+std::string features_text(const ReadyFit& ready) {
+  if (!ready.found || ready.options.finds_features || ready.options.crease_degrees) return {};
+  // Some may have been taken back.
+  const auto edges = std::ssize(ready.fitted.mesh.creases);
+  if (edges > 0)
+    return "; " + counted(edges, "edge") +
+           " kept sharp, where two surfaces meet (--creases use rounds " +
+           (edges == 1 ? "it" : "them") + ")";
+  return ready.fitted.mesh.corners.empty()
+             ? ""
+             : "; corners of its outline and tips are kept (--creases use rounds them)";
+}
+
 void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warnings) {
   const auto began = std::chrono::steady_clock::now();
   FittedMesh& result = ready.fitted;
-  // What keep_outline_corners() left smooth, if it kept any: else nothing is found before.
-  const auto outline = ready.chooses_creases && result.crease_degrees
-                           ? std::optional(result.smoothed_vertices)
-                           : std::nullopt;
   ReadyMesh fair;
   const auto make_fair_mesh = [&] {
     fair = ready.given ? make_ready(std::move(*ready.given),
                                     preparation_of(ready.options, InterpolationMethod::Fair))
                        : ready_again(result);
-    if (outline) fair.mesh.corners.clear();
-    if (!ready.given && ready.options.repairs) make_fair(fair);
-    return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found), outline};
+    if (!ready.given) {
+      fair.found = ready.found;
+      if (ready.options.repairs) make_fair(fair);
+    }
+    return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found)};
   };
   BestFit best = fit_best(result.mesh, backend, result.options, make_fair_mesh,
-                          ready.chooses_creases ? crease_trial(result) : CreaseTrial::None);
-  result.reason = MethodReason{best.reason, best.progressive, best.fair, best.creased};
-  if (best.crease_degrees) {
-    result.crease_degrees = best.crease_degrees;
-  } else if (outline) {
-    best.smoothed_vertices = std::move(result.smoothed_vertices);
-    result.reason->text +=
-        "; corners of its outline and tips of cones are kept (--creases use rounds them)";
-  }
+                          !ready.given && ready.found && !ready.found->creases.empty());
+  result.reason = MethodReason{best.reason, best.progressive, best.fair};
   result.options.method = best.method;
   result.smoothed_vertices = std::move(best.smoothed_vertices);
   if (best.fair_mesh) {
     fair.mesh = std::move(*best.fair_mesh);
     take(result, std::move(fair), ready.name, warnings);
   }
+  result.reason->text += features_text(ready);
   result.fit = std::move(best.fit);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
   result.choose_milliseconds = took.count() - sum_of(result.fit.timing);
@@ -153,15 +160,12 @@ const SurfaceQuality* FittedMesh::chosen_quality() const {
   if (fit.within && fit.within->left) return &*fit.within->left;
   if (!reason) return nullptr;
   const bool is_fair = options.method == InterpolationMethod::Fair;
-  const bool is_creased = crease_degrees && crease_degrees < kOutlineDegrees && reason->creased;
-  const auto& measured = is_creased ? reason->creased
-                         : is_fair  ? reason->fair
-                                    : reason->progressive;
+  const auto& measured = is_fair ? reason->fair : reason->progressive;
   return measured ? &*measured : nullptr;
 }
 
 std::string FittedMesh::creases() const {
-  return split_normals ? "normals" : creases_text(uses_tags, crease_degrees);
+  return split_normals ? "normals" : creases_text(uses_tags, finds_features, crease_degrees);
 }
 
 namespace {
@@ -186,12 +190,15 @@ ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptio
     ready.chooses_method = true;
     // Creases were found on faces that the fair method may cut.
     if (options.crease_degrees) ready.given = mesh;
-    ready.chooses_creases = options.chooses_creases && !options.crease_degrees &&
-                            result.uses_tags && mesh.creases.empty() && mesh.corners.empty();
   }
+  Preparation preparation = preparation_of(options, result.options.method);
+  const bool is_chosen = ready.chooses_method && options.chooses_creases &&
+                         !options.crease_degrees && result.uses_tags && mesh.creases.empty() &&
+                         mesh.corners.empty();
+  result.finds_features = preparation.finds_features |= is_chosen;
   const WarningList warnings(result.warnings, options.fit.callbacks);
   try {
-    ReadyMesh made = make_ready(std::move(mesh), preparation_of(options, result.options.method));
+    ReadyMesh made = make_ready(std::move(mesh), preparation);
     ready.found = std::move(made.found);
     take(result, std::move(made), name, warnings);
   } catch (const Error& error) {
@@ -212,7 +219,7 @@ FittedMesh fit_one(ReadyFit ready, Backend& backend) {
   try {
     if (ready.chooses_method) {
       choose_method(ready, backend, warnings);
-    } else if (ready.found) {
+    } else if (ready.found && result.options.method == InterpolationMethod::Fair) {
       CreasedFit creased =
           fit_with_found_creases(result.mesh, *ready.found, backend, result.options);
       result.smoothed_vertices = std::move(creased.smoothed_vertices);
@@ -370,14 +377,6 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   return std::move(taken);
 }
 
-// Corners of outlines, where creases are chosen: after pairing, as verify_cage() has it.
-void keep_outline_corners(FittedMesh& result) {
-  auto smoothed = add_outline_corners(result.mesh, result.options.prepared);
-  if (!smoothed) return;
-  result.crease_degrees = kOutlineDegrees;
-  result.smoothed_vertices = std::move(*smoothed);
-}
-
 // The same with triangles joined; null where hardly any are. `given`: the mesh that `ready` was
 // made of, where more was done to it than can be done before.
 std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<PolygonMesh> given) {
@@ -397,13 +396,14 @@ std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<Po
   auto paired = std::make_shared<ReadyFit>();
   paired->name = ready.name;
   paired->chooses_method = ready.chooses_method;
-  paired->chooses_creases = ready.chooses_creases;
+  paired->found = ready.found;
   FittedMesh& result = paired->fitted;
   result.options = ready.fitted.options;
   result.repairs = ready.fitted.repairs;
   result.weld = ready.fitted.weld;
   result.pairs_triangles = true;
   result.uses_tags = ready.fitted.uses_tags;
+  result.finds_features = ready.fitted.finds_features;
   take(result, std::move(made), ready.name, {result.warnings, pairing.fit.callbacks});
   if (!result.options.prepared) require_usable(result.mesh, ready.name);
   paired->options = std::move(pairing);
@@ -467,7 +467,6 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   for (ReadyFit* one : {&ready, ready.paired.get()}) {
     if (one == nullptr) continue;
     one->fitted.density = density;
-    if (one->chooses_creases) keep_outline_corners(one->fitted);
   }
   report(1);
   return ready;

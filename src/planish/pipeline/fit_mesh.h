@@ -36,8 +36,8 @@ struct MeshFitOptions {
   /// mesh_warnings.h.
   bool faces_are_given = true;
   std::optional<double> crease_degrees;  ///< edges whose faces turn by more are sharp, too
-  /// Where method and crease_degrees are empty and the mesh has no tags: found creases, too, where
-  /// the surface is better for them (see fit_best()).
+  bool finds_features = false;           ///< sharp is what find_features() finds, too
+  /// The same where the method and crease_degrees are empty and the mesh has no tags.
   bool chooses_creases = true;
   /// Of Doo-Sabin alone auto joins anything, and where the surface is better (see choose_quads.h).
   QuadChoice quads = QuadChoice::Auto;
@@ -50,9 +50,8 @@ struct MeshFitOptions {
 
 /// Why a method was taken where none was named.
 struct MethodReason {
-  std::string text;  ///< in a line, for people
-  /// At level 1; empty: not measured. `creased`: fair with found creases.
-  std::optional<SurfaceQuality> progressive, fair, creased;
+  std::string text;                                 ///< in a line, for people
+  std::optional<SurfaceQuality> progressive, fair;  ///< at level 1; empty: not measured
 };
 
 /// Whether vertices were added, and why.
@@ -68,6 +67,7 @@ struct FittedMesh {
   Fit fit;           ///< of `mesh`
   FitOptions options;
   bool repairs = true, uses_tags = true;
+  bool finds_features = false;
   std::optional<double> crease_degrees, weld;
   bool split_normals = false;  ///< see FitFileOptions
   std::optional<MethodReason> reason;
@@ -109,9 +109,8 @@ struct ReadyFit {
   FittedMesh fitted;  ///< all but the fit; the method may change where measurement chooses it
   std::string name;
   MeshFitOptions options;
-  std::optional<FoundCreases> found;  ///< where creases were for the fair method
+  std::optional<FoundCreases> found;  ///< where sharp edges were looked for
   bool chooses_method = false;        ///< by measurement
-  bool chooses_creases = false;       ///< and creases
   std::optional<PolygonMesh> given;   ///< as it was, where that needs it
   /// The same with triangles joined, where these may be better, or plainly are.
   std::shared_ptr<ReadyFit> paired;
@@ -126,11 +125,6 @@ struct ReadyFit {
 [[nodiscard]] bool may_refine(const ReadyFit& ready);
 /// Sets ReadyFit::refined where vertices may be added and are.
 void prepare_refined(ReadyFit& ready);
-
-/// Which creases are tried of a mesh whose creases are chosen.
-[[nodiscard]] inline CreaseTrial crease_trial(const FittedMesh& fitted) {
-  return fitted.paired_count > 0 ? CreaseTrial::All : CreaseTrial::NotOfBalls;
-}
 
 /// The first half of fit_mesh(): welds, repairs and tags. Throws Error{UnusableMesh} with every
 /// problem and its remedy, and as repair(). Callbacks must outlive what is returned.

@@ -21,8 +21,7 @@ Json choice_json(const std::optional<MethodReason>& choice) {
   };
   return {{"reason", choice->text},
           {"progressive", figures(choice->progressive)},
-          {"fair", figures(choice->fair)},
-          {"creased", figures(choice->creased)}};
+          {"fair", figures(choice->fair)}};
 }
 
 Json bending_json(const std::optional<BendingFigures>& of) {

@@ -3,19 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
-#include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "planish/core/host_scope.h"
-#include "planish/core/parallel.h"
-#include "planish/mesh/angle_between.h"
-#include "planish/mesh/coarse_balls.h"
-#include "planish/mesh/cone_apexes.h"
-#include "planish/mesh/face_areas.h"
+#include "planish/features/find_features.h"
 #include "planish/mesh/folded_edges.h"
-#include "planish/mesh/outline_corners.h"
 #include "planish/pipeline/deep_folds.h"
 #include "planish/surface/block_quality.h"
 
@@ -24,10 +17,6 @@ namespace planish {
 namespace {
 
 constexpr int kRounds = 4;
-// Of all turns; see pipeline/details.md.
-constexpr double kClearShare = 0.9;
-// By what the flattest crease turns more than the sharpest other edge where they are apart.
-constexpr double kApart = 1.5;
 // Corners of a face from which on it is more than what lies around a vertex.
 constexpr std::size_t kLargeFace = 16;
 // So many creases are no loss: parts of few are not to fold at all.
@@ -79,14 +68,6 @@ CreasedCandidate creased_candidate(const PolygonMesh& mesh, Backend& backend, Fi
   return result;
 }
 
-void find(PolygonMesh& mesh, const PreparedMesh& prepared, const CreaseDetectionOptions& options) {
-  if (prepared.uses_all()) {
-    detect_creases(mesh, *prepared.topology, options);
-  } else {
-    mesh = with_detected_creases(mesh, options);
-  }
-}
-
 std::vector<std::int32_t> numbers_of(std::span<const std::uint8_t> flags) {
   std::vector<std::int32_t> numbers;
   for (std::size_t v = 0; v < flags.size(); ++v)
@@ -117,114 +98,66 @@ void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
   }
 }
 
-enum class Clarity { Unclear, OfBalls, Clear, Apart };
+bool is_before(const CreaseEdge& a, const CreaseEdge& b) {
+  return std::tuple(std::minmax(a.v0, a.v1)) < std::tuple(std::minmax(b.v0, b.v1));
+}
 
-Clarity clarity_of(const PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared,
-                   const CreaseDetectionOptions& options) {
-  if (mesh.creases.empty()) return Clarity::Unclear;
-  const UsedPart used = used_part(mesh, prepared);
-  const MeshTopology& topology = *prepared->topology;
-  std::vector<std::uint8_t> is_crease(static_cast<std::size_t>(topology.edge_count()), 0);
-  for (const CreaseEdge& crease : used.mesh.creases) {
-    const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
-    if (edge >= 0) is_crease[edge] = 1;
-  }
-  const std::vector<glm::dvec3> areas = face_areas(used.mesh);
-  double all = 0, of_creases = 0;
-  double flattest = std::numbers::pi, sharpest_other = 0;
-  bool is_any_smooth = false;
-  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
-    if (topology.is_boundary_edge(e)) continue;
-    is_any_smooth |= is_crease[e] == 0;
-    const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
-    const glm::dvec3 &a = areas[topology.face_of(corner)], &b = areas[topology.face_of(twin)];
-    const double turn = angle_between(a, b);
-    const double weight = glm::length(a) / topology.face_size(topology.face_of(corner)) +
-                          glm::length(b) / topology.face_size(topology.face_of(twin));
-    all += turn * turn * weight;
-    if (is_crease[e] != 0) {
-      of_creases += turn * turn * weight;
-      flattest = std::min(flattest, turn);
-    } else {
-      sharpest_other = std::max(sharpest_other, turn);
-    }
-  }
-  const bool are_apart = sharpest_other <= glm::radians(options.dihedral_degrees) &&
-                         flattest >= kApart * sharpest_other;
-  if (!are_apart && of_creases < kClearShare * all) return Clarity::Unclear;
-  if (!is_any_smooth && are_coarse_balls(used.mesh, topology, areas)) return Clarity::OfBalls;
-  return are_apart ? Clarity::Apart : Clarity::Clear;
+bool is_at_other(const CornerVertex& a, const CornerVertex& b) { return a.vertex < b.vertex; }
+
+// What was added to the tags that a mesh had before.
+FoundCreases found_since(const PolygonMesh& mesh, std::size_t creases, std::size_t corners) {
+  FoundCreases found{
+      {mesh.creases.begin() + static_cast<std::ptrdiff_t>(creases), mesh.creases.end()},
+      {mesh.corners.begin() + static_cast<std::ptrdiff_t>(corners), mesh.corners.end()}};
+  std::ranges::sort(found.creases, is_before);
+  std::ranges::sort(found.corners, is_at_other);
+  return found;
 }
 
 }  // namespace
 
-CreaseDetectionOptions crease_detection(double degrees) {
-  CreaseDetectionOptions options{.dihedral_degrees = degrees};
-  if (degrees >= kOutlineDegrees) options.corner_degrees = kOutlineCornerDegrees;
-  return options;
+FoundCreases add_features(PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared) {
+  const std::size_t creases = mesh.creases.size(), corners = mesh.corners.size();
+  const UsedPart used = used_part(mesh, prepared);
+  const Features features = find_features(used.mesh, *prepared->topology);
+  const auto is_tagged = [&](std::int32_t vertex) {
+    return std::ranges::any_of(mesh.corners.begin(),
+                               mesh.corners.begin() + static_cast<std::ptrdiff_t>(corners),
+                               [&](const CornerVertex& corner) { return corner.vertex == vertex; });
+  };
+  for (const FeatureEdge& edge : features.edges)
+    if (edge.is_sharp && edge.reason != FeatureReason::Tagged)
+      mesh.creases.push_back({used.vertices[edge.v0], used.vertices[edge.v1]});
+  for (const std::int32_t corner : features.corners)
+    if (const std::int32_t vertex = used.vertices[corner]; !is_tagged(vertex))
+      mesh.corners.push_back({vertex});
+  return found_since(mesh, creases, corners);
 }
 
-FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
-                               const CreaseDetectionOptions& options) {
-  FoundCreases found{options, mesh.creases, mesh.corners};
-  found.options.smooth_vertices = {};
-  find(mesh, prepared, options);
-  return found;
+FoundCreases add_creases_above(PolygonMesh& mesh, const PreparedMesh& prepared, double degrees) {
+  const std::size_t creases = mesh.creases.size(), corners = mesh.corners.size();
+  const CreaseDetectionOptions options{.dihedral_degrees = degrees};
+  if (prepared.uses_all()) {
+    detect_creases(mesh, *prepared.topology, options);
+  } else {
+    mesh = with_detected_creases(mesh, options);
+  }
+  return found_since(mesh, creases, corners);
 }
 
-ClearCreases add_clear_creases(PolygonMesh& mesh,
-                               const std::shared_ptr<const PreparedMesh>& prepared,
-                               CreaseTrial trial) {
-  if (trial == CreaseTrial::None || !mesh.creases.empty()) return {};
-  FoundCreases found = add_found_creases(mesh, *prepared, {});
-  const Clarity clarity = clarity_of(mesh, prepared, found.options);
-  const bool are_of_balls = clarity == Clarity::OfBalls;
-  if (clarity != Clarity::Unclear && (!are_of_balls || trial == CreaseTrial::All))
-    return {std::move(found), false, clarity == Clarity::Apart};
-  mesh.creases = found.creases;
-  mesh.corners = found.corners;
-  return {std::nullopt, are_of_balls};
-}
-
-void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,
+void leave_smooth(PolygonMesh& mesh, const FoundCreases& found,
                   std::span<const std::int32_t> smoothed_vertices) {
   std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
   for (const std::int32_t v : smoothed_vertices)
     if (v >= 0 && v < mesh.vertex_count()) smooth[v] = 1;
-  mesh.creases = found.creases;
-  mesh.corners = found.corners;
-  CreaseDetectionOptions options = found.options;
-  options.smooth_vertices = smooth;
-  find(mesh, prepared, options);
-}
-
-std::optional<std::vector<std::int32_t>> add_outline_corners(
-    PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared) {
-  const CreaseDetectionOptions options = crease_detection(kOutlineDegrees);
-  std::vector<std::uint8_t> is_clear(mesh.positions.size(), 0);
-  {
-    const UsedPart used = used_part(mesh, prepared);
-    const MeshTopology& topology = *prepared->topology;
-    const auto corners = outline_corners(used.mesh, topology, options.corner_degrees);
-    const std::vector<std::uint8_t> none_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
-    const auto apexes = cone_apexes(topology, face_areas(used.mesh), none_sharp);
-    if (corners.empty() && apexes.empty()) return std::nullopt;
-    for (const auto& clear : {corners, apexes})
-      for (const std::int32_t v : clear) is_clear[used.vertices[v]] = 1;
-  }
-  const FoundCreases found = add_found_creases(mesh, *prepared, options);
-  std::vector<std::int32_t> smoothed;
-  for (std::size_t i = found.corners.size(); i < mesh.corners.size(); ++i)
-    if (is_clear[mesh.corners[i].vertex] == 0) smoothed.push_back(mesh.corners[i].vertex);
-  std::ranges::sort(smoothed);
-  if (!smoothed.empty()) leave_smooth(mesh, *prepared, found, smoothed);
-  return smoothed;
-}
-
-void tag_outline_corners(PolygonMesh& mesh, const PreparedMesh& prepared,
-                         std::span<const std::int32_t> smoothed_vertices) {
-  const FoundCreases before{crease_detection(kOutlineDegrees), mesh.creases, mesh.corners};
-  leave_smooth(mesh, prepared, before, smoothed_vertices);
+  std::erase_if(mesh.creases, [&](const CreaseEdge& crease) {
+    return (smooth[crease.v0] != 0 || smooth[crease.v1] != 0) &&
+           std::ranges::binary_search(found.creases, crease, is_before);
+  });
+  std::erase_if(mesh.corners, [&](const CornerVertex& corner) {
+    return smooth[corner.vertex] != 0 &&
+           std::ranges::binary_search(found.corners, corner, is_at_other);
+  });
 }
 
 namespace {
@@ -248,7 +181,7 @@ CreasedFit creased_fit(PolygonMesh& mesh, const FoundCreases& found, Backend& ba
   const auto try_smooth = [&] {
     std::vector<std::int32_t> smoothed = numbers_of(smooth);
     const std::size_t before = mesh.creases.size() + mesh.corners.size();
-    leave_smooth(mesh, *prepared.prepared, found, smoothed);
+    leave_smooth(mesh, found, smoothed);
     if (lost(mesh.creases.size()) >= least) return false;
     if (mesh.creases.size() + mesh.corners.size() == before) return true;
     prepared.callbacks = rounds.next();

@@ -94,14 +94,6 @@ void name_sources(ReadyMesh& ready, std::vector<std::int32_t>&& welded) {
   }
 }
 
-void find_creases(ReadyMesh& ready, const Preparation& choice) {
-  const CreaseDetectionOptions options = crease_detection(*choice.crease_degrees);
-  FoundCreases found = add_found_creases(ready.mesh, *ready.prepared, options);
-  if (!choice.smoothed_vertices.empty())
-    leave_smooth(ready.mesh, *ready.prepared, found, choice.smoothed_vertices);
-  if (choice.method == InterpolationMethod::Fair) ready.found = std::move(found);
-}
-
 }  // namespace
 
 bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees) {
@@ -156,13 +148,21 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
   name_sources(ready, std::move(welded_sources));
   if (shortened) ready.changes.insert(ready.changes.begin(), *shortened);
   if (choice.repairs) take_out_flat_triangles(ready, choice.stands_alone);
+  if (choice.finds_features && ready.prepared)
+    ready.found = add_features(ready.mesh, ready.prepared);
   if (choice.pairs_triangles && ready.prepared) pair_up(ready, choice.crease_degrees);
   if (choice.repairs && choice.method == InterpolationMethod::Fair) make_fair(ready);
-  if (choice.crease_degrees && ready.prepared) find_creases(ready, choice);
+  // On the faces that the fair method has cut.
+  if (choice.crease_degrees && ready.prepared)
+    ready.found = add_creases_above(ready.mesh, *ready.prepared, *choice.crease_degrees);
+  if (ready.found && !choice.smoothed_vertices.empty())
+    leave_smooth(ready.mesh, *ready.found, choice.smoothed_vertices);
   return ready;
 }
 
-std::string creases_text(bool uses_tags, std::optional<double> crease_degrees) {
+std::string creases_text(bool uses_tags, bool finds_features,
+                         std::optional<double> crease_degrees) {
+  if (finds_features) return "auto";
   if (crease_degrees) return "auto:" + shortest(*crease_degrees);
   return uses_tags ? "use" : "ignore";
 }

@@ -20,6 +20,7 @@ struct Preparation {
   /// Mends what check() reports; and see weld_short_edges() and without_flat_triangles().
   bool repairs = true;
   bool uses_tags = true;                 ///< else edges and vertices lose theirs
+  bool finds_features = false;           ///< and tags them: see find_features()
   std::optional<double> crease_degrees;  ///< sharp are edges whose faces turn by more, too
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<double> weld;  ///< see weld_vertices()
@@ -34,7 +35,7 @@ struct Preparation {
 struct ReadyMesh : RepairedMesh {
   std::int64_t welded_count = 0;
   std::int64_t paired_count = 0;  ///< diagonals that went
-  /// Where creases were found for the fair method: how, for fit_with_found_creases().
+  /// What was looked for, and found: for fit_with_found_creases().
   std::optional<FoundCreases> found;
   std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
 };
@@ -59,7 +60,9 @@ bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees);
 /// creases.
 void make_fair(ReadyMesh& ready);
 
-/// "use", "ignore" or "auto:40": what is sharp besides boundaries, as flags and reports say it.
-[[nodiscard]] std::string creases_text(bool uses_tags, std::optional<double> crease_degrees);
+/// "use", "ignore", "auto" or "auto:40": what is sharp besides boundaries, as flags and reports say
+/// it.
+[[nodiscard]] std::string creases_text(bool uses_tags, bool finds_features,
+                                       std::optional<double> crease_degrees);
 
 }  // namespace planish

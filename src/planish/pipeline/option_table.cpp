@@ -55,8 +55,8 @@ FitOption creases_option() {
            .choices = "choose|use|ignore|normals|auto[:DEGREES]",
            .initial = "choose",
            .example = "auto:40",
-           .help = "sharp edges: by measurement, tagged ones, none, split normals or turns above "
-                   "(30) too",
+           .help = "sharp edges: tagged ones, else those where two surfaces meet; tagged ones; "
+                   "none; and split normals, where surfaces meet, or turns above an angle, too",
            .pattern = kCreasesPattern,
            .ranks = {"choose|use|ignore",
                      "edges are not looked for over ranks; tag them in the file, and take use"}},
@@ -67,7 +67,7 @@ FitOption creases_option() {
             const CreaseChoice& creases = settings.creases;
             if (creases.split_normals) return std::string("normals");
             if (creases.chooses) return std::string("choose");
-            return creases_text(creases.use_tags, creases.dihedral_degrees);
+            return creases_text(creases.use_tags, creases.finds_features, creases.dihedral_degrees);
           }};
 }
 

@@ -15,6 +15,7 @@ MeshFitOptions mesh_fit_options(const FitSettings& settings) {
   if (settings.interpolation == InterpolationChoice::Fair)
     options.method = InterpolationMethod::Fair;
   options.repairs = settings.repair == RepairChoice::Safe;
+  options.finds_features = settings.creases.finds_features;
   options.crease_degrees = settings.creases.dihedral_degrees;
   options.chooses_creases = settings.creases.chooses;
   options.quads = settings.quads;
@@ -50,6 +51,7 @@ VerifyOptions verify_options(const FitSettings& settings) {
   options.weights = settings.weights;
   options.sharp = {settings.boundary, settings.creases.use_tags};
   options.repairs = settings.repair == RepairChoice::Safe;
+  options.finds_features = settings.creases.finds_features;
   options.crease_degrees = settings.creases.dihedral_degrees;
   options.weld = settings.weld;
   options.quads = settings.quads;

@@ -30,9 +30,10 @@ enum class InterpolationChoice { Auto, Progressive, Fair };
 /// Which edges and vertices are sharp besides boundaries.
 struct CreaseChoice {
   bool use_tags = true;                    ///< those that the file tags
+  bool finds_features = false;             ///< and those that find_features() finds
   std::optional<double> dihedral_degrees;  ///< and those whose faces turn by more
   bool split_normals = false;              ///< and those where the file splits its normals
-  bool chooses = false;                    ///< and found ones where the surface is better for them
+  bool chooses = false;                    ///< finds features where nothing is tagged
 };
 
 /// How far the surface may leave the given vertices to bend less.

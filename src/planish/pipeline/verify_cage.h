@@ -22,6 +22,7 @@ struct VerifyOptions {
   Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
   SharpFeatureOptions sharp;
   bool repairs = true;                                ///< of the given mesh, as when it was fitted
+  bool finds_features = false;                        ///< the same
   std::optional<double> crease_degrees;               ///< the same
   std::optional<double> weld;                         ///< the same
   std::span<const std::int32_t> smoothed_vertices{};  ///< see CreasedFit

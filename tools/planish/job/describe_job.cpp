@@ -124,18 +124,9 @@ std::string solve_text(const Settings& settings, const std::vector<PlannedOutput
 ReadyFit expected_ready(const PlannedJob& planned, Input input) {
   const Settings& settings = planned.job.settings;
   MeshFitOptions options = mesh_fit_options(settings);
-  options.method = settings.interpolation == InterpolationChoice::Fair
-                       ? InterpolationMethod::Fair
-                       : InterpolationMethod::Progressive;
+  if (!options.method && !chooses_by_measurement(settings, planned.outputs))
+    options.method = InterpolationMethod::Progressive;
   ReadyFit ready = prepare_mesh(std::move(input), options, settings);
-  // Vertices of files are there twice along creases.
-  if (settings.creases.chooses && chooses_by_measurement(settings, planned.outputs)) {
-    for (ReadyFit* one : {&ready, ready.paired.get()})
-      if (one != nullptr)
-        (void)add_clear_creases(one->fitted.mesh, one->fitted.options.prepared,
-                                crease_trial(one->fitted));
-  }
-  if (chooses_by_measurement(settings, planned.outputs)) ready.options.method.reset();
   prepare_refined(ready);
   return ready;
 }

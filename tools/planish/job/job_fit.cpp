@@ -18,9 +18,11 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   report.quad_reason = fitted.quad_reason;
   if (fitted.refine_reason) report.refinement = fitted.refine_reason->text;
   CreaseChoice& creases = report.settings.creases;
-  report.tried_creases = report.choice && creases.chooses;
   creases.chooses = false;
+  creases.finds_features = fitted.finds_features;
   creases.dihedral_degrees = fitted.crease_degrees;
+  report.found_edges =
+      fitted.crease_degrees || fitted.finds_features ? std::ssize(fitted.mesh.creases) : 0;
   report.input.joined = fitted.paired_count;
   report.density = fitted.density;
   report.settings.quads = fitted.pairs_triangles ? QuadChoice::On : QuadChoice::Off;

@@ -120,7 +120,7 @@ std::string places_text(const std::vector<FoldedPlace>& places, const JobInput& 
 std::string remedy_for_folds(const JobReport& report, bool only_the_input_is) {
   if (report.method == InterpolationMethod::Fair) {
     if (only_the_input_is) return "the input itself is folded there";
-    return report.settings.creases.dihedral_degrees || report.tried_creases
+    return report.settings.creases.dihedral_degrees || report.settings.creases.finds_features
                ? "found creases do not help there, a finer or more even mesh may"
                : "the input is sharp there, --creases auto may help";
   }

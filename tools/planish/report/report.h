@@ -103,9 +103,9 @@ struct JobReport {
   Settings settings;
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<MethodReason> choice;     ///< where the settings leave the method open
-  bool tried_creases = false;             ///< and found creases
   std::string refinement;                 ///< why vertices were added, for people; empty: none were
   std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
+  std::int64_t found_edges = 0;           ///< that are kept sharp
   MeshDensity density;                    ///< which settles the level where nobody named one
   std::optional<FairFigures> fair;
   std::optional<MovedFigures> moved;            ///< where the job has moves

@@ -267,7 +267,7 @@ std::string choices_text(const std::vector<JobReport>& meshes) {
   const auto fair =
       count_of([](const JobReport& mesh) { return mesh.method == InterpolationMethod::Fair; });
   const auto creased = count_of([](const JobReport& mesh) {
-    return mesh.settings.creases.dihedral_degrees || mesh.settings.creases.split_normals;
+    return mesh.found_edges > 0 || mesh.settings.creases.split_normals;
   });
   const auto joined = count_of([](const JobReport& mesh) { return mesh.input.joined > 0; });
   const std::int64_t progressive = std::ssize(meshes) - fair;

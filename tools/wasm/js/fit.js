@@ -30,6 +30,7 @@ export function infoOf(info) {
     converged: info.converged !== 0, iterations: info.iterations, method: CHOICES.method[info.method],
     maxError: info.max_error, rmsError: info.rms_error, diagonal: info.diagonal,
     vertexCount: info.vertex_count, faceCount: info.face_count, creaseDegrees: info.crease_degrees,
+    findsFeatures: info.finds_features !== 0,
     within: info.within,
   };
 }
