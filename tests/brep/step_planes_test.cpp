@@ -216,6 +216,33 @@ TEST(StepPlanes, FiguresHoldAtAnyPlace) {
   }
 }
 
+// Of a vertex between sharp edges the one side may be regular, where the surface is one polynomial,
+// and the other not: the squares that meet there are looked at, not the whole polynomial.
+TEST(StepPlanes, NoJumpIsSeenWhereTheSurfaceHasNone) {
+  for (const int seed : {1, 2, 3, 4, 5, 6}) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> any(0, 1);
+    PolygonMesh mesh = icosphere(1);
+    const glm::dvec3 up(any(random), any(random), any(random));
+    const MeshTopology topology(mesh);
+    const auto is_above = [&](std::int32_t face) {
+      glm::dvec3 sum(0.0);
+      for (const std::int32_t v : topology.face(face)) sum += mesh.positions[v];
+      return glm::dot(sum, up) > 0;
+    };
+    for (std::int32_t c = 0; c < topology.corner_count(); ++c) {
+      const std::int32_t other = topology.twin(c);
+      if (other > c && is_above(topology.face_of(c)) != is_above(topology.face_of(other)))
+        mesh.creases.push_back({topology.vertex_of(c), topology.vertex_of(topology.next(c))});
+    }
+    const LimitCase c(mesh);
+    const Brep brep = make_brep(c.limit);
+    EXPECT_LE(brep.max_angle, 0.25);
+    EXPECT_LT(brep.deepest, 12);
+  }
+}
+
 // What cannot be kept is told, with its place.
 TEST(StepPlanes, JumpsThatAreThereAreFoundAndNamed) {
   const LimitCase c(bipyramid(12));

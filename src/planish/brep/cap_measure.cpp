@@ -99,15 +99,14 @@ CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int
     if (layout_.is_hidden(c)) continue;
     const CornerPieces pieces = written_pieces(c);
     const double size = std::ldexp(1.0, -depth);
+    // Of the square [x, x + 1] x [y, y + 1] from the point alone: where one side is regular its
+    // piece is larger than the square, and the other's may not be.
     const auto net = [&](double x, double y) {
-      const SquarePiece& piece =
-          is_face ? pieces.at(1 - size * x, 1 - size * y) : pieces.at(size * x, size * y);
-      PointNet turned;
-      const std::size_t count = piece.net_size();
-      for (std::size_t k = 0; k < count; ++k) turned[k] = piece.net[is_face ? count - 1 - k : k];
-      return turned;
+      const auto from = [&](double t) { return is_face ? 1 - size * t : size * t; };
+      const SquarePiece& piece = pieces.at(from(x + 0.5), from(y + 0.5));
+      return piece.part(from(x), from(x + 1), from(y), from(y + 1));
     };
-    caps_[i] = {surface_.degree(), net(0.5, 0.5), net(1.5, 0.5), net(0.5, 1.5)};
+    caps_[i] = {surface_.degree(), net(0, 0), net(1, 0), net(0, 1)};
     point_ = caps_[i].inside.front();
     add_places(c, depth, pieces, places_[i]);
     for (std::size_t k = 0; k < kOwnPlaces; ++k)
@@ -136,7 +135,6 @@ void CapMeasure::add_checks(std::int32_t corner, std::vector<Check>& checks) {
   std::vector<SplinePatch::End> ends;
   patch_->add_pieces({depth_ + kRings, (is_face_ ? depth_ : depths_.of_vertex[face]) + kRings},
                      exact, ends);
-  const std::size_t degree = surface_.degree();
   const double scale = std::ldexp(1.0, depth_);
   for (const SquarePiece& piece : exact) {
     const double x = scale * (is_face_ ? 1 - piece.u - piece.size : piece.u);
@@ -151,15 +149,8 @@ void CapMeasure::add_checks(std::int32_t corner, std::vector<Check>& checks) {
         {there.blossom(same_arguments(u), same_arguments(v)), surface_.topology().face_of(corner)},
         PieceBound(piece),
         {}};
-    for (std::size_t j = 0; j <= degree; ++j) {
-      const BlossomArguments along_v = bezier_arguments(degree, j, piece.v, piece.v + piece.size);
-      for (std::size_t i = 0; i <= degree; ++i) {
-        const std::size_t k = i + (degree + 1) * j;
-        check.apart[k] =
-            there.blossom(bezier_arguments(degree, i, piece.u, piece.u + piece.size), along_v) -
-            piece.net[k];
-      }
-    }
+    check.apart = there.part(piece.u, piece.u + piece.size, piece.v, piece.v + piece.size);
+    for (std::size_t k = 0; k < piece.net_size(); ++k) check.apart[k] -= piece.net[k];
     checks.push_back(check);
   }
 }

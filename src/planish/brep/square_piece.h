@@ -75,6 +75,16 @@ struct SquarePiece {
                                    const BlossomArguments& along_v) const {
     return degree == 2 ? blossom_of<2>(along_u, along_v) : blossom_of<3>(along_u, along_v);
   }
+  /// Bezier points over a part of it, whose ends may be swapped.
+  [[nodiscard]] PointNet part(double from_u, double to_u, double from_v, double to_v) const {
+    PointNet points{};
+    for (std::size_t j = 0; j <= degree; ++j) {
+      const BlossomArguments along_v = bezier_arguments(degree, j, from_v, to_v);
+      for (std::size_t i = 0; i <= degree; ++i)
+        points[i + (degree + 1) * j] = blossom(bezier_arguments(degree, i, from_u, to_u), along_v);
+    }
+    return points;
+  }
 
  private:
   template <std::size_t kDegree>
