@@ -157,6 +157,8 @@ TEST_F(StepCommand, LimitsAndSizesAreAsAskedFor) {
   };
   EXPECT_EQ(depth("90", "1"), 1);
   EXPECT_EQ(report_["outputs"][0]["step"]["keeps_limits"], true);
+  EXPECT_EQ(report_["outputs"][0]["step"]["valid"], true);
+  EXPECT_LE(report_["outputs"][0]["step"]["largest_gap"], 1e-9);
   EXPECT_GT(depth("0.25", "1"), 3);
   EXPECT_GT(depth("90", "1e-9"), 3);
   EXPECT_GT(reported(torus_, {"--step-face-size", "4"})["step"]["faces"],

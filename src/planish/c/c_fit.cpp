@@ -113,7 +113,19 @@ planish_status convergence_status(const FittedMesh& fitted) {
 // Of a surface that was written, as STEP where there are figures of that.
 planish_status written_status(const FittedMesh& fitted, const StepFigures* step) {
   const planish_status status = convergence_status(fitted);
-  if (status != PLANISH_OK || step == nullptr || step->keeps_wishes) return status;
+  if (status != PLANISH_OK || step == nullptr || step->is_as_asked()) return status;
+  if (!step->check.is_valid()) {
+    note_of_results(
+        [&] {
+          return formatted(
+              "the shell is not valid: {} loops are not closed, {} edges not shared as they must "
+              "be, edges off their faces by up to {} of the diagonal; mend the mesh there",
+              step->check.broken_loops, step->check.unmatched_edges,
+              shortest(step->check.largest_gap));
+        },
+        "the file's shell is not valid");
+    return PLANISH_NOT_CONVERGED;
+  }
   note_of_results(
       [&] {
         return formatted(

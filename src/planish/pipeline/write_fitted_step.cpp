@@ -99,8 +99,8 @@ double folded_part(const FittedMesh& fitted, const LimitSurface& limit) {
   return surface_quality(*blocks, fitted.mesh, {}, {}).folded_area;
 }
 
-void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, double folded,
-          const StepFileOptions& options) {
+void warn(const std::string& name, const Brep& brep, const BrepCheck& check,
+          const FittedMesh& fitted, double folded, const StepFileOptions& options) {
   const auto say = [&](const char* code, const std::string& message, std::int64_t count = 1) {
     options.callbacks.warn({code, name + ": " + message, count});
   };
@@ -131,6 +131,16 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, d
         formatted("the shortest spans of edges are {} mm, where CAD programs may take {} mm for "
                   "nothing; allow a larger angle, or say in which larger unit the coordinates are",
                   short_number(span), short_number(kShortStepSpan)));
+  if (!check.is_valid())
+    say("step-invalid",
+        formatted("{} of {} are not closed, {} of {} are not shared as they must be, and edges are "
+                  "off their faces by up to {} of the diagonal, near ({}, {}, {}), where {} is one "
+                  "place: CAD programs may not take it for a solid; mend the mesh there",
+                  check.broken_loops, counted(std::ssize(brep.faces), "loop"),
+                  check.unmatched_edges, counted(std::ssize(brep.edges), "edge"),
+                  short_number(check.largest_gap), short_number(check.largest_gap_at.x),
+                  short_number(check.largest_gap_at.y), short_number(check.largest_gap_at.z),
+                  short_number(Brep::kSamePlace)));
   if (const std::string limits = limits_text(brep, options.settings.faces); !limits.empty())
     say("step-limits",
         limits +
@@ -153,9 +163,11 @@ StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fit
   const Brep brep = make_brep(
       surface, wanted, share_of(options.callbacks, 0, kFacesShare),
       groups.size() > 1 ? std::span(fitted.mesh.face_groups) : std::span<const std::int32_t>());
-  warn(visible(options.shown.empty() ? path : options.shown), brep, fitted, folded, options);
-
+  const double diagonal = fitted.fit.placement.diagonal;
   StepFigures figures;
+  figures.check = check_brep(brep, diagonal);
+  warn(visible(options.shown.empty() ? path : options.shown), brep, figures.check, fitted, folded,
+       options);
   figures.unit = settled_unit(options.settings.unit, "");
   figures.faces = std::ssize(brep.faces);
   figures.edges = std::ssize(brep.edges);
@@ -182,7 +194,7 @@ StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fit
   figures.byte_count = write_step(path, brep,
                                   {.name = options.name,
                                    .unit = figures.unit,
-                                   .diagonal = fitted.fit.placement.diagonal,
+                                   .diagonal = diagonal,
                                    .description = description_of(fitted.fit.interpolation, limits),
                                    .groups = std::move(groups),
                                    .observe = options.observe,

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "planish/brep/check_brep.h"
 #include "planish/brep/make_brep.h"
 #include "planish/brep/write_step.h"
 #include "planish/core/callbacks.h"
@@ -37,9 +38,13 @@ struct StepFigures {
   int deepest = 0;
   double max_angle = 0, max_deviation = 0;
   Brep::Spot max_angle_at, max_deviation_at;
+  BrepCheck check;              ///< of the faces and edges that are written
   bool keeps_limits = true;     ///< max_angle and max_deviation are within the settings
   bool keeps_wishes = true;     ///< and where not, the limit is the one that nobody has set
   double largest_distance = 0;  ///< of FittedMesh::points() from their places, in model units
+
+  /// Shells are valid, and limits that somebody has set are kept: else commands end with 5.
+  [[nodiscard]] bool is_as_asked() const { return check.is_valid() && keeps_wishes; }
 };
 
 struct StepFileOptions {
@@ -51,7 +56,7 @@ struct StepFileOptions {
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
   /// Steps "faces" and "write"; warnings "step-folds", "step-inside-out", "step-faces",
-  /// "step-spans", "step-limits" and "lost-attributes".
+  /// "step-invalid", "step-spans", "step-limits" and "lost-attributes".
   Callbacks callbacks;
 };
 

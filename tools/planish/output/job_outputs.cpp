@@ -67,7 +67,7 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
     written = write_step_output(planned, work.staged.stage(planned.path), limit, work.made.fitted,
                                 settings, options);
   });
-  if (!written.step->keeps_wishes) work.report.exit_code = ExitCode::NotConverged;
+  if (!written.step->is_as_asked()) work.report.exit_code = ExitCode::NotConverged;
   warn_of_rounding(work.report, work.context.console, written);
 }
 

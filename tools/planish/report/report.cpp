@@ -73,7 +73,9 @@ OrderedJson step_json(const StepFigures& step) {
           {"max_angle_at", spot_json(step.max_angle_at)},
           {"max_deviation", step.max_deviation},
           {"max_deviation_at", spot_json(step.max_deviation_at)},
-          {"keeps_limits", step.keeps_limits}};
+          {"keeps_limits", step.keeps_limits},
+          {"valid", step.check.is_valid()},
+          {"largest_gap", step.check.largest_gap}};
 }
 
 OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
