@@ -117,7 +117,8 @@ TEST_F(DamagedBrep, PlanesAreHeldAgainstTheirEdges) {
   Brep brep = make_brep(flat.limit);
   const double diagonal = flat.surface->placement().diagonal;
   ASSERT_TRUE(check_brep(brep, diagonal).is_valid());
-  const auto face = std::ranges::find_if(brep.faces, [](const auto& f) { return f.plane.has_value(); });
+  const auto face =
+      std::ranges::find_if(brep.faces, [](const auto& f) { return f.plane.has_value(); });
   ASSERT_NE(face, brep.faces.end());
   face->plane->normal = glm::normalize(face->plane->normal + 0.01 * face->plane->along);
   const BrepCheck check = check_brep(brep, diagonal);

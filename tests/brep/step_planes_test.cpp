@@ -243,6 +243,25 @@ TEST(StepPlanes, NoJumpIsSeenWhereTheSurfaceHasNone) {
   }
 }
 
+// Of triangles squares at the faces' centres leave half of what those at vertices do: where these
+// are moved nothing is halved, else these alone.
+TEST(StepPlanes, FacesAreNotHalvedForWhatTheirVerticesLeave) {
+  const LimitCase c(icosphere(2));
+  const double most = make_brep(c.limit, {.angle = 90, .deviation = 1}).max_deviation;
+  const auto with = [&](double limit) {
+    const Brep brep = make_brep(c.limit, {.angle = 90, .deviation = limit * most});
+    EXPECT_LE(brep.max_deviation, limit * most);
+    return brep;
+  };
+  EXPECT_EQ(with(0.7).deepest, 1);
+  const Brep brep = with(0.6);
+  EXPECT_EQ(brep.deepest, 2);
+  for (const Brep::Face& face : brep.faces)
+    for (const auto* knots : {&face.knots_u, &face.knots_v})
+      EXPECT_EQ(std::max((*knots)[1] - knots->front(), knots->back() - (*knots)[knots->size() - 2]),
+                0.5);
+}
+
 // What cannot be kept is told, with its place.
 TEST(StepPlanes, JumpsThatAreThereAreFoundAndNamed) {
   const LimitCase c(bipyramid(12));

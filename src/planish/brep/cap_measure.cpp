@@ -116,12 +116,14 @@ CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int
   return is_final || error.part_of(limits) <= 1 ? bound({}, limits, is_final) : error;
 }
 
-// A corner's polynomials with the depths that are measured, and the moves at its face's centre.
+// A corner's polynomials with the depths that are measured, and the moves at its face's centre. Of
+// a face without the square at the vertex, which is chosen later and measured then.
 CornerPieces CapMeasure::written_pieces(std::int32_t corner) {
   patch_->move_to(corner);
   const std::int32_t face = layout_.origin(4 * corner + 2);
-  CornerPieces pieces(*patch_, surface_.degree(),
-                      {depth_, is_face_ ? depth_ : depths_.of_vertex[face]});
+  CornerPieces pieces(
+      *patch_, surface_.degree(),
+      {is_face_ ? depth_ + kRings : depth_, is_face_ ? depth_ : depths_.of_vertex[face]});
   const std::int32_t across = is_face_ ? -1 : depths_.of_corner[corner][1];
   if (across >= 0) pieces.move(depths_.moves[across], true, depths_.of_vertex[face]);
   return pieces;

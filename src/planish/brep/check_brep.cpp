@@ -58,7 +58,8 @@ void add_gap(const Brep& brep, const Brep::Edge& edge, const Brep::Line& line, G
   for (std::size_t i = 0; i + 1 < spans.size(); ++i) {
     for (std::size_t k = i == 0 ? 0 : 1; k <= brep.degree; ++k) {
       const double part = static_cast<double>(k) / static_cast<double>(brep.degree),
-                   t = k == brep.degree ? spans[i + 1] : spans[i] + part * (spans[i + 1] - spans[i]);
+                   t = k == brep.degree ? spans[i + 1]
+                                        : spans[i] + part * (spans[i + 1] - spans[i]);
       const glm::dvec3 there = point_of(brep, edge, t);
       gap.add(between * glm::length(point_of(brep, face, place_of(line, t)) - there), there);
     }
