@@ -10,6 +10,7 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/vertex_fields.h"
+#include "support/expect_error.h"
 #include "support/meshes.h"
 
 namespace planish::command {
@@ -266,6 +267,33 @@ TEST(PageScene, CutsConcavePolygonsAsTheFilesDo) {
     area += part;
   }
   EXPECT_NEAR(area, 1.25, 1e-12);  // of the arrow itself, by the shoelace formula
+}
+
+// Else numbers would stand for it that say something else.
+TEST(PageScene, NumbersThatAreNotFiniteAreRefused) {
+  const SceneCase c = scene_cases().front();
+  for (const double wrong : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    const auto refused = [&](const auto& spoil) {
+      SurfaceMesh surface = surface_of(c, 1);
+      PolygonMesh cage = c.mesh;
+      spoil(surface, cage);
+      return test::message_of(ErrorCode::InvalidArgument, [&] {
+        (void)make_page_scene({surface, c.mesh, cage, {}, 2.0, 1});
+      });
+    };
+    EXPECT_NE(refused([&](auto& s, auto&) {
+                s.positions[7].y = wrong;
+              }).find("page: vertex 7 is not finite: ("),
+              std::string::npos);
+    EXPECT_NE(refused([&](auto& s, auto&) {
+                s.normals[3].z = static_cast<float>(wrong);
+              }).find("page: the normal of vertex 3 is not finite: ("),
+              std::string::npos);
+    EXPECT_NE(refused([&](auto&, auto& cage) {
+                cage.positions[2].x = wrong;
+              }).find("page: control point 2 is not finite: ("),
+              std::string::npos);
+  }
 }
 
 }  // namespace

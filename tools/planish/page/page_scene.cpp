@@ -5,10 +5,13 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "page/page_coding.h"
 #include "planish/core/point_bounds.h"
+#include "planish/files/shared/finite_numbers.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/triangulate.h"
 #include "planish/surface/vertex_fields.h"
@@ -248,6 +251,11 @@ nlohmann::ordered_json folds_json(const PageScene& scene) {
 }  // namespace
 
 PageScene make_page_scene(const PageSceneInput& input) {
+  const std::string name = "page";
+  require_finite(std::span<const glm::dvec3>(input.surface.positions), 0, "vertex", name);
+  require_finite(std::span<const glm::vec3>(input.surface.normals), 0, "the normal of vertex",
+                 name);
+  require_finite(std::span<const glm::dvec3>(input.cage.positions), 0, "control point", name);
   PageScene scene;
   {
     // Before the order, so that what both take on the way is not held at once.

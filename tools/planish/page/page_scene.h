@@ -63,7 +63,7 @@ struct PageSceneInput {
   const DooSabinSurface* exact = nullptr;  ///< what was tessellated, for curvature
 };
 
-/// Throws nothing but what memory needs.
+/// Throws Error{InvalidArgument} for positions, normals and control points that are not finite.
 [[nodiscard]] PageScene make_page_scene(const PageSceneInput& input);
 
 /// A job's scene as it stands in a page, down to one of its levels.
