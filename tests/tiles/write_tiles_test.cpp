@@ -8,6 +8,7 @@
 #include <array>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -109,6 +110,31 @@ TEST(WriteTiles, LevelsWeldToTheSurfaceInOnePiece) {
     // Of a diagonal of 8.5: float32 about the model's own origin would be off by 0.06.
     EXPECT_LT(file.largest_distance, 1e-6);
     EXPECT_GT(file.largest_distance, 0);
+  }
+}
+
+// A named error, whichever tile it is in, before a file of the set is seen. Positions come of a
+// surface, which is refused itself where they are not finite.
+TEST(WriteTiles, NumbersThatAreNotFiniteAreRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              inf = std::numeric_limits<float>::infinity();
+  for (const bool compressed : {false, true}) {
+    for (const float wrong : {nan, inf, -inf}) {
+      for (const std::size_t vertex : {0u, 411u, 799u}) {
+        PolygonMesh mesh = test::torus(40, 20, 3, 1);
+        mesh.colors.assign(mesh.positions.size(), glm::vec4(1));
+        mesh.colors[vertex].g = wrong;
+        const TiledSurface surface(mesh);
+        const test::TemporaryFolder folder;
+        TilesOptions options{.level = 3, .tile_vertices = 400};
+        if (compressed) options.gltf.compression = GltfCompression::Meshopt;
+        EXPECT_THAT(
+            test::message_of(ErrorCode::InvalidArgument,
+                             [&] { (void)surface.write(folder.path() / "t.json", options); }),
+            HasSubstr("is not finite"));
+        EXPECT_TRUE(fs::is_empty(folder.path()));
+      }
+    }
   }
 }
 
