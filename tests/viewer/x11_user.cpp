@@ -10,7 +10,6 @@ extern "C" ::Window glfwGetX11Window(GLFWwindow* window);
 namespace planish::testing {
 
 struct X11User::Connection {
-  GLFWwindow* window;
   ::Window to;
   Display* display;
 
@@ -24,11 +23,16 @@ struct X11User::Connection {
 
 X11User::X11User(GLFWwindow* window)
     : connection_(std::make_unique<Connection>(
-          Connection{window, glfwGetX11Window(window), XOpenDisplay(nullptr)})) {}
+          Connection{glfwGetX11Window(window), XOpenDisplay(nullptr)})) {}
 
 X11User::~X11User() { XCloseDisplay(connection_->display); }
 
-void X11User::point_at(int x, int y) { glfwSetCursorPos(connection_->window, x, y); }
+// Not by glfwSetCursorPos(), of which GLFW tells no callback: Dear ImGui from 1.87 on sees only
+// these.
+void X11User::point_at(int x, int y) {
+  XWarpPointer(connection_->display, None, connection_->to, 0, 0, 0, 0, x, y);
+  XSync(connection_->display, False);
+}
 
 void X11User::left_button(bool is_down) {
   XEvent event{};
