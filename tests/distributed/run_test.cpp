@@ -197,7 +197,8 @@ TEST_F(MpiRun, ProgressComesFromOneRankAsJsonLines) {
   for (std::string line; std::getline(lines, line);) {
     const json said = json::parse(line);  // every line is JSON, the summary too
     if (!said.contains("step")) continue;
-    if (steps.empty() || steps.back() != said["step"]) steps.push_back(said["step"]);
+    if (steps.empty() || steps.back() != said["step"].get<std::string>())
+      steps.push_back(said["step"]);
     EXPECT_GE(said["share"].get<double>(), share);
     share = said["share"];
   }
