@@ -25,10 +25,10 @@ class Attributes : public FolderTest {
 std::vector<float> scalars(const std::string& glb, const std::string& name) {
   std::uint32_t length = 0;
   std::memcpy(&length, glb.data() + 12, 4);
-  const auto json = nlohmann::json::parse(glb.substr(20, length));
+  const auto document = nlohmann::json::parse(glb.substr(20, length));
   const auto& accessor =
-      json["accessors"][json["meshes"][0]["primitives"][0]["attributes"][name].get<int>()];
-  const auto& view = json["bufferViews"][accessor["bufferView"].get<int>()];
+      document["accessors"][document["meshes"][0]["primitives"][0]["attributes"][name].get<int>()];
+  const auto& view = document["bufferViews"][accessor["bufferView"].get<int>()];
   std::vector<float> values(accessor["count"].get<std::size_t>());
   std::memcpy(values.data(), glb.data() + 28 + length + view["byteOffset"].get<std::size_t>(),
               4 * values.size());

@@ -114,10 +114,10 @@ TEST_F(BrokenInput, InspectEndsAsFitDoes) {
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_THAT(text.out,
               AllOf(HasSubstr("1, which fit mends with a warning"), HasSubstr("duplicate-face")));
-  const auto json = nlohmann::json::parse(run_planish({"inspect", mended, "--json"}).out);
-  EXPECT_EQ(json["problems"][0]["kind"], "duplicate-face");
-  EXPECT_EQ(json["problems"][0]["element"], 1);
-  EXPECT_EQ(json["mended"], true);
+  const auto said = nlohmann::json::parse(run_planish({"inspect", mended, "--json"}).out);
+  EXPECT_EQ(said["problems"][0]["kind"], "duplicate-face");
+  EXPECT_EQ(said["problems"][0]["element"], 1);
+  EXPECT_EQ(said["mended"], true);
   EXPECT_EQ(run_planish({"fit", mended, "-o", path("two.glb")}).exit_code, 0);
   const std::string refused = write("thin.obj", "v 0 0 0\nv 1 0 0\nf 1 2 1\n");
   const ProcessResult without = run_planish({"inspect", refused, "--json"});
@@ -131,13 +131,13 @@ TEST_F(BrokenInput, InspectCountsASoundMesh) {
   const ProcessResult text = run_planish({"inspect", input});
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_THAT(text.out, testing::ContainsRegex("genus +1"));
-  const nlohmann::json json = nlohmann::json::parse(run_planish({"inspect", input, "--json"}).out);
-  EXPECT_EQ(json["vertices"], 100);
-  EXPECT_EQ(json["edges"], 200);
-  EXPECT_EQ(json["genus"], 1);
-  EXPECT_EQ(json["valences"], (nlohmann::json{{"4", 100}}));
-  EXPECT_EQ(json["boundary_loops"], 0);
-  EXPECT_TRUE(json["problems"].empty());
+  const nlohmann::json said = nlohmann::json::parse(run_planish({"inspect", input, "--json"}).out);
+  EXPECT_EQ(said["vertices"], 100);
+  EXPECT_EQ(said["edges"], 200);
+  EXPECT_EQ(said["genus"], 1);
+  EXPECT_EQ(said["valences"], (nlohmann::json{{"4", 100}}));
+  EXPECT_EQ(said["boundary_loops"], 0);
+  EXPECT_TRUE(said["problems"].empty());
 }
 
 }  // namespace

@@ -220,12 +220,12 @@ TEST(ReportJson, TimesAndMemoryStandUnderTheirNames) {
                    .total = 10};
   report.host_peak_bytes = 11;
   report.device_bytes = 12;
-  const nlohmann::ordered_json json = command::to_json(report);
-  EXPECT_EQ(json["timing_ms"],
+  const nlohmann::ordered_json said = command::to_json(report);
+  EXPECT_EQ(said["timing_ms"],
             nlohmann::ordered_json::parse(
                 R"({"read": 1.0, "check": 2.0, "topology": 3.0, "stencils": 4.0, "upload": 5.0,
                     "solve": 6.0, "choose": 7.0, "evaluate": 8.0, "write": 9.0, "total": 10.0})"));
-  EXPECT_EQ(json["memory"],
+  EXPECT_EQ(said["memory"],
             nlohmann::ordered_json::parse(R"({"host_peak_bytes": 11, "device_bytes": 12})"));
 }
 

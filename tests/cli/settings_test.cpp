@@ -15,7 +15,9 @@ void expect_defaults(const std::vector<Option<Target>>& table, const Target& def
     if (option.initial.empty() || option.kind == OptionKind::Switch) continue;
     Target target = defaults;
     EXPECT_NO_THROW(read_option(option, target, option.initial, "here")) << option.name;
-    if (option.get) EXPECT_EQ(option.get(target), option.get(defaults)) << option.name;
+    if (option.get) {
+      EXPECT_EQ(option.get(target), option.get(defaults)) << option.name;
+    }
   }
 }
 
@@ -79,7 +81,9 @@ TEST(Settings, TextsReadBack) {
       const std::string first = option.get(settings);
       read_option(option, again, first, "");
       EXPECT_EQ(option.get(again), first);
-      if (option.kind != OptionKind::Number) EXPECT_EQ(first, text);
+      if (option.kind != OptionKind::Number) {
+        EXPECT_EQ(first, text);
+      }
     }
   }
   FitSettings settings;

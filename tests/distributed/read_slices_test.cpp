@@ -132,7 +132,7 @@ TEST(DamagedSlices, PlyIsRefusedOrReadAsOnOneRank) {
 
 // What fuzzers found: the same mesh, or the same refusal.
 TEST(DamagedSlices, TheCorpusIsRefusedOrReadAsOnOneRank) {
-  for (const std::string& format : {"obj", "ply", "cage"}) {
+  for (const std::string format : {"obj", "ply", "cage"}) {
     std::vector<std::string> paths;
     for (const auto& entry : std::filesystem::directory_iterator(PLANISH_FUZZ_CORPUS "/" + format))
       paths.push_back(entry.path());

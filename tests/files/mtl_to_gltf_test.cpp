@@ -12,7 +12,6 @@
 namespace planish {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -34,14 +33,15 @@ TEST_F(MtlToGltf, FactorsAreThoseOfThePhysicalModel) {
   const GltfMaterials made = converted(
       "newmtl glass\nKd 0.2 0.4 0.9\nd 0.5\nKe 0 4 1\nNs 250\n"
       "newmtl metal\nKd 2 nan -1\nTr 0\nPr 0.3\nPm 1\nNs 250\nnewmtl bare\n");
-  EXPECT_EQ(made.lists["materials"], json::parse(R"([
+  EXPECT_EQ(made.lists["materials"], nlohmann::json::parse(R"([
     {"name": "bare", "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.5}},
     {"name": "glass", "alphaMode": "BLEND", "emissiveFactor": [0.0, 1.0, 0.25],
      "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4.0}},
      "pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.4, 0.9, 0.5], "metallicFactor": 0.0,
                               "roughnessFactor": 0.5}},
     {"name": "metal", "pbrMetallicRoughness": {"metallicFactor": 1.0, "roughnessFactor": 0.3}}])"));
-  EXPECT_EQ(made.lists["extensionsUsed"], json::parse(R"(["KHR_materials_emissive_strength"])"));
+  EXPECT_EQ(made.lists["extensionsUsed"],
+            nlohmann::json::parse(R"(["KHR_materials_emissive_strength"])"));
   EXPECT_THAT(made.warnings, IsEmpty());
 }
 
@@ -51,16 +51,16 @@ TEST_F(MtlToGltf, TexturesComeWithTheirPlacesEachImageOnce) {
   const GltfMaterials made = converted(
       "newmtl a\nKd 0 0 0\nmap_Kd -s 4 2 1 -o 0.5 0.25 -clamp on a b.png\n"
       "map_Bump -bm 0.5 a b.png\nnewmtl b\nmap_Ke .\\a b.png\nnorm a b.png\n");
-  const json& a = made.lists["materials"][0];
-  const json color = a["pbrMetallicRoughness"]["baseColorTexture"];
+  const nlohmann::json& a = made.lists["materials"][0];
+  const nlohmann::json color = a["pbrMetallicRoughness"]["baseColorTexture"];
   EXPECT_FALSE(a["pbrMetallicRoughness"].contains("baseColorFactor")) << "white";
   EXPECT_EQ(color["extensions"]["KHR_texture_transform"],
-            json::parse(R"({"scale": [4.0, 2.0], "offset": [0.5, -1.25]})"));
-  const json texture = made.lists["textures"][color["index"].get<std::size_t>()];
+            nlohmann::json::parse(R"({"scale": [4.0, 2.0], "offset": [0.5, -1.25]})"));
+  const nlohmann::json texture = made.lists["textures"][color["index"].get<std::size_t>()];
   EXPECT_EQ(made.lists["samplers"][texture["sampler"].get<std::size_t>()]["wrapS"], 33071);
   EXPECT_EQ(a["normalTexture"]["scale"], 0.5);
-  const json& b = made.lists["materials"][1];
-  EXPECT_EQ(b["emissiveFactor"], json::parse("[1.0, 1.0, 1.0]"));
+  const nlohmann::json& b = made.lists["materials"][1];
+  EXPECT_EQ(b["emissiveFactor"], nlohmann::json::parse("[1.0, 1.0, 1.0]"));
   EXPECT_EQ(b["normalTexture"]["index"], b["emissiveTexture"]["index"]);
   ASSERT_EQ(made.images.size(), 1U);
   EXPECT_EQ(made.images[0].bytes.size(), test::AssetSample::image().size());
@@ -107,7 +107,7 @@ TEST_F(MtlToGltf, AnObjHasTheMaterialsOfAGltf) {
 
 TEST_F(MtlToGltf, SaysWhatAnObjHasNoWordFor) {
   GltfMaterials given;
-  given.lists = json::parse(R"({"materials": [{"name": "a", "alphaMode": "MASK",
+  given.lists = nlohmann::json::parse(R"({"materials": [{"name": "a", "alphaMode": "MASK",
       "occlusionTexture": {"index": 0}, "extensions": {"KHR_materials_clearcoat": {}},
       "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
     "textures": [{"source": 0}], "images": [{"name": "inside"}]})");

@@ -50,7 +50,9 @@ class NamedFiles : public testing::Test {
   [[nodiscard]] std::string trouble(const fs::path& path,
                                     FileReach reach = FileReach::Beside) const {
     const NamedFile found = read_named(path, own_ / "a.obj", reach);
-    if (!found.trouble.empty()) EXPECT_TRUE(found.bytes.empty());
+    if (!found.trouble.empty()) {
+      EXPECT_TRUE(found.bytes.empty());
+    }
     return found.trouble;
   }
   // All that is no file, by its name in own_.
@@ -179,8 +181,9 @@ TEST_F(NamedFiles, OfAnObjAreWarnedOfAndLeftOut) {
     EXPECT_EQ(made.warnings()[0].code, "left-out-textures");
     EXPECT_THAT(made.warnings()[0].message,
                 AllOf(HasSubstr(name + ": "), HasSubstr("; the texture is left out")));
-    if (name.starts_with(".."))
+    if (name.starts_with("..")) {
       EXPECT_THAT(made.warnings()[0].message, HasSubstr("--textures anywhere"));
+    }
     write(own_ / "a.obj", "mtllib " + name + "\n" + cube);
     const FileMaterials none = read_materials(
         {.bytes = {}, .name = "a.obj", .path = own_ / "a.obj"}, FileFormat::Obj, true, true);

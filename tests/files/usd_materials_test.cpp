@@ -6,7 +6,6 @@
 namespace planish {
 namespace {
 
-using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -14,7 +13,7 @@ using testing::Not;
 
 GltfMaterials materials(const std::string& lists) {
   GltfMaterials made;
-  made.lists = json::parse(lists);
+  made.lists = nlohmann::json::parse(lists);
   return made;
 }
 

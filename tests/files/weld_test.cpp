@@ -33,21 +33,21 @@ TEST(Weld, EqualsInsertingOneAfterAnother) {
 // A ring of revolution as programs make it: its last column stands where the first does, but for
 // what rounding leaves of sin(2 pi).
 TEST(Weld, ClosesWhatIsOpenByTheRemainderOfAZero) {
-  constexpr int kColumns = 12;
+  constexpr int kAround = 12;
   std::vector<glm::dvec3> positions;
   for (const double height : {-1.0, 0.0, 1.0}) {
-    for (int i = 0; i <= kColumns; ++i) {
-      const double angle = 2 * std::numbers::pi * i / kColumns;
+    for (int i = 0; i <= kAround; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kAround;
       positions.emplace_back(static_cast<float>(3 * std::cos(angle)), height,
                              static_cast<float>(3 * std::sin(angle)));
     }
   }
-  ASSERT_NE(positions[0], positions[kColumns]);
+  ASSERT_NE(positions[0], positions[kAround]);
   const WeldedPositions welded = weld(positions);
   Welder welder;
   for (std::size_t i = 0; i < positions.size(); ++i)
     EXPECT_EQ(welder.insert(positions[i]), welded.indices[i]);
-  EXPECT_EQ(welded.positions.size(), 3U * kColumns);
+  EXPECT_EQ(welded.positions.size(), 3U * kAround);
   EXPECT_EQ(welded.positions[0], glm::dvec3(3, -1, 0));
   EXPECT_EQ(welder.take_positions(), welded.positions);
   // Small detail far away is none.

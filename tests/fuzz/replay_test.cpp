@@ -31,7 +31,7 @@ TEST_P(FuzzCorpus, KeepsItsPromises) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, FuzzCorpus, testing::ValuesIn(test::fuzz_targets()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& target) { return target.param.name; });
 
 }  // namespace
 }  // namespace planish

@@ -105,11 +105,11 @@ Real nearest_by_samples(const Asked& asked, const glm::dvec3& point, const glm::
   };
   std::vector<Start> near, across;
   LimitSurface::Corner corner(asked.limit);
-  constexpr int kSide = 6;
+  constexpr int kRows = 6;
   for (std::int32_t c = 0; c < asked.limit.topology().corner_count(); ++c) {
     corner.move_to(c);
-    for (int i = 0; i <= kSide * kSide + 2 * kSide; ++i) {
-      const double u = double(i % (kSide + 1)) / kSide, v = double(i / (kSide + 1)) / kSide;
+    for (int i = 0; i <= kRows * kRows + 2 * kRows; ++i) {
+      const double u = double(i % (kRows + 1)) / kRows, v = double(i / (kRows + 1)) / kRows;
       const glm::dvec3 off = corner.at({u, v}).position - point;
       const double part = glm::dot(off, axis);
       near.push_back({glm::dot(off, off), c, u, v});

@@ -104,7 +104,9 @@ void Tally::compare(const std::string& name, const std::vector<std::vector<float
       // Not-a-numbers compare to nothing: count them as far off.
       const double off = std::abs(double(expected[b][i]) - double(got[b][i]));
       difference = std::max(difference, std::isnan(off) ? HUGE_VAL : off);
-      if (off == 0) ASSERT_EQ(std::signbit(expected[b][i]), std::signbit(got[b][i])) << name << i;
+      if (off == 0) {
+        ASSERT_EQ(std::signbit(expected[b][i]), std::signbit(got[b][i])) << name << i;
+      }
     }
     floats += static_cast<long long>(expected[b].size());
     EXPECT_LE(difference, kTolerance * magnitude) << name << ", buffer " << b;

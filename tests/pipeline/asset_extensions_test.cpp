@@ -309,7 +309,9 @@ TEST_F(AssetExtensions, TrianglesEncodeTheQuadsOfTheSurface) {
         if (encodes) {
           EXPECT_EQ(quad[0], quad[3]);
           EXPECT_EQ(quad[2], quad[4]);
-          if (i > 0) EXPECT_NE(quad[0], corners[i - 6]);
+          if (i > 0) {
+            EXPECT_NE(quad[0], corners[i - 6]);
+          }
         }
         std::ranges::sort(quad);
         quad.erase(std::unique(quad.begin(), quad.end()), quad.end());

@@ -110,7 +110,9 @@ TEST_F(Asset, MaterialsShareOneSurface) {
       if (std::abs(positions[i].y - 2) > 1e-6) continue;
       const auto [known, is_new] =
           normals.try_emplace({positions[i].x, positions[i].y, positions[i].z}, of[i]);
-      if (!is_new) EXPECT_EQ(known->second, of[i]);
+      if (!is_new) {
+        EXPECT_EQ(known->second, of[i]);
+      }
       shared += is_new ? 0 : 1;
     }
   }

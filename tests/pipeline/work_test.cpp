@@ -281,7 +281,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"hubs_of_a_hundred", hubs_of_a_hundred, {2500, 20, 12}, 2, 10},
                     Case{"crossing_slivers", crossing_slivers, {18'000, 400, 50}, 100, 1000},
                     Case{"gear", gear, {24'000, 500, 60}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& one) { return std::string(one.param.name); });
 
 // Rings of any size are counted: the bounds above would let nothing pass otherwise.
 TEST(Work, IsCounted) {

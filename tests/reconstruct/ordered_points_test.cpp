@@ -89,8 +89,9 @@ TEST(OrderedTree, FindsWhatTryingEveryPointFinds) {
           const glm::dvec3 difference = points[nearest[i].index] - query;
           EXPECT_EQ(glm::dot(difference, difference), expected[i]);
           // Those that are equally near come by their numbers, wherever the search began.
-          if (i > 0 && expected[i] == expected[i - 1])
+          if (i > 0 && expected[i] == expected[i - 1]) {
             EXPECT_GT(nearest[i].index, nearest[i - 1].index);
+          }
         }
       }
     }

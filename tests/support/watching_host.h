@@ -43,7 +43,9 @@ class WatchingHost {
   void expect_good(const std::string& name, bool is_done = true) {
     EXPECT_EQ(complaint_, "") << name;
     EXPECT_GT(progress_calls_, 0) << name;
-    if (is_done) EXPECT_EQ(last_, 1.0) << name;
+    if (is_done) {
+      EXPECT_EQ(last_, 1.0) << name;
+    }
     complaint_.clear();
     last_ = 0;
     progress_calls_ = cancelled_calls_ = 0;

@@ -79,7 +79,9 @@ TEST(VulkanDevicesMissing, GiveAnEmptyListWithAReason) {
 TEST_F(VulkanDevices, CanBeListedAndOpenedAnyNumberOfTimes) {
   for (int i = 0; i < 60; ++i) {
     ASSERT_GE(list_vulkan_devices().best, 0) << i;
-    if (i % 4 == 0) ASSERT_NE(make_backend(), nullptr);
+    if (i % 4 == 0) {
+      ASSERT_NE(make_backend(), nullptr);
+    }
   }
 }
 

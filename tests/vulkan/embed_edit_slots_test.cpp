@@ -155,7 +155,9 @@ TEST_F(EmbedEditSlots, VerticesAreThoseOfOneSlot) {
           if (!expected[other].empty() && i % 3 == 2) {
             EXPECT_TRUE(same_bits(slots.vertices(other), expected[other])) << i;
           }
-          if (i % 2 == 1) EXPECT_TRUE(same_bits(slots.vertices(slot), host.vertices())) << i;
+          if (i % 2 == 1) {
+            EXPECT_TRUE(same_bits(slots.vertices(slot), host.vertices())) << i;
+          }
         }
       }
   });

@@ -225,8 +225,9 @@ TEST_F(EmbedTexture, PlacesAreTheVertices) {
     for (std::size_t i = 0; i < places.size(); ++i) {
       const auto first = static_cast<std::size_t>(system.copied_vertices()[i]);
       ASSERT_EQ(vertices[i].position, vertices[first].position);
-      if (system.surface_records().features.sharp_edge_count == 0)
+      if (system.surface_records().features.sharp_edge_count == 0) {
         ASSERT_EQ(vertices[i].normal, vertices[first].normal);
+      }
     }
   }
 }
@@ -273,8 +274,9 @@ TEST_F(EmbedTexture, TangentsAreTheSurfacesDerivatives) {
           for (const glm::dvec3& expected : said[i].tangents)
             ASSERT_LT(glm::distance(tangent, expected), spread + said[i].allowed)
                 << i << " of " << vertices.size() << ", " << said[i].tangents.size();
-          if (std::abs(said[i].area) > 1e-6)
+          if (std::abs(said[i].area) > 1e-6) {
             ASSERT_EQ(vertices[i].tangent.w, said[i].area < 0 ? -1 : 1) << i;
+          }
         }
       }
   });

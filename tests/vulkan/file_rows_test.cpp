@@ -173,11 +173,15 @@ TEST(FileVertices, AreWhereTheFileHasThem) {
           const SurfacePoint point =
               limit.evaluate({static_cast<std::int32_t>(places[k].face), places[k].u, places[k].v});
           ASSERT_LT(glm::distance(point.position, glm::dvec3(file.positions[map[k]])), 1e-5) << k;
-          if (textured) ASSERT_EQ(std::memcmp(&uvs[k], &file.uvs[map[k]], sizeof uvs[k]), 0) << k;
+          if (textured) {
+            ASSERT_EQ(std::memcmp(&uvs[k], &file.uvs[map[k]], sizeof uvs[k]), 0) << k;
+          }
         }
         // Each vertex that triangles name has its own; textured ones of one primitive are all.
         for (const std::uint32_t vertex : own.triangles()) ASSERT_GE(map[vertex], 0);
-        if (mesh.face_groups.empty() && textured) EXPECT_EQ(named.size(), file.positions.size());
+        if (mesh.face_groups.empty() && textured) {
+          EXPECT_EQ(named.size(), file.positions.size());
+        }
         if (level == 0) continue;
         EXPECT_EQ(system.file_vertices(level), map);
         EXPECT_EQ(system.uvs(level), uvs);

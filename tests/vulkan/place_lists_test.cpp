@@ -158,8 +158,9 @@ TEST_F(PlaceLists, SlicesAndListsOfTheirOwnChangeNothing) {
       c.solve.record_surface(commands);
       asked.record_evaluate(commands);
     });
-    if (low.max_group_count > 0)
+    if (low.max_group_count > 0) {
       EXPECT_LE(PretendedDriver::notes().largest_dispatch, low.max_group_count);
+    }
     c.results.invalidate();
     EXPECT_EQ(std::memcmp(c.results.mapped().data(), expected.data(),
                           expected.size() * sizeof expected[0]),

@@ -160,8 +160,9 @@ TEST_F(SurfaceCode, CornersThatMeetHaveTheSameBits) {
               surface_parameter(oracle.limit.topology(), c, double(a) / kSide, double(b) / kSide));
           ASSERT_LT(glm::distance(glm::dvec3(sample->shared), expected.position), 2e-6);
           ASSERT_LT(glm::distance(glm::dvec3(sample->position), expected.position), 2e-6);
-          if (sample->normal != glm::vec3(0))
+          if (sample->normal != glm::vec3(0)) {
             ASSERT_GT(glm::dot(glm::dvec3(sample->normal), expected.normal), 1 - 1e-5);
+          }
           if (!first[row]) {
             first[row] = sample;
             continue;
