@@ -70,7 +70,7 @@ static void test_fit(void) {
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK);
   EXPECT(info.converged && info.max_error <= 1e-10 && info.rms_error <= info.max_error);
   EXPECT(info.vertex_count == 8 && info.face_count == 6 && fabs(info.diagonal - sqrt(3.0)) < 1e-15);
-  EXPECT(planish_fit_evaluate(fit, 2, &surface) == PLANISH_OK);
+  EXPECT(planish_fit_evaluate(fit, PLANISH_LEVEL_AUTO, &surface) == PLANISH_OK);
   EXPECT(planish_surface_view(surface, &arrays) == PLANISH_OK);
   EXPECT(arrays.face_count == 96 && arrays.face_offsets == NULL && arrays.base_count == 8);
   check_surface(&arrays, 1e-10 * sqrt(3.0));

@@ -316,3 +316,19 @@ def test_what_is_odd_about_a_mesh_is_told(cube, tmp_path):
     told = planish.fit_file(torn, tmp_path / "torn.ply", 1).report["warnings"]
     assert [warning["code"] for warning in told] == ["torn-vertices"]
     assert "16 vertices at open edges lie exactly where another one does" in told[0]["message"]
+
+
+def test_a_level_that_is_not_named_is_the_meshs(cube):
+    """2; of a dense mesh 1, whoever asks: evaluate(), edit() and files."""
+    around, along = np.meshgrid(np.arange(200), np.arange(100), indexing="ij")
+    u, v = 2 * np.pi * around / 200, 2 * np.pi * along / 100
+    points = np.stack([(1 + 0.4 * np.cos(v)) * np.cos(u), (1 + 0.4 * np.cos(v)) * np.sin(u),
+                       0.4 * np.sin(v)], axis=-1).reshape(-1, 3)
+    corner = lambda i, j: (i % 200) * 100 + j % 100
+    faces = np.stack([corner(around, along), corner(around + 1, along),
+                      corner(around + 1, along + 1), corner(around, along + 1)], axis=-1).reshape(-1, 4)
+    dense = planish.fit(points, faces, method="progressive")
+    assert len(dense.evaluate().quads) == 4 * 20_000
+    assert len(dense.edit().positions) == len(dense.evaluate().positions)
+    coarse = planish.fit(*cube, method="progressive")
+    assert len(coarse.evaluate().quads) == 16 * 6

@@ -46,10 +46,11 @@ std::unique_ptr<PythonChange> changed(PythonEditor& self, const Work& work,
   return result;
 }
 
-EditorHandle edit_fit(const FitHandle& fit, int level) {
+EditorHandle edit_fit(const FitHandle& fit, const py::object& level) {
   EditorHandle made;
+  const int splits = level.is_none() ? fit->fitted.density.level() : level.cast<int>();
   run_released(
-      {}, [&](const Callbacks&) { made = std::make_shared<PythonEditor>(fit, level); },
+      {}, [&](const Callbacks&) { made = std::make_shared<PythonEditor>(fit, splits); },
       fit->threads);
   return made;
 }
@@ -322,8 +323,9 @@ void add_editor(py::module_& module) {
   add_editor_class(module);
   py::object fit = module.attr("Fit");
   fit.attr("edit") = py::cpp_function(
-      &edit_fit, py::name("edit"), py::is_method(fit), py::arg("level") = 2,
-      "An Editor of the mesh, which keeps the rows of a level, 0 to 6. Raises InvalidArgument for "
+      &edit_fit, py::name("edit"), py::is_method(fit), py::arg("level") = py::none(),
+      "An Editor of the mesh, which keeps the rows of a level, 0 to 6; None: as evaluate(). Raises "
+      "InvalidArgument for "
       "a fit that has not converged, leaves the vertices (within) or is not of Doo-Sabin.");
 }
 

@@ -93,12 +93,13 @@ Callbacks collecting(Callbacks callbacks, std::vector<Warning>& warnings) {
   return callbacks;
 }
 
-SurfaceHandle evaluate_fit(const FitHandle& fit, int level, const py::object& progress,
-                           const py::object& cancelled) {
+SurfaceHandle evaluate_fit(const FitHandle& fit, const py::object& level,
+                           const py::object& progress, const py::object& cancelled) {
   auto made = std::make_shared<PythonSurface>();
   std::vector<Warning> warnings;
+  const int splits = level.is_none() ? fit->fitted.density.level() : level.cast<int>();
   run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
-    EvaluateOptions options = fit->fitted.evaluate_options(level);
+    EvaluateOptions options = fit->fitted.evaluate_options(splits);
     options.callbacks = collecting(callbacks, warnings);
     const auto backend =
         make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
@@ -232,9 +233,10 @@ void add_fit_class(py::module_& module) {
       .def_property_readonly("report", &report_of,
                              "What the command reports, with its names: tool, input, solve, "
                              "timing_ms (milliseconds), warnings.")
-      .def("evaluate", &evaluate_fit, py::arg("level") = 2, py::kw_only(),
+      .def("evaluate", &evaluate_fit, py::arg("level") = py::none(), py::kw_only(),
            py::arg("progress") = py::none(), py::arg("cancelled") = py::none(),
-           "The surface after `level` splits, 0 to 6. Raises InvalidArgument, OutOfMemory before "
+           "The surface after `level` splits, 0 to 6; None: 2, of a dense mesh 1. Raises "
+           "InvalidArgument, OutOfMemory before "
            "memory is taken, Cancelled.")
       .def("tessellate", &tessellate_fit, py::kw_only(), py::arg("chord_error") = 0.0,
            py::arg("angle") = 0.0, py::arg("progress") = py::none(),

@@ -125,7 +125,7 @@ planish_status planish_editor_create(const planish_fit* fit, int32_t level,
     made->thread_count = fit->thread_count;
     made->precision = fit->precision;
     run_on(made->thread_count,
-           [&] { made->edited = std::make_shared<EditedFit>(fit->whole, level); });
+           [&] { made->edited = std::make_shared<EditedFit>(fit->whole, fit->settled(level)); });
     *editor = made.release();
     return PLANISH_OK;
   });

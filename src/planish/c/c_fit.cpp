@@ -265,9 +265,9 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
     require(path, "path");
     const auto backend = backend_of(fit->precision, fit->thread_count);
     planish::StepFigures figures;
-    const int splits = level == PLANISH_LEVEL_AUTO ? fit->fitted.density.level() : level;
-    planish::write_fitted_surface(path, fit->fitted, "surface", *backend,
-                                  {.level = splits, .step = fit->step, .step_figures = &figures});
+    planish::write_fitted_surface(
+        path, fit->fitted, "surface", *backend,
+        {.level = fit->settled(level), .step = fit->step, .step_figures = &figures});
     return written_status(fit->fitted, &figures);
   });
 }

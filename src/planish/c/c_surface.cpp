@@ -18,12 +18,13 @@ planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
   return call([&] {
     require(fit, "fit");
     require(surface, "surface");
-    planish::require_level(level);
+    const int splits = fit->settled(level);
+    planish::require_level(splits);
     const planish::FittedMesh& fitted = fit->fitted;
     const auto backend = planish::make_cpu_backend(
         {.solve_precision = fit->precision, .thread_count = fit->thread_count});
     auto made = std::make_unique<planish_surface>();
-    planish::EvaluateOptions options = fitted.evaluate_options(level);
+    planish::EvaluateOptions options = fitted.evaluate_options(splits);
     options.callbacks = made->callbacks();
     made->surface = planish::evaluate(fitted.mesh, fitted.fit, *backend, options);
     made->riders.take(made->surface);

@@ -51,8 +51,9 @@ typedef struct planish_editor_arrays {
 
 void planish_editor_arrays_init(planish_editor_arrays* arrays, size_t struct_size);
 
-/** Keeps the rows of `level`, 0 to 6. For fits of Doo-Sabin that have converged with `within` 0;
- * vertices are those of the mesh as it was fitted, after repair. 64 moves can be taken back. */
+/** Keeps the rows of `level`, 0 to 6 or PLANISH_LEVEL_AUTO. For fits of Doo-Sabin that have
+ * converged with `within` 0; vertices are those of the mesh as it was fitted, after repair. 64
+ * moves can be taken back. */
 planish_status planish_editor_create(const planish_fit* fit, int32_t level,
                                      planish_editor** editor);
 void planish_editor_free(planish_editor* editor);

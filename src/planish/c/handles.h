@@ -65,6 +65,11 @@ struct planish_fit {
   planish::Precision precision = planish::Precision::Float;
   planish::StepSettings step;
 
+  /// Of planish_fit_write() and others; PLANISH_LEVEL_AUTO by the mesh's density.
+  [[nodiscard]] int settled(std::int32_t level) const {
+    return level == PLANISH_LEVEL_AUTO ? fitted.density.level() : level;
+  }
+
   planish_fit() : whole(std::make_shared<planish::FittedMesh>()), fitted(*whole) {}
 };
 

@@ -305,7 +305,7 @@ typedef struct planish_surface_arrays {
 
 void planish_surface_arrays_init(planish_surface_arrays* arrays, size_t struct_size);
 
-/** The surface after `level` splits, 0 to 6. */
+/** The surface after `level` splits, 0 to 6, or PLANISH_LEVEL_AUTO. */
 planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
                                     planish_surface** surface);
 /** Triangles as fine as a Doo-Sabin surface is curved: within `chord_error` of it, a fraction of

@@ -53,8 +53,8 @@ export class Fit extends Handle {
     });
   }
 
-  /** The surface after `level` splits of each face, 0 to 6. */
-  evaluate(level = 2, { origin } = {}) {
+  /** The surface after `level` splits of each face, 0 to 6; without one 2, of a dense mesh 1. */
+  evaluate(level = LEVEL_AUTO, { origin } = {}) {
     whole([level], 'level');
     return this.#surface((memory, handle) => this.module._planish_fit_evaluate(this.alive, level, handle), origin);
   }
@@ -125,7 +125,7 @@ export class Fit extends Handle {
   }
 
   /** Moves vertices of this mesh, and keeps the rows of evaluate(level) right. */
-  edit(level = 2, { origin } = {}) {
+  edit(level = LEVEL_AUTO, { origin } = {}) {
     return new Editor(this, whole([level], 'level')[0], origin, (pointer) => new Fit(this.module, pointer, []));
   }
 

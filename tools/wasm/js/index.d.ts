@@ -148,6 +148,7 @@ export interface Questions {
 export interface Fit extends Questions {
   readonly info: FitInfo;
   readonly warnings: { code: string; message: string }[];
+  /** Without a level 2, of a dense mesh 1, as write() and edit(). */
   evaluate(level?: number, placing?: Placing): Surface;
   tessellate(options: { chordError?: number; angle?: number } & Placing): Surface;
   /** glb, gltf, obj, ply, off, stl, usda or step, by the name's ending; without a level 2, of a dense mesh 1. */
