@@ -1,12 +1,14 @@
 // How dense a mesh is: level 1 is enough where its own faces show the surface.
 #include "planish/mesh/mesh_density.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/merged_meshes.h"
@@ -78,6 +80,60 @@ TEST(LevelByDensity, FilesHaveTheLevelOfTheirMesh) {
   EXPECT_EQ(fit(test::torus(200, 100, 1, 0.4), {}), 4 * 20'000);
   EXPECT_EQ(fit(test::torus(200, 100, 1, 0.4), 2), 16 * 20'000);
   EXPECT_EQ(fit(test::torus(20, 10, 1, 0.4), {}), 16 * 200);
+}
+
+std::vector<Warning> warnings_of_file(const PolygonMesh& mesh, const char* output,
+                                      FitFileOptions options) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path in = folder.path() / "in.ply";
+  write_mesh(in, FileFormat::Ply, mesh);
+  std::vector<Warning> told;
+  options.mesh.method = InterpolationMethod::Progressive;
+  options.mesh.chooses_creases = false;
+  options.mesh.fit.callbacks.warning = [&](const Warning& warning) { told.push_back(warning); };
+  const FileFit done = fit_file(in, folder.path() / output, options);
+  EXPECT_EQ(done.fitted.warnings.size(), told.size());
+  return told;
+}
+
+// As the command: a large file of a level that nobody named.
+TEST(FileWarnings, ALargeFileThatNobodyAskedForIsNamed) {
+  const PolygonMesh strips = test::torus(1500, 16, 1, 0.4);
+  const std::vector<Warning> told = warnings_of_file(strips, "out.obj", {});
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].code, "large-output");
+  EXPECT_THAT(told[0].message,
+              testing::ContainsRegex("out.obj: is [0-9.]+ MiB, [0-9]+ times the input; --levels 1 "
+                                     "writes about a quarter of that"));
+  EXPECT_TRUE(warnings_of_file(strips, "out.obj", {.level = 2}).empty());
+}
+
+TEST(FileWarnings, AFitThatMissesItsToleranceIsNamed) {
+  FitFileOptions options;
+  options.mesh.fit.max_iterations = 1;
+  const std::vector<Warning> told =
+      warnings_of_file(test::torus(20, 10, 1, 0.4), "out.glb", options);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].code, "not-converged");
+  EXPECT_THAT(told[0].message,
+              testing::AllOf(testing::HasSubstr("in.ply: not converged (iteration-limit)"),
+                             testing::HasSubstr(" after 1 iteration, the tolerance 1e-06;"),
+                             testing::HasSubstr("raise --max-iterations or --tolerance")));
+}
+
+// A vertex beyond its neighbour: faces beside it lie upside down.
+TEST(FileWarnings, AFoldedSurfaceIsNamedWithItsPlace) {
+  PolygonMesh mesh = test::flat_grid(8, 8);
+  mesh.positions[40].x += 1.7;
+  const std::vector<Warning> told = warnings_of_file(mesh, "out.glb", {});
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].code, "folded-area");
+  EXPECT_THAT(told[0].message,
+              testing::AllOf(testing::HasSubstr("of the surface is folded (turned by more than 90 "
+                                                "degrees from its face)"),
+                             testing::HasSubstr("; first at face "),
+                             testing::HasSubstr("--interpolation fair is made for such meshes")));
+  EXPECT_GE(told[0].first, 0);
 }
 
 }  // namespace

@@ -148,4 +148,18 @@ std::string percent(double share) {
   return short_number(100 * share) + " %";
 }
 
+std::string byte_size(std::uint64_t bytes) {
+  if (bytes < 1024) return std::to_string(bytes) + " B";
+  double size = static_cast<double>(bytes);
+  const char* unit = "";
+  for (const char* next : {"KiB", "MiB", "GiB", "TiB"}) {
+    if (size < 1024) break;
+    size /= 1024;
+    unit = next;
+  }
+  std::array<char, 32> digits;
+  std::snprintf(digits.data(), digits.size(), "%.1f ", size);
+  return digits.data() + std::string(unit);
+}
+
 }  // namespace planish

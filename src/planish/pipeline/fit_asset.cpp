@@ -1,18 +1,22 @@
 #include "planish/pipeline/fit_asset.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "planish/core/host_scope.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/asset_parts.h"
 #include "planish/pipeline/fitted_level.h"
+#include "planish/pipeline/mesh_warnings.h"
 
 namespace planish {
 namespace {
@@ -67,6 +71,12 @@ std::list<AssetPart> fitted_parts(const GltfAsset& asset, const MeshFitOptions& 
   return fit_meshes(asset, steps);
 }
 
+void tell(const Callbacks& callbacks, FittedMesh& fitted, const std::optional<Warning>& warning) {
+  if (!warning) return;
+  fitted.warnings.push_back(*warning);
+  callbacks.warn(*warning);
+}
+
 // `level_of` a part.
 std::list<PartLevel> levels_of(std::list<AssetPart>& parts,
                                const std::function<int(const AssetPart&)>& level_of,
@@ -111,6 +121,14 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
         parts, level_of, backend,
         share_of(whole, std::lerp(fitted, made, from), std::lerp(fitted, made, done / rows))));
   }
+  int finest = 0;
+  for (auto part = parts.begin(); const PartLevel& level : details.front()) {
+    tell(whole, part->fitted,
+         fold_warning(part->fitted, level.made, level.level, how.chooses_creases,
+                      {.cancelled = whole.cancelled}));
+    finest = std::max(finest, level.level);
+    ++part;
+  }
   FileFit result;
   const std::vector<AssetSurface> surfaces =
       surfaces_of(parts, details, edges, [&](const AssetPart& part, const PartLevel& level) {
@@ -126,6 +144,9 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
   GltfOptions common;
   common.callbacks = share_of(whole, made, 1);
   result.byte_count = write_asset(output, output.parent_path(), asset, surfaces, common).byte_count;
+  if (!options.level && options.coarser_levels.empty())
+    tell(whole, parts.front().fitted,
+         size_warning(visible(output), result.byte_count, asset.byte_count(), finest));
   result.fitted = std::move(parts.front().fitted);
   for (auto part = std::next(parts.begin()); part != parts.end(); ++part)
     result.further.push_back(std::move(part->fitted));

@@ -21,6 +21,7 @@
 #include "planish/pipeline/fit_asset.h"
 #include "planish/pipeline/fitted_level.h"
 #include "planish/pipeline/make_ready.h"
+#include "planish/pipeline/mesh_warnings.h"
 
 namespace planish {
 namespace {
@@ -211,10 +212,21 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   const SurfaceShares shares({options.level_of(result.fitted.density), options.z_up,
                               share_of(callbacks, fit, 1), &materials});
   const FittedLevel made = fitted_level(result.fitted, backend, shares.making);
+  const auto tell = [&](const std::optional<Warning>& warning) {
+    if (!warning) return;
+    warnings.push_back(*warning);
+    callbacks.warn(*warning);
+  };
+  tell(fold_warning(result.fitted, made, shares.making.level, how.chooses_creases,
+                    {.cancelled = callbacks.cancelled}));
   result.vertex_count = made.blocks->info().row_count;
   result.face_count = made.blocks->info().face_count;
   result.byte_count =
       write_level(output, result.fitted, *made.blocks, visible(input.stem()), shares.writing);
+  // A .gltf's numbers are beside it.
+  if (!options.level && file.format != FileFormat::Gltf)
+    tell(size_warning(visible(output), result.byte_count, std::filesystem::file_size(input),
+                      shares.making.level));
   write_cage_of(result.fitted, cage_format, options, materials);
   return result;
 }

@@ -51,11 +51,12 @@ struct FileFit {
 /// its surface as glTF, OBJ, PLY, OFF, STL, USD or STEP by the extension of `output`: the same
 /// bytes as `planish fit INPUT -o OUTPUT --device cpu` writes. Not converging is a result, and so
 /// is a STEP file that does not keep its limits; the file is written and says so. An existing file
-/// is replaced, once the new one is whole. Throws Error{UnreadableInput}, Error{UnusableMesh} with
-/// the remedy, Error{InvalidArgument} for extensions, options, an output or a cage that is the
-/// input, a file that this names (see InputFiles) or one another, coarser levels of what keeps no
-/// asset, and a file of points, which reconstruct() makes a mesh of; Error{UnwritableOutput},
-/// Error{OutOfMemory}, Error{Cancelled}.
+/// is replaced, once the new one is whole. Folds of the surface and a large file that nobody asked
+/// for are warned of as the command does (see mesh_warnings.h). Throws Error{UnreadableInput},
+/// Error{UnusableMesh} with the remedy, Error{InvalidArgument} for extensions, options, an output
+/// or a cage that is the input, a file that this names (see InputFiles) or one another, coarser
+/// levels of what keeps no asset, and a file of points, which reconstruct() makes a mesh of;
+/// Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
 

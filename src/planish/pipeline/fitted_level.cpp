@@ -5,8 +5,11 @@
 #include <string>
 
 #include "planish/files/file_materials.h"
+#include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
 #include "planish/patches/patch_evaluator.h"
+#include "planish/pipeline/mesh_warnings.h"
+#include "planish/surface/block_quality.h"
 
 namespace planish {
 
@@ -32,6 +35,17 @@ FittedLevel fitted_level(const FittedMesh& fitted, Backend& backend,
   made.doo_sabin = fitted_surface(fitted.mesh, fitted.fit, how);
   made.blocks = made.doo_sabin->level(options.level, 0, dynamic_cast<PatchEvaluator*>(&backend));
   return made;
+}
+
+std::optional<Warning> fold_warning(const FittedMesh& fitted, const FittedLevel& made, int level,
+                                    bool chose_creases, const Callbacks& callbacks) {
+  const FoldRemedies remedies{.tried_creases = chose_creases && fitted.reason};
+  if (const SurfaceQuality* const known = fitted.chosen_quality())
+    return fold_warning(fitted, *known, remedies);
+  if (level < 1) return std::nullopt;
+  const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
+  return fold_warning(
+      fitted, surface_quality(*made.blocks, fitted.mesh, folds.is_beside, callbacks), remedies);
 }
 
 GltfOptions gltf_options_of(const FittedMesh& fitted, std::string_view name,

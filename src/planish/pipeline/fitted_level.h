@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -28,6 +29,12 @@ struct FittedLevel {
 /// `fitted` must outlive it. Throws as evaluate().
 [[nodiscard]] FittedLevel fitted_level(const FittedMesh& fitted, Backend& backend,
                                        const SurfaceFileOptions& options);
+
+/// fold_warning() of a fitted mesh whose surface of a level was made: by what was measured to
+/// choose it, else of this level from 1 on. `chose_creases`: MeshFitOptions::chooses_creases.
+[[nodiscard]] std::optional<Warning> fold_warning(const FittedMesh& fitted, const FittedLevel& made,
+                                                  int level, bool chose_creases,
+                                                  const Callbacks& callbacks);
 
 /// What is said of it in a glTF. `name`: of mesh and node.
 [[nodiscard]] GltfOptions gltf_options_of(const FittedMesh& fitted, std::string_view name,

@@ -1,13 +1,13 @@
 #include "job/job_fit.h"
 
+#include <string>
 #include <utility>
 
 #include "job/apply_moves.h"
 #include "job/timed.h"
-#include "planish/core/formatted.h"
 #include "planish/core/refuse.h"
 #include "planish/pipeline/fit_report.h"
-#include "terminal/text.h"
+#include "planish/pipeline/mesh_warnings.h"
 
 namespace planish::command {
 namespace {
@@ -49,41 +49,12 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   report.interpolation.displacement.clear();
 }
 
-std::string remedy(const JobReport& report) {
-  if (report.method == InterpolationMethod::Fair) return "raise --tolerance";
-  switch (report.interpolation.stop_reason) {
-    case StopReason::Singular:
-      return "this scheme has no surface through these vertices, as can be where three faces meet "
-             "at every vertex; take --scheme doo-sabin, which always has one";
-    case StopReason::Diverged:
-      return "the iteration drives the error up on this mesh; take --scheme doo-sabin, whose error "
-             "always falls";
-    default:
-      return "raise --max-iterations or --tolerance";
-  }
-}
-
-void warn_of_the_solve(JobReport& report, Console& console) {
-  const Interpolation& result = report.interpolation;
-  if (result.converged) return;
-  report.exit_code = ExitCode::NotConverged;
-  const bool iterates = report.method == InterpolationMethod::Progressive;
-  add_warning(report, console,
-              {"not-converged",
-               formatted("{}: not converged ({}): the error is {}{}, the tolerance {}; what is "
-                         "written says so; {}",
-                         input_name(report.input.path), planish::name_of(result.stop_reason),
-                         short_number(result.error.max),
-                         iterates ? " after " + counted(result.iterations, "iteration") : "",
-                         short_number(report.settings.tolerance), remedy(report)),
-               1, result.worst_vertex});
-}
-
 }  // namespace
 
 void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
                JobReport& report, const JobContext& context) {
   context.progress.update("fit", 0);
+  const std::string name = ready.name;
   made.fitted = fit_prepared(std::move(ready), backend);
   made.fitted.split_normals = report.settings.creases.split_normals;
   if (!moves.empty()) {
@@ -100,8 +71,12 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
   report.input.folded_edges = made.folds.count;
   report.input.folded_edge_area = made.folds.area;
   report.input.mesh = input_json(made.fitted, report.input.statistics, made.folds);
+  // Said of the fit where it is made; here of moves.
+  if (const auto missed = convergence_warning(made.fitted, name)) {
+    report.exit_code = ExitCode::NotConverged;
+    add_warning(report, context.console, *missed);
+  }
   note_fit(report, made.fitted);
-  warn_of_the_solve(report, context.console);
 }
 
 }  // namespace planish::command

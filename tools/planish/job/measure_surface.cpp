@@ -4,22 +4,18 @@
 #include <cmath>
 #include <span>
 
-#include "planish/core/formatted.h"
 #include "planish/limit/sheet_gap.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/triangle_edges.h"
 #include "planish/mesh/used_vertices.h"
+#include "planish/pipeline/mesh_warnings.h"
 #include "planish/reconstruct/compare_source.h"
 #include "planish/reconstruct/spatial_order.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/kept_rows.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
-
-/// A surface whose folded part is larger than this fraction of its area gets a warning.
-constexpr double kFoldedAreaLimit = 1e-4;
 
 PointDistances relative(PointDistances distances, double diagonal) {
   distances.max /= diagonal;
@@ -68,11 +64,6 @@ void note_quality(const JobInput& made, JobLevel& surface,
   measured.source_distances = relative(comparison.distances, made.fitted.fit.placement.diagonal);
 }
 
-std::int64_t file_face(const FoldedPlace& place, const JobInput& made) {
-  const auto& faces = made.fitted.source_faces;
-  return faces.empty() ? place.face : faces[place.face];
-}
-
 // By closest points, of neighbours one after another and so many at a time that answers take little
 // memory; of the diagonal.
 PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSurface& surface,
@@ -105,46 +96,12 @@ PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSur
   return distances;
 }
 
-// "; first at face 12 near (1, 2, 0.5), face 14 near (1, 2, 0.7)", as the file counts faces.
-std::string places_text(const std::vector<FoldedPlace>& places, const JobInput& made) {
-  std::string text;
-  for (const FoldedPlace& place : places) {
-    const glm::dvec3& p = place.position;
-    text +=
-        formatted("{}{} near ({}, {}, {})", text.empty() ? "; first at face " : ", face ",
-                  file_face(place, made), short_number(p.x), short_number(p.y), short_number(p.z));
-  }
-  return text;
-}
-
-std::string remedy_for_folds(const JobReport& report, bool only_the_input_is) {
-  if (report.method == InterpolationMethod::Fair) {
-    if (only_the_input_is) return "the input itself is folded there";
-    return report.settings.creases.dihedral_degrees || report.settings.creases.finds_features
-               ? "found creases do not help there, a finer or more even mesh may"
-               : "the input is sharp there, --creases auto may help";
-  }
-  return report.settings.scheme == Scheme::DooSabin
-             ? "--interpolation fair is made for such meshes"
-             : "--scheme doo-sabin --interpolation fair is made for such meshes";
-}
-
 void warn_of_folds(const JobInput& made, JobReport& report, Console& console) {
-  const SurfaceQuality& quality = report.surface->quality;
-  if (quality.folded_area <= kFoldedAreaLimit) return;
-  const bool against_input = report.surface->reference.empty();
-  const bool some_is_the_inputs = quality.folded_area_elsewhere < quality.folded_area;
-  add_warning(
-      report, console,
-      {"folded-area",
-       formatted("{} of the surface is folded (turned by more than 90 degrees from {}){}{}; {}",
-                 percent(quality.folded_area), against_input ? "its face" : "the source",
-                 some_is_the_inputs
-                     ? ", " + percent(quality.folded_area_elsewhere) + " where the input is not"
-                     : "",
-                 places_text(quality.folded_places, made),
-                 remedy_for_folds(report, quality.folded_area_elsewhere <= kFoldedAreaLimit)),
-       1, quality.folded_places.empty() ? -1 : file_face(quality.folded_places.front(), made)});
+  const FoldRemedies remedies{.tried_creases = report.settings.creases.dihedral_degrees ||
+                                               report.settings.creases.finds_features,
+                              .against_source = !report.surface->reference.empty()};
+  if (const auto folds = fold_warning(made.fitted, report.surface->quality, remedies))
+    add_warning(report, console, *folds);
 }
 
 }  // namespace

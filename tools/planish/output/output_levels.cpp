@@ -5,10 +5,10 @@
 
 #include "job/measure_surface.h"
 #include "job/timed.h"
-#include "planish/core/formatted.h"
 #include "planish/files/formats.h"
 #include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/mesh_warnings.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -70,32 +70,18 @@ SurfaceOutputOptions surface_options(const FittedJob& work) {
 }
 
 void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& output) {
-  const double tolerance = report.settings.tolerance;
-  if (!report.interpolation.converged || output.as_written_error <= tolerance) return;
-  add_warning(report, console,
-              {"rounded-output",
-               output_name(output.path) + ": rounding for the file leaves an error of " +
-                   short_number(output.as_written_error) + ", above the tolerance " +
-                   short_number(tolerance) + "; --cage and .ply keep every digit",
-               1, -1});
+  if (!report.interpolation.converged) return;
+  if (const auto rounded = rounding_warning(output_name(output.path), output.as_written_error,
+                                            report.settings.tolerance))
+    add_warning(report, console, *rounded);
 }
 
 void warn_of_size(JobReport& report, std::uint64_t input_bytes, Console& console) {
-  constexpr std::uint64_t kLarge = 16u << 20, kManyTimes = 20;
   for (const WrittenOutput& output : report.outputs) {
-    const Fineness& fineness = output.fineness;
-    if (!fineness.by_density || output.bytes <= kLarge || output.bytes <= kManyTimes * input_bytes)
-      continue;
-    const double times = static_cast<double>(output.bytes) / static_cast<double>(input_bytes);
-    add_warning(
-        report, console,
-        {"large-output",
-         formatted("{}: is {}, {} times the input; {}", output_name(output.path),
-                   byte_size(output.bytes), with_separators(static_cast<std::int64_t>(times)),
-                   fineness.level > 1
-                       ? "--levels 1 writes about a quarter of that"
-                       : "--levels 0 writes the input's own faces, with the surface's "
-                         "normals")});
+    if (!output.fineness.by_density) continue;
+    if (const auto large = size_warning(output_name(output.path), output.bytes, input_bytes,
+                                        output.fineness.level))
+      add_warning(report, console, *large);
   }
 }
 

@@ -18,18 +18,6 @@ std::string formatted(const char* format, double value) {
 
 }  // namespace
 
-std::string byte_size(std::uint64_t bytes) {
-  if (bytes < 1024) return std::to_string(bytes) + " B";
-  double size = static_cast<double>(bytes);
-  const char* unit = "";
-  for (const char* next : {"KiB", "MiB", "GiB", "TiB"}) {
-    if (size < 1024) break;
-    size /= 1024;
-    unit = next;
-  }
-  return formatted("%.1f ", size) + unit;
-}
-
 std::string duration(double milliseconds) {
   if (milliseconds >= 1000) return formatted("%.2f s", milliseconds / 1000);
   return formatted(milliseconds >= 10 ? "%.0f ms" : "%.1f ms", milliseconds);

@@ -9,9 +9,7 @@
 
 namespace planish::command {
 
-/// 2202009 -> "2.1 MiB"; below 1 KiB in bytes.
-[[nodiscard]] std::string byte_size(std::uint64_t bytes);
-
+using planish::byte_size;
 using planish::counted;
 using planish::percent;
 using planish::short_number;
