@@ -83,6 +83,24 @@ class RenderCommand : public testing::Test {
   std::string said_;
 };
 
+// Nor what an input names: its buffer, its texture.
+TEST_F(RenderCommand, WritesOverNothingThatItReads) {
+  ASSERT_EQ(run("square.glb -o picture.png"), 0) << said_;
+  std::filesystem::rename(folder_.path() / "picture.png", folder_.path() / "wood.png");
+  std::ofstream(folder_.path() / "a.gltf")
+      << R"({"asset":{"version":"2.0"},"images":[{"uri":"wood.png"}],"scenes":[{}]})";
+  std::ofstream(folder_.path() / "b.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (const auto& [arguments, output] : {std::pair{"a.gltf", "wood.png"},
+                                          {"square.glb", "square.glb"},
+                                          {"square.glb --overlay b.obj", "b.obj"}}) {
+    const auto size = std::filesystem::file_size(folder_.path() / output);
+    EXPECT_NE(run(std::string(arguments) + " -o " + output), 0);
+    EXPECT_THAT(said_, HasSubstr(output)) << arguments;
+    EXPECT_THAT(said_, testing::ContainsRegex("is read with the input|is the input itself"));
+    EXPECT_EQ(std::filesystem::file_size(folder_.path() / output), size);
+  }
+}
+
 TEST_F(RenderCommand, DrawsInputsSideBySideEachFromItsView) {
   const Picture both = picture("square.glb triangle.glb --size 40x30 --view 0,0 --view=-30,20");
   EXPECT_EQ(both.width, 80);

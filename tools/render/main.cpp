@@ -11,6 +11,7 @@
 
 #include "picture.h"
 #include "planish/core/error.h"
+#include "planish/files/input_files.h"
 #include "planish/files/mesh_file.h"
 #include "png.h"
 
@@ -74,6 +75,11 @@ ViewOptions view_of(const Arguments& arguments, std::size_t input) {
 
 void run(Arguments& arguments) {
   parse_texts(arguments);
+  InputFiles read;
+  for (const std::string& input : arguments.inputs) read.add(input);
+  if (!arguments.overlay.empty()) read.add(arguments.overlay);
+  if (const std::string objection = read.objection(arguments.output); !objection.empty())
+    refuse(objection);
   std::optional<PolygonMesh> overlay;
   if (!arguments.overlay.empty()) overlay = read_mesh(arguments.overlay).mesh;
   const std::size_t row = std::size_t{3} * arguments.picture.width;
