@@ -4,12 +4,17 @@
 #include <gtest/gtest.h>
 #include <tiny_obj_loader.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "mesh/test_meshes.h"
+#include "planish/core/output_file.h"
+#include "planish/files/formats.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/obj/material_library.h"
 #include "planish/files/read_file.h"
 #include "support/temporary_folder.h"
 
@@ -76,6 +81,44 @@ TEST(WriteMtl, NamesAreThoseOfTheFaces) {
 }
 
 // Line ends of Unicode, which Python's readers split at, and overrides of the direction.
+// The OBJ's own name, too: its MTL gets one that a line can hold.
+TEST(WriteMtl, IsFoundWhateverTheObjIsCalled) {
+  for (const char* name : {"a\nb.obj", "a #b.obj", "\ta.obj", "a b.obj", "plain.obj"}) {
+    const test::TemporaryFolder folder;
+    const std::filesystem::path obj = folder.path() / name;
+    write_mesh(obj, FileFormat::Obj, painted_cube());
+    const MaterialLibrary library(obj);
+    EXPECT_TRUE(library.warnings().empty()) << library.warnings()[0].message;
+    EXPECT_EQ(library.names(), (std::vector<std::string>{"paint", "red_wood", "tin"})) << name;
+    EXPECT_TRUE(std::filesystem::exists(companion_of(obj, FileFormat::Obj)));
+  }
+}
+
+// As the specification has it, and as programs write it.
+TEST(MaterialLibraries, ALineNamesOneWithBlanksOrSeveral) {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const char* name, const std::string& text) {
+    OutputFile file(folder.path() / name);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+  };
+  write("a.mtl", "newmtl a\nKd 1 0 0\n");
+  write("b.mtl", "newmtl b\nKd 0 1 0\n");
+  const auto read = [&](const std::string& line) {
+    write("m.obj", line + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    return MaterialLibrary(folder.path() / "m.obj");
+  };
+  EXPECT_EQ(read("mtllib a.mtl b.mtl").names(), (std::vector<std::string>{"a", "b"}));
+  EXPECT_TRUE(read("mtllib a.mtl b.mtl").warnings().empty());
+  const MaterialLibrary one = read("mtllib a.mtl c.mtl");
+  EXPECT_EQ(one.names(), (std::vector<std::string>{"a"}));
+  ASSERT_EQ(one.warnings().size(), 1U);
+  EXPECT_THAT(one.warnings()[0].message, testing::HasSubstr("c.mtl"));
+  EXPECT_THAT(read("mtllib d.mtl e.mtl").warnings()[0].message, testing::HasSubstr("d.mtl e.mtl"));
+  write("a.mtl b.mtl", "newmtl whole\nKd 0 0 1\n");
+  EXPECT_EQ(read("mtllib a.mtl b.mtl").names(), (std::vector<std::string>{"whole"}));
+}
+
 TEST(WriteMtl, NamesEndNoLine) {
   const test::TemporaryFolder folder;
   PolygonMesh mesh = painted_cube();

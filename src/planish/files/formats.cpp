@@ -11,6 +11,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/files/obj/material_library.h"
 #include "planish/files/obj/read_obj.h"
+#include "planish/files/obj/write_mtl.h"
 #include "planish/files/obj/write_obj.h"
 #include "planish/files/off/read_off.h"
 #include "planish/files/off/write_off.h"
@@ -205,7 +206,10 @@ std::filesystem::path companion_of(const std::filesystem::path& path, FileFormat
   const std::string_view extension = info_of(format).companion;
   if (extension.empty()) return {};
   std::filesystem::path companion = path;
-  return companion.replace_extension(extension);
+  companion.replace_extension(extension);
+  if (format != FileFormat::Obj) return companion;
+  // As the OBJ can name it, without the blank in front.
+  return companion.replace_filename(obj_line_name(companion.filename().string()).substr(1));
 }
 
 bool serves(FileFormat format, FormatUse use) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <utility>
 
 #include "planish/core/lower_case.h"
 #include "planish/core/visible_text.h"
@@ -119,16 +120,29 @@ MaterialLibrary::MaterialLibrary(const FileBytes& obj) : obj_(obj.path), reach_(
 void MaterialLibrary::read_libraries(std::string_view text) {
   while (!text.empty()) {
     std::string_view line = take_line(text);
-    if (take_word(line) == "mtllib" && !line.empty()) read(std::string(line));
+    if (take_word(line) == "mtllib" && !line.empty()) read_line(line);
   }
 }
 
-void MaterialLibrary::read(const std::string& name) {
-  std::string file_name = name;
-  std::ranges::replace(file_name, '\\', '/');
-  const fs::path path = obj_.parent_path() / file_name;
-  files_.push_back(path);
-  const NamedFile file = read_named(path, obj_, reach_);
+// The specification has several names in a line, programs put one with blanks.
+void MaterialLibrary::read_line(std::string_view line) {
+  const auto named = [&](std::string_view name) {
+    std::string file_name(name);
+    std::ranges::replace(file_name, '\\', '/');
+    files_.push_back(obj_.parent_path() / file_name);
+    return std::pair(files_.back(), read_named(files_.back(), obj_, reach_));
+  };
+  std::vector<std::pair<fs::path, NamedFile>> found{named(line)};
+  if (!found.front().second.trouble.empty()) {
+    std::vector<std::pair<fs::path, NamedFile>> several;
+    while (!line.empty()) several.push_back(named(take_word(line)));
+    if (std::ranges::any_of(several, [](const auto& one) { return one.second.trouble.empty(); }))
+      found = std::move(several);
+  }
+  for (const auto& [path, file] : found) read(path, file);
+}
+
+void MaterialLibrary::read(const fs::path& path, const NamedFile& file) {
   if (!file.trouble.empty()) {
     warnings_.push_back(
         {"missing-materials", visible(obj_) + ": its materials are not there: " + file.trouble +

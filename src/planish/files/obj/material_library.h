@@ -27,6 +27,8 @@ struct MaterialStatement {
   MaterialTexture texture;
 };
 
+struct NamedFile;
+
 /// The materials of the files that an OBJ names, or of a glTF (gltf/gltf_to_mtl.h), to be written
 /// beside another.
 class MaterialLibrary {
@@ -65,7 +67,8 @@ class MaterialLibrary {
     std::vector<std::string> lines;
   };
   void read_libraries(std::string_view text);
-  void read(const std::string& name);
+  void read_line(std::string_view line);
+  void read(const std::filesystem::path& path, const NamedFile& file);
 
   std::filesystem::path obj_;
   FileReach reach_ = FileReach::Beside;
