@@ -88,10 +88,10 @@ struct BothWays : PatchCase {
         by_sums(topology, features, RingColumns::Sums),
         state(first_step(by_sums, weights, points)) {}
 
-  [[nodiscard]] std::vector<glm::dvec3> points_of(const PatchMesh& patches,
+  [[nodiscard]] std::vector<glm::dvec3> points_of(const PatchMesh& records,
                                                   const PatchPlace& place) const {
     std::vector<std::int32_t> indices(static_cast<std::size_t>(place.patch.column_count()));
-    patches.gather(place, indices.data(), 1);
+    records.gather(place, indices.data(), 1);
     std::vector<glm::dvec3> result;
     for (const std::int32_t i : indices) result.push_back(state[i] - state[indices[0]]);
     return result;

@@ -278,7 +278,7 @@ TEST_F(EmbedFaults, TexelsAreALimitOfBytesWhereTheyAreRead) {
     open({.variant = texels ? kSoftwareVariant : kHardwareVariant});
     EXPECT_EQ(context_->max_storage_range() == 262144, texels);
     if (!texels) continue;
-    EXPECT_NO_THROW(make_bindable(*context_, 262144, "words"));
+    EXPECT_NO_THROW((void)make_bindable(*context_, 262144, "words"));
     EXPECT_THAT(
         test::message_of(ErrorCode::OutOfMemory,
                          [&] { static_cast<void>(make_bindable(*context_, 262148, "words")); }),
