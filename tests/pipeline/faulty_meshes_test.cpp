@@ -132,7 +132,7 @@ TEST(FaultyMeshes, AreRefusedByMeshTools) {
       },
       ErrorCode::UnusableMesh);
   expect_refused(
-      "with_detected_creases", [](const PolygonMesh& mesh) { (void)with_detected_creases(mesh); },
+      "find_features", [](const PolygonMesh& mesh) { (void)find_features(mesh); },
       ErrorCode::UnusableMesh);
   expect_refused(
       "with_convex_faces", [](const PolygonMesh& mesh) { (void)with_convex_faces(mesh); },

@@ -72,7 +72,7 @@ TEST(FoundCreases, AreTakenBackWhereTheyFoldTheSurface) {
     const PolygonMesh given = test::jittered(test::icosphere(2), 0.25, seed);
     PolygonMesh mesh = given;
     const auto prepared = prepare_mesh(mesh, "ball");
-    const FoundCreases found = add_creases_above(mesh, *prepared, 30);
+    const FoundCreases found = add_features(mesh, prepared, {.every = 30});
     const PolygonMesh all = mesh;
     const CreasedFit creased = fit_with_found_creases(mesh, found, *backend, {});
     const double area = folds_of(mesh, creased.fit, *backend);
@@ -115,7 +115,7 @@ TEST(FoundCreases, GiveTheWarningsOfTheFitThatIsTaken) {
   int folded = 0;
   for (const double amount : {0.5, 1.0, 2.0}) {
     PolygonMesh mesh = test::jittered(test::icosphere(2), amount, 1);
-    const FoundCreases found = add_creases_above(mesh, *prepare_mesh(mesh, "ball"), 30);
+    const FoundCreases found = add_features(mesh, prepare_mesh(mesh, "ball"), {.every = 30});
     std::vector<Warning> warnings;
     FitOptions options;
     options.callbacks.warning = [&](const Warning& warning) { warnings.push_back(warning); };

@@ -17,8 +17,8 @@
 #include "make_scenes/scan.h"
 #include "make_scenes/shapes.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/features/find_features.h"
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/detect_creases.h"
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/repair.h"
 #include "planish/mesh/triangle_edges.h"
@@ -127,7 +127,7 @@ Case simplified_part(const std::string& name, bool creases) {
   PolygonMesh mesh = polygons_of(simplified.triangles);
   mesh.positions = made.source.positions;
   made.mesh = without_unused_vertices(mesh).mesh;
-  if (creases) made.mesh = with_detected_creases(made.mesh);
+  if (creases) made.mesh.creases = find_features(made.mesh).sharp_edges();
   return made;
 }
 

@@ -14,7 +14,6 @@
 #include "make_scenes/rocker_arm.h"
 #include "planish/features/find_features.h"
 #include "planish/mesh/area_vector.h"
-#include "planish/mesh/detect_creases.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "quality/part_shapes.h"
@@ -74,14 +73,6 @@ EdgeSet model_edges(const PolygonMesh& mesh, const std::vector<glm::dvec2>& corn
     const bool along =
         glm::length(glm::dvec2(mesh.positions[v]) - glm::dvec2(mesh.positions[w])) < kSamePlace;
     if (is_cap(a) != is_cap(b) || (along && is_corner(v))) edges.insert(std::minmax(v, w));
-  }
-  return edges;
-}
-
-EdgeSet found_edges(const PolygonMesh& mesh) {
-  EdgeSet edges;
-  for (const CreaseEdge& crease : with_detected_creases(mesh).creases) {
-    edges.insert(std::minmax(crease.v0, crease.v1));
   }
   return edges;
 }
@@ -155,11 +146,11 @@ void print_part(const PartCase& part, double tolerance, std::vector<std::string>
   const PolygonMesh whole = part.make();
   const PolygonMesh mesh = tolerance > 0 ? simplified(whole, tolerance) : whole;
   const EdgeSet model = model_edges(mesh, outline_corners(whole));
-  const Match old = match(model, found_edges(mesh)), features = match(model, feature_edges(mesh));
+  const Match features = match(model, feature_edges(mesh));
   const std::string name = case_name(part.name, tolerance > 0, part.is_held_out);
-  std::printf("| %s | %zu | %.3f | %.3f | %.3f | %.3f |\n", name.c_str(), model.size(),
-              old.precision, old.recall, features.precision, features.recall);
-  if (std::min(old.precision, old.recall) < kPartAim)
+  std::printf("| %s | %zu | %.3f | %.3f |\n", name.c_str(), model.size(), features.precision,
+              features.recall);
+  if (std::min(features.precision, features.recall) < kPartAim)
     wrong.push_back(name + ": other edges than the model's");
 }
 
@@ -194,22 +185,21 @@ std::vector<std::string> print_crease_table(
     const std::function<bool(const std::string& name)>& is_wanted) {
   std::vector<std::string> wrong;
   std::printf(
-      "| part | edges of the model | precision | recall | of features | recall |\n"
-      "|---|--:|--:|--:|--:|--:|\n");
+      "| part | edges of the model | precision | recall |\n"
+      "|---|--:|--:|--:|\n");
   for (const double tolerance : {0.0, 2e-3}) {
     for (const PartCase& part : part_cases())
       if (is_wanted(case_name(part.name, tolerance > 0, part.is_held_out)))
         print_part(part, tolerance, wrong);
   }
-  std::printf("\n| organic shape | edges | found | features |\n|---|--:|--:|--:|\n");
+  std::printf("\n| organic shape | edges | found |\n|---|--:|--:|\n");
   for (const OrganicCase& organic : organic_cases()) {
     const std::string name = case_name(organic.name, false, organic.is_held_out);
     if (!is_wanted(name)) continue;
     const PolygonMesh mesh = organic.make();
-    const auto count = static_cast<double>(found_edges(mesh).size());
+    const auto count = static_cast<double>(feature_edges(mesh).size());
     const double edges = MeshTopology(mesh).edge_count();
-    std::printf("| %s | %.0f | %.0f | %zu |\n", name.c_str(), edges, count,
-                feature_edges(mesh).size());
+    std::printf("| %s | %.0f | %.0f |\n", name.c_str(), edges, count);
     if (count > kOrganicAim * edges && edges > kFewEdges)
       wrong.push_back(name + ": creases are found on an organic shape");
   }

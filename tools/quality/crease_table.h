@@ -6,7 +6,7 @@
 
 namespace planish::quality {
 
-/// Prints what detect_creases() finds: of parts as CAD programs tessellate them, and of the same
+/// Prints what find_features() finds: of parts as CAD programs tessellate them, and of the same
 /// decimated, the share of found edges that are the model's (precision) and of the model's that are
 /// found (recall); of organic shapes the share of edges that are found at all. Returns a line for
 /// each part below 0.98 and each organic shape above 0.02; heads and animals of a few hundred

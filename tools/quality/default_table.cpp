@@ -11,7 +11,6 @@
 #include "make_scenes/sample_points.h"
 #include "make_scenes/shapes.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/mesh/detect_creases.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "quality/part_shapes.h"

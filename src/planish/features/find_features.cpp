@@ -36,6 +36,13 @@ class Labeller {
 
   void run() {
     std::vector<char> is_near(map_.regions.size(), 1);
+    if (rules_.every) {
+      measure(is_near);
+      for (std::size_t s = 0; s < labels_.size(); ++s)
+        if (map_.segments[s].regions[1] >= 0 && std::abs(map_.segments[s].turn) > *rules_.every)
+          labels_[s] = 1;
+      return;
+    }
     for (int pass = 0; pass < kPasses; ++pass) {
       measure(is_near);
       if (!cut(is_near)) return;
@@ -144,10 +151,13 @@ void require_rules(const FeatureRules& rules) {
   require("line", rules.line, 0, 100);
   require("parallel", rules.parallel, 0, 1);
   require("straight", rules.straight, 0, 1);
+  require("every", rules.every.value_or(0), 0, 180);
 }
 
-FeatureReason reason_of(const Segment& segment, const SegmentJumps::Jump& jump, bool is_sharp) {
+FeatureReason reason_of(const Segment& segment, const SegmentJumps::Jump& jump, bool is_sharp,
+                        const FeatureRules& rules) {
   if (segment.is_tagged) return FeatureReason::Tagged;
+  if (rules.every) return is_sharp ? FeatureReason::Turn : FeatureReason::Explained;
   const bool jumps = jump.jump >= jump.scale;
   if (is_sharp) return jumps ? FeatureReason::Jump : FeatureReason::Line;
   return jumps ? FeatureReason::Ended : FeatureReason::Explained;
@@ -163,8 +173,10 @@ std::vector<CreaseEdge> Features::sharp_edges() const {
 }
 
 Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
-                       const FeatureRules& rules) {
-  require_rules(rules);
+                       const FeatureRules& given) {
+  require_rules(given);
+  FeatureRules rules = given;
+  if (rules.every) rules.flat = std::min(rules.flat, *rules.every);
   const RegionMap map = make_regions(mesh, topology, rules);
   Labeller labeller(topology, map, rules);
   labeller.run();
@@ -176,7 +188,7 @@ Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
     const SegmentJumps::Jump jump = labeller.jump(s);
     const bool is_sharp = labeller.labels()[s];
     features.edges.push_back({a, b, map.segments[s].turn, jump.jump,
-                              reason_of(map.segments[s], jump, is_sharp), is_sharp});
+                              reason_of(map.segments[s], jump, is_sharp, rules), is_sharp});
   }
   features.corners = find_corners(mesh, topology, map, labeller.labels(), rules);
   for (const CornerVertex& corner : mesh.corners) features.corners.push_back(corner.vertex);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "planish/mesh/mesh_topology.h"
@@ -30,11 +31,14 @@ struct FeatureRules {
   double parallel = 0.94;
   /// Cosine from which on one edge continues another.
   double straight = 0.8;
+  /// Each edge that turns by more is sharp, whatever explains it, and no other.
+  std::optional<double> every;
 };
 
 /// Why an edge is sharp or smooth.
 enum class FeatureReason {
   Tagged,     ///< the mesh says that it is sharp
+  Turn,       ///< sharp: it turns by more than FeatureRules::every
   Jump,       ///< sharp: the surfaces of both sides disagree
   Line,       ///< sharp: continues lines that are
   Explained,  ///< smooth: the surfaces of both sides agree, or nearly

@@ -124,8 +124,7 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
   int finest = 0;
   for (auto part = parts.begin(); const PartLevel& level : details.front()) {
     tell(whole, part->fitted,
-         fold_warning(part->fitted, level.made, level.level, how.chooses_creases,
-                      {.cancelled = whole.cancelled}));
+         fold_warning(part->fitted, level.made, level.level, {.cancelled = whole.cancelled}));
     finest = std::max(finest, level.level);
     ++part;
   }

@@ -217,8 +217,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
     warnings.push_back(*warning);
     callbacks.warn(*warning);
   };
-  tell(fold_warning(result.fitted, made, shares.making.level, how.chooses_creases,
-                    {.cancelled = callbacks.cancelled}));
+  tell(fold_warning(result.fitted, made, shares.making.level, {.cancelled = callbacks.cancelled}));
   result.vertex_count = made.blocks->info().row_count;
   result.face_count = made.blocks->info().face_count;
   result.byte_count =

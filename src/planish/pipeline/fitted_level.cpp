@@ -38,14 +38,13 @@ FittedLevel fitted_level(const FittedMesh& fitted, Backend& backend,
 }
 
 std::optional<Warning> fold_warning(const FittedMesh& fitted, const FittedLevel& made, int level,
-                                    bool chose_creases, const Callbacks& callbacks) {
-  const FoldRemedies remedies{.tried_creases = chose_creases && fitted.reason};
+                                    const Callbacks& callbacks) {
   if (const SurfaceQuality* const known = fitted.chosen_quality())
-    return fold_warning(fitted, *known, remedies);
+    return fold_warning(fitted, *known);
   if (level < 1) return std::nullopt;
   const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
-  return fold_warning(
-      fitted, surface_quality(*made.blocks, fitted.mesh, folds.is_beside, callbacks), remedies);
+  return fold_warning(fitted,
+                      surface_quality(*made.blocks, fitted.mesh, folds.is_beside, callbacks));
 }
 
 GltfOptions gltf_options_of(const FittedMesh& fitted, std::string_view name,

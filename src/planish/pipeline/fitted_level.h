@@ -31,10 +31,9 @@ struct FittedLevel {
                                        const SurfaceFileOptions& options);
 
 /// fold_warning() of a fitted mesh whose surface of a level was made: by what was measured to
-/// choose it, else of this level from 1 on. `chose_creases`: MeshFitOptions::chooses_creases.
+/// choose it, else of this level from 1 on.
 [[nodiscard]] std::optional<Warning> fold_warning(const FittedMesh& fitted, const FittedLevel& made,
-                                                  int level, bool chose_creases,
-                                                  const Callbacks& callbacks);
+                                                  int level, const Callbacks& callbacks);
 
 /// What is said of it in a glTF. `name`: of mesh and node.
 [[nodiscard]] GltfOptions gltf_options_of(const FittedMesh& fitted, std::string_view name,

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "planish/core/host_scope.h"
-#include "planish/features/find_features.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/deep_folds.h"
 #include "planish/surface/block_quality.h"
@@ -116,10 +115,11 @@ FoundCreases found_since(const PolygonMesh& mesh, std::size_t creases, std::size
 
 }  // namespace
 
-FoundCreases add_features(PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared) {
+FoundCreases add_features(PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared,
+                          const FeatureRules& rules) {
   const std::size_t creases = mesh.creases.size(), corners = mesh.corners.size();
   const UsedPart used = used_part(mesh, prepared);
-  const Features features = find_features(used.mesh, *prepared->topology);
+  const Features features = find_features(used.mesh, *prepared->topology, rules);
   const auto is_tagged = [&](std::int32_t vertex) {
     return std::ranges::any_of(mesh.corners.begin(),
                                mesh.corners.begin() + static_cast<std::ptrdiff_t>(corners),
@@ -131,17 +131,6 @@ FoundCreases add_features(PolygonMesh& mesh, const std::shared_ptr<const Prepare
   for (const std::int32_t corner : features.corners)
     if (const std::int32_t vertex = used.vertices[corner]; !is_tagged(vertex))
       mesh.corners.push_back({vertex});
-  return found_since(mesh, creases, corners);
-}
-
-FoundCreases add_creases_above(PolygonMesh& mesh, const PreparedMesh& prepared, double degrees) {
-  const std::size_t creases = mesh.creases.size(), corners = mesh.corners.size();
-  const CreaseDetectionOptions options{.dihedral_degrees = degrees};
-  if (prepared.uses_all()) {
-    detect_creases(mesh, *prepared.topology, options);
-  } else {
-    mesh = with_detected_creases(mesh, options);
-  }
   return found_since(mesh, creases, corners);
 }
 

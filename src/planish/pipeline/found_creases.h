@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planish/backend/backend.h"
-#include "planish/mesh/detect_creases.h"
+#include "planish/features/find_features.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/prepared_mesh.h"
 #include "planish/pipeline/fit.h"
@@ -22,12 +22,8 @@ struct FoundCreases {
 
 /// Tags what find_features() finds. `prepared` is the mesh's, and stays so.
 [[nodiscard]] FoundCreases add_features(PolygonMesh& mesh,
-                                        const std::shared_ptr<const PreparedMesh>& prepared);
-
-/// The same of the edges whose faces turn by more than an angle in degrees, as
-/// with_detected_creases() has them.
-[[nodiscard]] FoundCreases add_creases_above(PolygonMesh& mesh, const PreparedMesh& prepared,
-                                             double degrees);
+                                        const std::shared_ptr<const PreparedMesh>& prepared,
+                                        const FeatureRules& rules = {});
 
 /// Takes back found creases that end at one of these vertices, and found corners there.
 void leave_smooth(PolygonMesh& mesh, const FoundCreases& found,

@@ -154,7 +154,7 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
   if (choice.repairs && choice.method == InterpolationMethod::Fair) make_fair(ready);
   // On the faces that the fair method has cut.
   if (choice.crease_degrees && ready.prepared)
-    ready.found = add_creases_above(ready.mesh, *ready.prepared, *choice.crease_degrees);
+    ready.found = add_features(ready.mesh, ready.prepared, {.every = choice.crease_degrees});
   if (ready.found && !choice.smoothed_vertices.empty())
     leave_smooth(ready.mesh, *ready.found, choice.smoothed_vertices);
   return ready;

@@ -78,10 +78,10 @@ std::string places_text(const FittedMesh& fitted, const std::vector<FoldedPlace>
   return text;
 }
 
-std::string fold_remedy(const FittedMesh& fitted, bool only_the_input_is, bool tried_creases) {
+std::string fold_remedy(const FittedMesh& fitted, bool only_the_input_is) {
   if (fitted.options.method == InterpolationMethod::Fair) {
     if (only_the_input_is) return "the input itself is folded there";
-    return fitted.crease_degrees || tried_creases
+    return fitted.crease_degrees || fitted.finds_features
                ? "found creases do not help there, a finer or more even mesh may"
                : "the input is sharp there, --creases auto may help";
   }
@@ -127,19 +127,18 @@ std::vector<Warning> mesh_warnings(const FittedMesh& fitted, std::string_view na
 }
 
 std::optional<Warning> fold_warning(const FittedMesh& fitted, const SurfaceQuality& quality,
-                                    const FoldRemedies& remedies) {
+                                    bool against_source) {
   if (quality.folded_area <= kFoldedAreaLimit) return std::nullopt;
   const bool some_is_the_inputs = quality.folded_area_elsewhere < quality.folded_area;
   return Warning{
       "folded-area",
       formatted("{} of the surface is folded (turned by more than 90 degrees from {}){}{}; {}",
-                percent(quality.folded_area), remedies.against_source ? "the source" : "its face",
+                percent(quality.folded_area), against_source ? "the source" : "its face",
                 some_is_the_inputs
                     ? ", " + percent(quality.folded_area_elsewhere) + " where the input is not"
                     : "",
                 places_text(fitted, quality.folded_places),
-                fold_remedy(fitted, quality.folded_area_elsewhere <= kFoldedAreaLimit,
-                            remedies.tried_creases)),
+                fold_remedy(fitted, quality.folded_area_elsewhere <= kFoldedAreaLimit)),
       1,
       quality.folded_places.empty()
           ? -1

@@ -25,15 +25,11 @@ namespace planish {
 [[nodiscard]] std::vector<Warning> mesh_warnings(const FittedMesh& fitted, std::string_view name,
                                                  bool of_input);
 
-/// What the fit of a surface was free to do about folds.
-struct FoldRemedies {
-  bool tried_creases = false;   ///< whether found creases were, or are, part of the choice
-  bool against_source = false;  ///< measured against another surface, not against the mesh's faces
-};
-/// "folded-area" of a surface of which more than 1e-4 is folded, with what helps.
+/// "folded-area" of a surface of which more than 1e-4 is folded, with what helps. `against_source`:
+/// it was measured against another surface, not against the mesh's faces.
 [[nodiscard]] std::optional<Warning> fold_warning(const FittedMesh& fitted,
                                                   const SurfaceQuality& quality,
-                                                  const FoldRemedies& remedies);
+                                                  bool against_source = false);
 
 /// "rounded-output" of a file whose numbers keep an error above the tolerance, of the diagonal,
 /// that the fit keeps.

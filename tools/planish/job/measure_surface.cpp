@@ -97,10 +97,8 @@ PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSur
 }
 
 void warn_of_folds(const JobInput& made, JobReport& report, Console& console) {
-  const FoldRemedies remedies{.tried_creases = report.settings.creases.dihedral_degrees ||
-                                               report.settings.creases.finds_features,
-                              .against_source = !report.surface->reference.empty()};
-  if (const auto folds = fold_warning(made.fitted, report.surface->quality, remedies))
+  const bool against_source = !report.surface->reference.empty();
+  if (const auto folds = fold_warning(made.fitted, report.surface->quality, against_source))
     add_warning(report, console, *folds);
 }
 
