@@ -157,7 +157,7 @@ def test_limit_surface(grid):
 
 def test_triangles_as_fine_as_asked_for(cube, grid):
     for mesh in (cube, grid(6)):
-        fit = planish.fit(*mesh)
+        fit = planish.fit(*mesh, creases="use")
         limit = planish.LimitSurface(fit)
         corners = np.asarray(mesh[0], dtype=float)
         diagonal = np.linalg.norm(corners.max(axis=0) - corners.min(axis=0))

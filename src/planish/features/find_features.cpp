@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 
 #include "planish/core/error.h"
 #include "planish/core/formatted.h"
@@ -26,15 +27,17 @@ constexpr char kLookedAround = 2;
 class Labeller {
  public:
   Labeller(const MeshTopology& topology, const RegionMap& map, const FeatureRules& rules)
-      : topology_(topology), map_(map), rules_(rules), jumps_(map, rules) {
+      : topology_(topology), map_(map), rules_(rules) {
     const std::size_t count = map.segments.size();
     labels_.assign(count, 0);
     for (std::size_t s = 0; s < count; ++s) labels_[s] = map.segments[s].is_tagged ? 1 : 0;
     jump_.resize(count);
-    link();
   }
 
   void run() {
+    if (!can_any_be_sharp()) return;
+    jumps_.emplace(map_, rules_);
+    link();
     std::vector<char> is_near(map_.regions.size(), 1);
     if (rules_.every) {
       measure(is_near);
@@ -56,17 +59,33 @@ class Labeller {
   const MeshTopology& topology_;
   const RegionMap& map_;
   const FeatureRules& rules_;
-  SegmentJumps jumps_;
+  std::optional<SegmentJumps> jumps_;
   std::vector<char> labels_;
   std::vector<SegmentJumps::Jump> jump_;
   std::vector<LabelLink> links_;
+
+  // A jump is at most its turn, and its scale at least FeatureRules::jump but between large planes:
+  // where each label alone is cheapest smooth, so are all together, and nothing is to be measured.
+  [[nodiscard]] bool can_any_be_sharp() {
+    const auto is_large = [&](std::int32_t r) { return map_.regions[r].share >= rules_.large; };
+    const double least = rules_.every.value_or(rules_.jump);
+    bool can = false;
+    for (std::size_t s = 0; s < jump_.size(); ++s) {
+      const Segment& line = map_.segments[s];
+      const auto& [a, b] = line.regions;
+      jump_[s] = {b < 0 ? 0 : std::abs(line.turn), rules_.jump};
+      can |= line.is_tagged ||
+             (b >= 0 && (std::abs(line.turn) >= least || (is_large(a) && is_large(b))));
+    }
+    return can;
+  }
 
   // Those with a region on which something has changed.
   void measure(const std::vector<char>& is_near) {
     parallel_each(jump_.size(), 256, [&](std::size_t s) {
       const auto& [a, b] = map_.segments[s].regions;
       if (is_near[a] || (b >= 0 && is_near[b]))
-        jump_[s] = jumps_.jump(static_cast<std::int32_t>(s), labels_);
+        jump_[s] = jumps_->jump(static_cast<std::int32_t>(s), labels_);
     });
   }
 

@@ -49,7 +49,9 @@ enum class FeatureReason {
 struct FeatureEdge {
   std::int32_t v0, v1;
   double turn;  ///< degrees; above 0 at ridges, below at valleys
-  double jump;  ///< degrees: the turn less what the surfaces of both sides explain, 0 or more
+  /// Degrees: the turn less what the surfaces of both sides explain, 0 or more; the turn itself in
+  /// a mesh of which no edge turns enough to be sharp.
+  double jump;
   FeatureReason reason;
   bool is_sharp;
 };

@@ -156,7 +156,7 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
       best.method = InterpolationMethod::Fair;
       best.fair = fair.quality;
       best.fair_mesh = std::move(made.mesh);
-      best.reason = "fair: it is sharp where that was found, and does not fold";
+      best.reason = "fair: it does not fold beside what is sharp";
       give_out(std::move(fair), best, options.callbacks);
       return best;
     }

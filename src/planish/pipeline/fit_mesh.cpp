@@ -35,7 +35,8 @@ constexpr double kWorthRefining = 1;
 constexpr double kRefinedBending = 0.9;
 // Of the time, what comes before vertices are added, and of the rest, the fit through these.
 constexpr double kFittedOnce = 0.5, kRefinedFitted = 0.6;
-constexpr double kOneReady = 0.4, kLookedHalved = 0.5;  // of that, where triangles may be joined
+// Of that, before what is sharp is found, and where triangles may be joined.
+constexpr double kMended = 0.15, kOneReady = 0.4, kLookedHalved = 0.5;
 
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
   return {.repairs = options.repairs,
@@ -196,6 +197,7 @@ ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptio
                          !options.crease_degrees && result.uses_tags && mesh.creases.empty() &&
                          mesh.corners.empty();
   result.finds_features = preparation.finds_features |= is_chosen;
+  preparation.before_features = [&] { options.fit.callbacks.report("check", kMended); };
   const WarningList warnings(result.warnings, options.fit.callbacks);
   try {
     ReadyMesh made = make_ready(std::move(mesh), preparation);
@@ -382,7 +384,7 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
 std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<PolygonMesh> given) {
   MeshFitOptions pairing = ready.options;
   pairing.quads = QuadChoice::On;
-  pairing.fit.callbacks.warning = {};
+  pairing.fit.callbacks = {.cancelled = pairing.fit.callbacks.cancelled};
   const auto is_worth_it = [&](std::int64_t pairs) {
     return static_cast<double>(2 * pairs) > kWorthPairing * ready.fitted.mesh.face_count();
   };

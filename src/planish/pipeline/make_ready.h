@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,8 +27,9 @@ struct Preparation {
   std::optional<double> weld;  ///< see weld_vertices()
   /// Where no creases are to be found; of the mesh that comes out.
   std::span<const std::int32_t> smoothed_vertices;
-  bool pairs_triangles = false;  ///< see with_paired_triangles()
-  bool stands_alone = true;      ///< see MeshFitOptions
+  bool pairs_triangles = false;                   ///< see with_paired_triangles()
+  bool stands_alone = true;                       ///< see MeshFitOptions
+  std::function<void()> before_features = [] {};  ///< called then, for these take a while
 };
 
 /// A mesh to be fitted, with what was found of it. The lists of source vertices and faces are empty

@@ -16,7 +16,8 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   report.method = fitted.options.method;
   report.choice = fitted.reason;
   report.quad_reason = fitted.quad_reason;
-  if (fitted.refine_reason) report.refinement = fitted.refine_reason->text;
+  // Why none were is for who reads the whole report.
+  if (!fitted.added_vertices.empty()) report.refinement = fitted.refine_reason->text;
   CreaseChoice& creases = report.settings.creases;
   creases.chooses = false;
   creases.finds_features = fitted.finds_features;
