@@ -75,6 +75,21 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const Placement& place
   state_ = own_state_;
 }
 
+const CornerUvs& DooSabinSurface::corner_uvs() const {
+  std::call_once(has_corner_uvs_,
+                 [&] { corner_uvs_ = std::make_unique<const CornerUvs>(used_.mesh); });
+  return *corner_uvs_;
+}
+
+const ChartField<glm::dvec2>& DooSabinSurface::uv_field() const {
+  const std::span<const glm::dvec2> values = used_.mesh.uvs;
+  std::call_once(has_uv_field_, [&] {
+    uv_field_ = std::make_unique<const ChartField<glm::dvec2>>(patches_, state_,
+                                                               corner_uvs().indices, values);
+  });
+  return *uv_field_;
+}
+
 void DooSabinSurface::require(LastLevel what, int level, std::uint64_t limit_bytes,
                               bool has_evaluator) const {
   require_level(level);

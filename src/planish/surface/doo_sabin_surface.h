@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "planish/core/raw_vector.h"
@@ -9,6 +10,8 @@
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/prepared_mesh.h"
+#include "planish/patches/chart_field.h"
+#include "planish/patches/patch_attributes.h"
 #include "planish/patches/patch_evaluator.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/surface/evaluate.h"
@@ -62,6 +65,11 @@ class DooSabinSurface {
   [[nodiscard]] std::span<const glm::dvec3> state() const { return state_; }
   /// The same where the surface keeps them itself, to be changed while nobody reads.
   [[nodiscard]] std::span<glm::dvec3> own_state() { return own_state_; }
+  /// The mesh's texture coordinates on the surface, made when first asked for, from any thread; of
+  /// the control points that there were then. The mesh must have them.
+  [[nodiscard]] const ChartField<glm::dvec2>& uv_field() const;
+  /// What each corner has of them.
+  [[nodiscard]] const CornerUvs& corner_uvs() const;
   [[nodiscard]] const Placement& placement() const { return placement_; }
   [[nodiscard]] Weights weights() const { return weights_; }
   /// One flag a face where the mesh has holes, else nothing.
@@ -81,6 +89,9 @@ class DooSabinSurface {
   Placement placement_;
   RawVector<glm::dvec3> own_state_;
   std::span<const glm::dvec3> state_;
+  mutable std::once_flag has_corner_uvs_, has_uv_field_;
+  mutable std::unique_ptr<const CornerUvs> corner_uvs_;
+  mutable std::unique_ptr<const ChartField<glm::dvec2>> uv_field_;
 };
 
 }  // namespace planish
