@@ -20,10 +20,7 @@ std::span<const AdaptivePlace> part_of(const RawVector<AdaptivePlace>& places, R
 
 bool AdaptiveBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
                             std::span<glm::dvec2> values) const {
-  const DooSabinSurface& surface = lies_on_.surface();
-  const ChartField<glm::dvec2> field(surface.patches(), surface.state(),
-                                     surface.corner_uvs().indices, given);
-  field_at(lies_on_, field, part_of(adaptive_.uv_places, uvs),
+  field_at(lies_on_, lies_on_.surface().uv_field_of(given), part_of(adaptive_.uv_places, uvs),
            [&](std::size_t i, const glm::dvec2& uv) { values[i] = uv; });
   // Those of the mesh come first, also where no corner names them.
   const auto own = static_cast<std::int64_t>(given.size());

@@ -24,7 +24,45 @@ glm::dvec3 laid_flat(const glm::dvec3& edge, const glm::dvec3& normal) {
   return length > 0 ? flat * (glm::length(edge) / length) : flat;
 }
 
+// The curve's control point at the vertex towards the other end of a sharp edge.
+std::int32_t curve_point(const PatchMesh& mesh, std::int32_t vertex, std::int32_t edge) {
+  const MeshTopology& topology = mesh.topology();
+  const std::int32_t end = topology.vertex_of(topology.corner_of(edge)) == vertex ? 0 : 1;
+  return mesh.first_sharp() + 2 * mesh.features().sharp_of_edge[edge] + end;
+}
+
+glm::dvec3 limit_of(const PatchMesh& mesh, std::int32_t vertex,
+                    std::span<const glm::dvec3> points) {
+  const MeshTopology& topology = mesh.topology();
+  const auto corners = topology.corners_at(vertex);
+  if (corners.empty()) return glm::dvec3(0.0);
+  const VertexKind kind = mesh.features().vertex_kinds[vertex];
+  if (kind == VertexKind::Corner)
+    return points[mesh.first_corner_vertex() + mesh.features().corner_of_vertex[vertex]];
+  glm::dvec3 sum(0.0);
+  std::int32_t count = 0;
+  const glm::dvec3 origin = points[corners.front()];
+  const auto add = [&](std::int32_t point) { sum += points[point] - origin, ++count; };
+  for (const std::int32_t c : corners) {
+    if (kind != VertexKind::Crease) {
+      add(c);
+      continue;
+    }
+    if (mesh.is_sharp(c)) add(curve_point(mesh, vertex, topology.edge_of(c)));
+    if (topology.ccw(c) < 0) add(curve_point(mesh, vertex, topology.edge_of(topology.prev(c))));
+  }
+  return origin + sum / static_cast<double>(std::max(count, 1));
+}
+
 }  // namespace
+
+RawVector<glm::dvec3> vertex_limits(const PatchMesh& mesh, std::span<const glm::dvec3> points) {
+  RawVector<glm::dvec3> limits(static_cast<std::size_t>(mesh.topology().vertex_count()));
+  parallel_each(limits.size(), kVertexGrain, [&](std::size_t v) {
+    limits[v] = limit_of(mesh, static_cast<std::int32_t>(v), points);
+  });
+  return limits;
+}
 
 // The corners at a vertex and their pieces.
 template <class Vector>
@@ -81,31 +119,7 @@ auto ChartField<Vector>::integral_over(std::int32_t face) const -> Integral {
 
 template <class Vector>
 std::int32_t ChartField<Vector>::curve_at(std::int32_t vertex, std::int32_t edge) const {
-  const std::int32_t end = topology_.vertex_of(topology_.corner_of(edge)) == vertex ? 0 : 1;
-  return mesh_.first_sharp() + 2 * mesh_.features().sharp_of_edge[edge] + end;
-}
-
-template <class Vector>
-glm::dvec3 ChartField<Vector>::limit_of(std::int32_t vertex,
-                                        std::span<const glm::dvec3> points) const {
-  const auto corners = topology_.corners_at(vertex);
-  if (corners.empty()) return glm::dvec3(0.0);
-  const VertexKind kind = mesh_.features().vertex_kinds[vertex];
-  if (kind == VertexKind::Corner)
-    return points[mesh_.first_corner_vertex() + mesh_.features().corner_of_vertex[vertex]];
-  glm::dvec3 sum(0.0);
-  std::int32_t count = 0;
-  const glm::dvec3 origin = points[corners.front()];
-  const auto add = [&](std::int32_t point) { sum += points[point] - origin, ++count; };
-  for (const std::int32_t c : corners) {
-    if (kind != VertexKind::Crease) {
-      add(c);
-      continue;
-    }
-    if (mesh_.is_sharp(c)) add(curve_at(vertex, topology_.edge_of(c)));
-    if (topology_.ccw(c) < 0) add(curve_at(vertex, topology_.edge_of(topology_.prev(c))));
-  }
-  return origin + sum / static_cast<double>(std::max(count, 1));
+  return curve_point(mesh_, vertex, edge);
 }
 
 template <class Vector>
@@ -328,17 +342,19 @@ void ChartField<Vector>::write_own(std::int32_t vertex, std::span<const glm::dve
 template <class Vector>
 ChartField<Vector>::ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
                                std::span<const std::int32_t> indices,
-                               std::span<const Vector> values)
+                               std::span<const Vector> values, std::span<const glm::dvec3> limits)
     : mesh_(mesh), topology_(mesh.topology()), indices_(indices), values_(values) {
   edge_of_sharp_.resize(static_cast<std::size_t>(mesh.features().sharp_edge_count));
   for (std::size_t e = 0; e < mesh.features().sharp_of_edge.size(); ++e)
     if (const std::int32_t sharp = mesh.features().sharp_of_edge[e]; sharp >= 0)
       edge_of_sharp_[sharp] = static_cast<std::int32_t>(e);
   const auto vertices = static_cast<std::size_t>(topology_.vertex_count());
-  limits_.resize(vertices);
-  parallel_each(vertices, kVertexGrain, [&](std::size_t v) {
-    limits_[v] = limit_of(static_cast<std::int32_t>(v), points);
-  });
+  if (limits.empty()) {
+    limits_ = vertex_limits(mesh, points);
+  } else {
+    limits_.resize(vertices);
+    std::ranges::copy(limits, limits_.begin());
+  }
   RawVector<Integral> faces(static_cast<std::size_t>(topology_.face_count()));
   parallel_each(faces.size(), kVertexGrain,
                 [&](std::size_t f) { faces[f] = integral_over(static_cast<std::int32_t>(f)); });

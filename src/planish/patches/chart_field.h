@@ -16,6 +16,11 @@
 
 namespace planish {
 
+/// Where a surface has the vertices of its mesh, by its control points of level 1; of vertices
+/// without faces 0.
+[[nodiscard]] RawVector<glm::dvec3> vertex_limits(const PatchMesh& mesh,
+                                                  std::span<const glm::dvec3> points);
+
 /// What is given at the corners of a mesh, such as texture coordinates, as a field on its surface.
 /// The field has control values where the surface has control points, and its rows are the
 /// surface's, so that it lies on the surface where it lay on the mesh: where it is an affine
@@ -32,9 +37,11 @@ class ChartField {
  public:
   /// `points`: the state of level 1 with the sums of large rings (PatchMesh::point_count()); they
   /// need not outlive the field, all else must. `indices` names one of the values at each corner;
-  /// those behind them are 0.
+  /// those behind them are 0. `limits`: vertex_limits(), where some of the vertices' faces are
+  /// missing here.
   ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
-             std::span<const std::int32_t> indices, std::span<const Vector> values);
+             std::span<const std::int32_t> indices, std::span<const Vector> values,
+             std::span<const glm::dvec3> limits = {});
 
   [[nodiscard]] const PatchMesh& mesh() const { return mesh_; }
   [[nodiscard]] Vector given(std::int32_t corner) const {
@@ -73,7 +80,6 @@ class ChartField {
   }
   [[nodiscard]] bool is_seam(std::int32_t corner, std::int32_t next) const;
   [[nodiscard]] Integral integral_over(std::int32_t face) const;
-  [[nodiscard]] glm::dvec3 limit_of(std::int32_t vertex, std::span<const glm::dvec3> points) const;
   void cut(std::int32_t vertex, Around& around) const;
   void fit(std::int32_t vertex, std::span<const Integral> faces, Around& around) const;
   void find_handles(std::int32_t vertex, std::span<const glm::dvec3> points, Around& around) const;

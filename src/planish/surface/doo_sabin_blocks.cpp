@@ -224,9 +224,7 @@ void DooSabinBlocks::corners_from_device(RowRange faces, std::span<glm::dvec3> p
 
 bool DooSabinBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange range,
                             std::span<glm::dvec2> values) const {
-  write_uvs(
-      ChartField<glm::dvec2>(base_.patches(), base_.state(), base_.corner_uvs().indices, given),
-      given, range, values);
+  write_uvs(base_.uv_field_of(given), given, range, values);
   return true;
 }
 

@@ -81,11 +81,13 @@ const CornerUvs& DooSabinSurface::corner_uvs() const {
   return *corner_uvs_;
 }
 
+ChartField<glm::dvec2> DooSabinSurface::uv_field_of(std::span<const glm::dvec2> values) const {
+  return {patches_, state_, corner_uvs().indices, values, vertex_limits_};
+}
+
 const ChartField<glm::dvec2>& DooSabinSurface::uv_field() const {
-  const std::span<const glm::dvec2> values = used_.mesh.uvs;
   std::call_once(has_uv_field_, [&] {
-    uv_field_ = std::make_unique<const ChartField<glm::dvec2>>(patches_, state_,
-                                                               corner_uvs().indices, values);
+    uv_field_ = std::make_unique<const ChartField<glm::dvec2>>(uv_field_of(used_.mesh.uvs));
   });
   return *uv_field_;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "planish/core/raw_vector.h"
@@ -68,6 +69,11 @@ class DooSabinSurface {
   /// The mesh's texture coordinates on the surface, made when first asked for, from any thread; of
   /// the control points that there were then. The mesh must have them.
   [[nodiscard]] const ChartField<glm::dvec2>& uv_field() const;
+  /// The same of other values, by the indices that the mesh has.
+  [[nodiscard]] ChartField<glm::dvec2> uv_field_of(std::span<const glm::dvec2> values) const;
+  /// Of a part of a larger surface: where that has the vertices (vertex_limits()), as the part does
+  /// not have all faces around its rim's. Before a field is asked for.
+  void take_vertex_limits(RawVector<glm::dvec3> limits) { vertex_limits_ = std::move(limits); }
   /// What each corner has of them.
   [[nodiscard]] const CornerUvs& corner_uvs() const;
   [[nodiscard]] const Placement& placement() const { return placement_; }
@@ -89,6 +95,7 @@ class DooSabinSurface {
   Placement placement_;
   RawVector<glm::dvec3> own_state_;
   std::span<const glm::dvec3> state_;
+  RawVector<glm::dvec3> vertex_limits_;  // of a part
   mutable std::once_flag has_corner_uvs_, has_uv_field_;
   mutable std::unique_ptr<const CornerUvs> corner_uvs_;
   mutable std::unique_ptr<const ChartField<glm::dvec2>> uv_field_;
