@@ -142,6 +142,46 @@ TEST(UvCharts, StraightBordersStayStraight) {
   }
 }
 
+// The least area in the texture of a surface's quads, in shares of their mean.
+double least_share(const SurfaceMesh& surface) {
+  std::vector<double> areas;
+  double sum = 0;
+  for (std::size_t c = 0; c < surface.face_uvs.size(); c += 4) {
+    double area = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const glm::dvec2& p = surface.uvs[surface.face_uvs[c + i]];
+      const glm::dvec2& q = surface.uvs[surface.face_uvs[c + (i + 1) % 4]];
+      area += p.x * q.y - p.y * q.x;
+    }
+    areas.push_back(area);
+    sum += area;
+  }
+  double least = 1;
+  for (const double area : areas)
+    least = std::min(least, area / sum * static_cast<double>(areas.size()));
+  return least;
+}
+
+// Steps of very unlike sizes, one behind the other, along both sides.
+TEST(UvCharts, DoNotFoldWhereStepsAreUneven) {
+  const auto least_of = [](const std::vector<double>& steps, bool turned_over) {
+    PolygonMesh mesh = test::flat_grid(8, 8);
+    for (const glm::dvec3& p : mesh.positions) {
+      const glm::dvec2 uv(steps[static_cast<std::size_t>(p.x)],
+                          steps[static_cast<std::size_t>(p.y)]);
+      mesh.uvs.push_back(turned_over ? glm::dvec2(uv.y, uv.x) : uv);
+    }
+    mesh.face_uvs = mesh.face_vertices;
+    return least_share(cage_surface(mesh, 4));
+  };
+  for (const std::vector<double>& steps :
+       {std::vector<double>{0, 1, 1.01, 2, 2.5, 2.51, 2.52, 7, 7.1},
+        std::vector<double>{0, 1e-6, 1, 1 + 1e-6, 3, 3.001, 3.002, 9, 10}}) {
+    EXPECT_GT(least_of(steps, false), -1e-12);
+    EXPECT_GT(least_of(steps, true), -1e-12);
+  }
+}
+
 // A sphere by longitude and latitude: on a fine mesh the texture is nearly that of the sphere.
 TEST(UvCharts, GoAroundASphere) {
   const int around = 32, across = 16;

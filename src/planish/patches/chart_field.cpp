@@ -16,12 +16,30 @@ namespace {
 constexpr std::size_t kVertexGrain = 1024;
 // 1 + the cosine between two planes, below which nothing is turned further.
 constexpr double kLeastTurn = 0.1;
+// Of a triangle, of the squares of its sides, above which it has two sides.
+constexpr double kLeastArea = 1e-9;
 
 // A direction of the plane, as long as it was.
 glm::dvec3 laid_flat(const glm::dvec3& edge, const glm::dvec3& normal) {
   const glm::dvec3 flat = edge - glm::dot(edge, normal) * normal;
   const double length = glm::length(flat);
   return length > 0 ? flat * (glm::length(edge) / length) : flat;
+}
+
+// How far towards a line a step leads from a triangle's corner at the origin: 1 on the line through
+// its other two corners. 0 where the triangle is as good as a line, and says nothing.
+double reach(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& step) {
+  const auto cross = [](const glm::dvec2& p, const glm::dvec2& q) { return p.x * q.y - p.y * q.x; };
+  const double area = cross(a, b), size = glm::dot(a, a) + glm::dot(b, b);
+  return std::abs(area) > kLeastArea * size ? cross(step, b - a) / area : 0.0;
+}
+
+// The same seen along a normal.
+double reach(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& step,
+             const glm::dvec3& normal) {
+  const double area = glm::dot(glm::cross(a, b), normal), size = glm::dot(a, a) + glm::dot(b, b);
+  return std::abs(area) > kLeastArea * size ? glm::dot(glm::cross(step, b - a), normal) / area
+                                            : 0.0;
 }
 
 // The curve's control point at the vertex towards the other end of a sharp edge.
@@ -77,7 +95,8 @@ struct ChartField<Vector>::Around {
 
   // Scratch.
   std::vector<std::uint8_t> is_seam, is_sharp;
-  std::vector<double> weights;  // of pieces
+  std::vector<double> weights, shares;  // of pieces
+  std::vector<double> face_shares;      // of corners
 
   [[nodiscard]] std::size_t place_of(std::int32_t corner) const {
     return static_cast<std::size_t>(std::ranges::find(corners, corner) - corners.begin());
@@ -115,6 +134,16 @@ auto ChartField<Vector>::integral_over(std::int32_t face) const -> Integral {
     for (int k = 0; k < 3; ++k) made.gradient[static_cast<std::size_t>(k)] += outward[k] * mean;
   }
   return made;
+}
+
+// Of what a face has at its corners, seen from an origin.
+template <class Vector>
+template <class Value, class At>
+Value ChartField<Vector>::face_mean(std::int32_t face, const Value& origin, const At& at) const {
+  const std::int32_t first = topology_.first_corner(face), size = topology_.face_size(face);
+  Value sum(0.0);
+  for (std::int32_t k = first; k < first + size; ++k) sum += at(k) - origin;
+  return sum / static_cast<double>(size);
 }
 
 template <class Vector>
@@ -171,54 +200,49 @@ void ChartField<Vector>::cut(std::int32_t vertex, Around& around) const {
 
 // The gradients of pieces: those of their faces, turned into the plane of the sector.
 template <class Vector>
-void ChartField<Vector>::fit(std::int32_t vertex, std::span<const Integral> faces,
-                             Around& around) const {
-  const auto share_of = [&](std::size_t i) {
-    const std::int32_t c = around.corners[i];
-    const glm::dvec3& at = limits_[vertex];
-    const double product = glm::distance(limits_[topology_.vertex_of(topology_.next(c))], at) *
-                           glm::distance(limits_[topology_.vertex_of(topology_.prev(c))], at);
-    const double area = faces[topology_.face_of(c)].area;
-    // Areas, but of large polygons no more than beside the vertex.
-    return area > 0 && product > 0 ? std::min(1.0, product / area) / (product * product) : 0.0;
-  };
+void ChartField<Vector>::fit(std::span<const Integral> faces, Around& around) const {
+  const std::size_t n = around.corners.size();
+  around.face_shares.resize(n);
   around.normals.assign(static_cast<std::size_t>(around.sector_count), glm::dvec3(0.0));
   around.weights.assign(around.pieces.size(), 0.0);
-  for (std::size_t i = 0; i < around.corners.size(); ++i) {
-    const Integral& face = faces[topology_.face_of(around.corners[i])];
-    around.normals[around.sector[i]] += share_of(i) * face.area * face.normal;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t c = around.corners[i];
+    const Integral& face = faces[topology_.face_of(c)];
+    const glm::dvec3& at = around.pieces.front().at;
+    const glm::dvec3 next = limits_[topology_.vertex_of(topology_.next(c))] - at;
+    const glm::dvec3 prev = limits_[topology_.vertex_of(topology_.prev(c))] - at;
+    const double square = glm::dot(next, next) * glm::dot(prev, prev);
+    // Areas, but of large polygons no more than beside the vertex.
+    const double share =
+        face.area > 0 && square > 0 ? std::min(1.0, std::sqrt(square) / face.area) / square : 0.0;
+    around.face_shares[i] = share;
+    around.weights[around.piece[i]] += share * face.area;
+    around.normals[around.sector[i]] += share * face.area * face.normal;
   }
   for (glm::dvec3& normal : around.normals) {
     const double length = glm::length(normal);
     if (length > 0) normal /= length;
   }
-  for (std::size_t i = 0; i < around.corners.size(); ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
     const Integral& face = faces[topology_.face_of(around.corners[i])];
     const glm::dvec3& normal = around.normals[around.sector[i]];
-    Piece& piece = around.pieces[around.piece[i]];
-    const double share = share_of(i);
-    around.weights[around.piece[i]] += share * face.area;
+    const double weight = around.weights[around.piece[i]];
+    const double share = weight > 0 ? around.face_shares[i] / weight : 0.0;
     const Vector turn =
         times(face.gradient, normal) / std::max(1 + glm::dot(face.normal, normal), kLeastTurn);
+    Gradient& gradient = around.pieces[around.piece[i]].gradient;
     for (int k = 0; k < 3; ++k)
-      piece.gradient[static_cast<std::size_t>(k)] +=
+      gradient[static_cast<std::size_t>(k)] +=
           share * (face.gradient[static_cast<std::size_t>(k)] - (face.normal + normal)[k] * turn);
   }
-  std::vector<std::int32_t> count(around.pieces.size(), 0);
-  for (std::size_t p = 0; p < around.pieces.size(); ++p) {
-    Piece& piece = around.pieces[p];
-    for (Vector& of_axis : piece.gradient)
-      if (around.weights[p] > 0) of_axis /= around.weights[p];
-    ++count[piece.fan];
-    for (std::size_t k = 0; k < 3; ++k) around.pieces[piece.fan].of_fan[k] += piece.gradient[k];
+  // The mean of those of a fan, whose pieces follow each other.
+  for (std::size_t first = 0, end = 0; first < around.pieces.size(); first = end) {
+    Gradient sum{};
+    for (; end < around.pieces.size() && around.pieces[end].fan == around.pieces[first].fan; ++end)
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += around.pieces[end].gradient[k];
+    for (Vector& of_axis : sum) of_axis /= static_cast<double>(end - first);
+    for (std::size_t p = first; p < end; ++p) around.pieces[p].of_fan = sum;
   }
-  for (std::size_t p = 0; p < around.pieces.size(); ++p) {
-    Piece& piece = around.pieces[p];
-    const auto fan = static_cast<std::size_t>(piece.fan);
-    if (fan != p) continue;
-    for (Vector& of_axis : piece.of_fan) of_axis /= static_cast<double>(count[fan]);
-  }
-  for (Piece& piece : around.pieces) piece.of_fan = around.pieces[piece.fan].of_fan;
 }
 
 // Of crease vertices: what a chart has at the curve points, by its values along the curve.
@@ -282,6 +306,42 @@ void ChartField<Vector>::find_handles(std::int32_t vertex, std::span<const glm::
   for (Piece& piece : around.pieces) {
     piece.curve0 = arms[0].curve;
     piece.handle = sums[piece.fan] / static_cast<double>(std::max(count[piece.fan], 1));
+  }
+}
+
+// Each control value reaches no further than the line from the middle of its face to that of an
+// edge, as it does by far on regular meshes; one share for all that a chart has here, so that it
+// stays one map.
+template <class Vector>
+void ChartField<Vector>::shrink(std::span<const glm::dvec3> points, std::span<const Integral> faces,
+                                Around& around) const {
+  around.shares.assign(around.pieces.size(), 1.0);
+  bool shrinks = false;
+  for (std::size_t i = 0; i < around.corners.size(); ++i) {
+    const std::int32_t c = around.corners[i], face = topology_.face_of(c);
+    const Piece& piece = around.pieces[around.piece[i]];
+    const glm::dvec3 step = points[c] - piece.at;
+    const Vector change = times(piece.gradient, step);
+    const Vector middle =
+        face_mean<Vector>(face, piece.value, [&](std::int32_t k) { return given(k); });
+    for (const std::int32_t other : {topology_.next(c), topology_.prev(c)}) {
+      const double reached = reach(0.5 * (given(other) - piece.value), middle, change);
+      if (reached <= 1) continue;
+      const auto limit_at = [&](std::int32_t k) { return limits_[topology_.vertex_of(k)]; };
+      const double of_point =
+          reach(0.5 * (limit_at(other) - piece.at), face_mean<glm::dvec3>(face, piece.at, limit_at),
+                step, faces[face].normal);
+      double& share = around.shares[piece.fan];
+      share = std::min(share, std::max(1.0, of_point) / reached);
+      shrinks = true;
+    }
+  }
+  if (!shrinks) return;
+  for (Piece& piece : around.pieces) {
+    const double share = around.shares[piece.fan];
+    for (Vector& of_axis : piece.gradient) of_axis *= share;
+    for (Vector& of_axis : piece.of_fan) of_axis *= share;
+    piece.handle *= share;
   }
 }
 
@@ -359,24 +419,28 @@ ChartField<Vector>::ChartField(const PatchMesh& mesh, std::span<const glm::dvec3
   parallel_each(faces.size(), kVertexGrain,
                 [&](std::size_t f) { faces[f] = integral_over(static_cast<std::int32_t>(f)); });
   own_.resize(static_cast<std::size_t>(mesh.point_count()));
-  const auto around_all = [&](const auto& visit) {
+  RawVector<std::int32_t> first_piece(vertices + 1);
+  std::ranges::fill(first_piece, 0);
+  // Their pieces are made again, where there are any to be kept.
+  const auto around_all = [&](const auto& is_wanted, const auto& visit) {
     parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end) {
       Around around;
       for (auto v = static_cast<std::int32_t>(begin); v < static_cast<std::int32_t>(end); ++v) {
-        if (topology_.corners_at(v).empty()) continue;
+        if (topology_.corners_at(v).empty() || !is_wanted(v)) continue;
         cut(v, around);
+        fit(faces, around);
+        if (mesh_.features().vertex_kinds[v] == VertexKind::Crease) find_handles(v, points, around);
+        shrink(points, faces, around);
         visit(v, around);
       }
     });
   };
-  RawVector<std::int32_t> first_piece(vertices + 1);
-  std::ranges::fill(first_piece, 0);
-  around_all([&](std::int32_t v, Around& around) {
-    fit(v, faces, around);
-    if (mesh_.features().vertex_kinds[v] == VertexKind::Crease) find_handles(v, points, around);
-    write_own(v, points, around);
-    if (around.fan_count > 1) first_piece[v + 1] = static_cast<std::int32_t>(around.pieces.size());
-  });
+  around_all([](std::int32_t) { return true; },
+             [&](std::int32_t v, const Around& around) {
+               write_own(v, points, around);
+               if (around.fan_count > 1)
+                 first_piece[v + 1] = static_cast<std::int32_t>(around.pieces.size());
+             });
   for (std::size_t v = 0; v < vertices; ++v) first_piece[v + 1] += first_piece[v];
   if (first_piece[vertices] > 0) {
     pieces_.resize(static_cast<std::size_t>(first_piece[vertices]));
@@ -384,18 +448,16 @@ ChartField<Vector>::ChartField(const PatchMesh& mesh, std::span<const glm::dvec3
     std::ranges::fill(piece_of_corner_, -1);
     points_.resize(points.size());
     std::ranges::copy(points, points_.begin());
-    around_all([&](std::int32_t v, Around& around) {
-      if (first_piece[v + 1] == first_piece[v]) return;
-      fit(v, faces, around);
-      if (mesh_.features().vertex_kinds[v] == VertexKind::Crease) find_handles(v, points, around);
-      for (std::size_t p = 0; p < around.pieces.size(); ++p) {
-        Piece& piece = pieces_[first_piece[v] + static_cast<std::int32_t>(p)];
-        piece = around.pieces[p];
-        piece.fan += first_piece[v];
-      }
-      for (std::size_t i = 0; i < around.corners.size(); ++i)
-        piece_of_corner_[around.corners[i]] = first_piece[v] + around.piece[i];
-    });
+    around_all([&](std::int32_t v) { return first_piece[v + 1] > first_piece[v]; },
+               [&](std::int32_t v, const Around& around) {
+                 for (std::size_t p = 0; p < around.pieces.size(); ++p) {
+                   Piece& piece = pieces_[first_piece[v] + static_cast<std::int32_t>(p)];
+                   piece = around.pieces[p];
+                   piece.fan += first_piece[v];
+                 }
+                 for (std::size_t i = 0; i < around.corners.size(); ++i)
+                   piece_of_corner_[around.corners[i]] = first_piece[v] + around.piece[i];
+               });
   } else {
     limits_ = {};
   }

@@ -31,7 +31,11 @@ namespace planish {
 /// those of an affine map of the control points around a vertex, one for all faces of a chart that
 /// lie between sharp edges there; past the chart's border its map goes on, so that on both sides of
 /// a seam the border is the same curve on the surface. Curve points go by the chart's values along
-/// the curve: a straight border stays straight. Affine in the values for given control points.
+/// the curve: a straight border stays straight.
+///
+/// The field must not fold where the values at the corners do not: the map of a chart around a
+/// vertex is shrunk towards the vertex's value until each control value lies in its own quarter of
+/// the face, or no further past it than its control point. Affine functions are never shrunk.
 template <class Vector>
 class ChartField {
  public:
@@ -81,8 +85,12 @@ class ChartField {
   [[nodiscard]] bool is_seam(std::int32_t corner, std::int32_t next) const;
   [[nodiscard]] Integral integral_over(std::int32_t face) const;
   void cut(std::int32_t vertex, Around& around) const;
-  void fit(std::int32_t vertex, std::span<const Integral> faces, Around& around) const;
+  void fit(std::span<const Integral> faces, Around& around) const;
+  template <class Value, class At>
+  [[nodiscard]] Value face_mean(std::int32_t face, const Value& origin, const At& at) const;
   void find_handles(std::int32_t vertex, std::span<const glm::dvec3> points, Around& around) const;
+  void shrink(std::span<const glm::dvec3> points, std::span<const Integral> faces,
+              Around& around) const;
   void write_own(std::int32_t vertex, std::span<const glm::dvec3> points, const Around& around);
   [[nodiscard]] std::int32_t curve_at(std::int32_t vertex, std::int32_t edge) const;
   template <class FanOf>
