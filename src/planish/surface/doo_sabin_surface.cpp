@@ -1,5 +1,7 @@
 #include "planish/surface/doo_sabin_surface.h"
 
+#include <oneapi/tbb/task_arena.h>
+
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/hole_flags.h"
@@ -86,9 +88,13 @@ ChartField<glm::dvec2> DooSabinSurface::uv_field_of(std::span<const glm::dvec2> 
 }
 
 const ChartField<glm::dvec2>& DooSabinSurface::uv_field() const {
-  std::call_once(has_uv_field_, [&] {
-    uv_field_ = std::make_unique<const ChartField<glm::dvec2>>(uv_field_of(used_.mesh.uvs));
-  });
+  const std::lock_guard lock(uv_mutex_);
+  // A thread that waits in here must not begin other work, which may ask for the field.
+  if (!uv_field_) {
+    oneapi::tbb::this_task_arena::isolate([&] {
+      uv_field_ = std::make_unique<const ChartField<glm::dvec2>>(uv_field_of(used_.mesh.uvs));
+    });
+  }
   return *uv_field_;
 }
 

@@ -65,9 +65,12 @@ class DooSabinSurface {
   /// The control points of level 1, and behind them the sums of large rings.
   [[nodiscard]] std::span<const glm::dvec3> state() const { return state_; }
   /// The same where the surface keeps them itself, to be changed while nobody reads.
-  [[nodiscard]] std::span<glm::dvec3> own_state() { return own_state_; }
-  /// The mesh's texture coordinates on the surface, made when first asked for, from any thread; of
-  /// the control points that there were then. The mesh must have them.
+  [[nodiscard]] std::span<glm::dvec3> own_state() {
+    uv_field_.reset();
+    return own_state_;
+  }
+  /// The mesh's texture coordinates on the surface, made when first asked for, from any thread,
+  /// also after own_state() was. The mesh must have them.
   [[nodiscard]] const ChartField<glm::dvec2>& uv_field() const;
   /// The same of other values, by the indices that the mesh has.
   [[nodiscard]] ChartField<glm::dvec2> uv_field_of(std::span<const glm::dvec2> values) const;
@@ -96,7 +99,8 @@ class DooSabinSurface {
   RawVector<glm::dvec3> own_state_;
   std::span<const glm::dvec3> state_;
   RawVector<glm::dvec3> vertex_limits_;  // of a part
-  mutable std::once_flag has_corner_uvs_, has_uv_field_;
+  mutable std::once_flag has_corner_uvs_;
+  mutable std::mutex uv_mutex_;
   mutable std::unique_ptr<const CornerUvs> corner_uvs_;
   mutable std::unique_ptr<const ChartField<glm::dvec2>> uv_field_;
 };
