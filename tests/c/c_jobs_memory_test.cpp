@@ -41,6 +41,7 @@ class CJobsMemory : public testing::Test {
   CJobsMemory() {
     planish_fit_options_init(&options_, sizeof options_);
     options_.thread_count = 1;
+    options_.creases = "use";
   }
 
   [[nodiscard]] std::filesystem::path given(const char* name, const PolygonMesh& mesh) const {

@@ -61,8 +61,8 @@ TEST_F(Attributes, PropertiesOfTheInputAreCarried) {
       "0 0 0 1 9\n1 0 0 2 9\n1 1 0 3 9\n0 1 0 4 9\n0 0 1 5 9\n1 0 1 6 9\n1 1 1 7 9\n0 1 1 8 9\n"
       "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
   plate_ = write("cube.ply", ply);
-  const ProcessResult run =
-      fit({"-o", path("p.glb"), "-o", path("p.ply"), "--attributes", "error", "--levels", "1"});
+  const ProcessResult run = fit({"-o", path("p.glb"), "-o", path("p.ply"), "--attributes", "error",
+                                 "--levels", "1", "--creases", "use"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("properties of the vertices are left out: Error; fields"));
   const std::vector<float> values = scalars(read("p.glb"), "_QUALITY");

@@ -8,7 +8,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST_F(Fair, AutoTakesWhatFoldsLessAndSaysWhy) {
-  const nlohmann::json taken = fit(sphere_, {"-o", path("a.ply"), "--refine", "off"});
+  const nlohmann::json taken =
+      fit(sphere_, {"-o", path("a.ply"), "--refine", "off", "--creases", "use"});
   EXPECT_EQ(taken["solve"]["method"], "fair");
   EXPECT_THAT(messages_, HasSubstr("surface     fair: progressive folds"));
   const nlohmann::json& choice = taken["solve"]["choice"];
@@ -36,9 +37,9 @@ TEST_F(Fair, AutoTakesCreasesThatAreClear) {
   const std::string bracket = std::string(PLANISH_SCENES) + "/l_bracket.obj";
   const nlohmann::json taken = fit(bracket, {"-o", path("a.ply")});
   EXPECT_THAT(messages_, HasSubstr("18 edges kept sharp"));
-  EXPECT_EQ(taken["solve"]["creases"], "auto:30");
-  EXPECT_EQ(taken["solve"]["choice"]["fair"], nullptr);
-  EXPECT_LT(taken["solve"]["choice"]["creased"]["rms_normal_deviation"], 1e-4);
+  EXPECT_EQ(taken["solve"]["creases"], "auto");
+  EXPECT_EQ(taken["solve"]["choice"]["progressive"], nullptr) << "a fit that nobody needs";
+  EXPECT_LT(taken["solve"]["choice"]["fair"]["rms_normal_deviation"], 1e-4);
   const nlohmann::json asked =
       fit(bracket, {"-o", path("f.ply"), "--interpolation", "fair", "--creases", "auto"});
   EXPECT_EQ(taken["outputs"][0]["sha256"], asked["outputs"][0]["sha256"]);

@@ -80,7 +80,7 @@ TEST_F(ManyFiles, TheTableTellsTheBadOnes) {
       result.err,
       AllOf(testing::ContainsRegex("name +vertices +method +creases +joined +normals +folded "
                                    "+warnings +time\n"),
-            testing::ContainsRegex("\na_name_that_is_longer\\.\\.\\. +9 +[a-z]+ +0 +0 +[0-9.]+ "
+            testing::ContainsRegex("\na_name_that_is_longer\\.\\.\\. +9 +[a-z]+ +12 +0 +[0-9.]+ "
                                    "+[0-9.]+ % +1 +[0-9.]+ m?s\n"),
             testing::ContainsRegex("\nbad +- +failed +- "),
             testing::ContainsRegex("\npart +8 +[a-z]+ +2 +0 +[0-9.]+ +[0-9.]+ % +0 ")));

@@ -88,7 +88,7 @@ TEST(Settings, TextsReadBack) {
   }
   FitSettings settings;
   read_option(fit_option("creases"), settings, "auto", "");
-  EXPECT_EQ(option_text(settings, "creases"), "auto:30");
+  EXPECT_EQ(option_text(settings, "creases"), "auto");
   EXPECT_EQ(option_text({}, "weld"), "");
 }
 

@@ -97,10 +97,15 @@ TEST_F(CallbacksOf, PreparesBothMeshes) {
   };
   const ReadyFit ready = prepare_fit(test::cut_quads(bumpy(30)), "mesh", how);
   EXPECT_NE(ready.paired, nullptr);
-  EXPECT_EQ(told, (std::vector<double>{0, 0.4, 0.5, 1}));
+  EXPECT_TRUE(std::ranges::is_sorted(told));
+  EXPECT_EQ(told.front(), 0);
+  EXPECT_EQ(told.back(), 1);
+  for (const double part : {0.4, 0.5}) EXPECT_EQ(std::ranges::count(told, part), 1) << part;
   told.clear();
   (void)prepare_fit(bumpy(30), "mesh", how);
-  EXPECT_EQ(told, (std::vector<double>{0, 1}));
+  EXPECT_TRUE(std::ranges::is_sorted(told));
+  EXPECT_EQ(std::ranges::count(told, 0.5), 0);
+  EXPECT_EQ(told.back(), 1);
 }
 
 // Both methods, with all that they look at.

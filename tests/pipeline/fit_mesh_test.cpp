@@ -286,8 +286,7 @@ TEST(FitMesh, KeepsTheCornersOfAnOutline) {
     FittedMesh kept = fit_mesh(sheet, "sheet", *make_cpu_backend());
     EXPECT_EQ(kept.mesh.corners.size(), 4u);
     EXPECT_EQ(kept.creases(), "auto");
-    EXPECT_NE(kept.reason->text.find("corners of its outline and tips are kept"),
-              std::string::npos)
+    EXPECT_NE(kept.reason->text.find("corners of its outline and tips are kept"), std::string::npos)
         << kept.reason->text;
     EXPECT_EQ(kept.options.method,
               is_wavy ? InterpolationMethod::Fair : InterpolationMethod::Progressive);

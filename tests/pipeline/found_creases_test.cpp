@@ -113,7 +113,7 @@ TEST(FoundCreases, LeaveGivenTagsAlone) {
 TEST(FoundCreases, GiveTheWarningsOfTheFitThatIsTaken) {
   const auto backend = make_cpu_backend({Precision::Double});
   int folded = 0;
-  for (const double amount : {0.5, 1.0, 2.0}) {
+  for (const double amount : {0.5, 1.0, 2.0, 4.0, 8.0}) {
     PolygonMesh mesh = test::jittered(test::icosphere(2), amount, 1);
     const FoundCreases found = add_features(mesh, prepare_mesh(mesh, "ball"), {.every = 30});
     std::vector<Warning> warnings;

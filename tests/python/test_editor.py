@@ -140,7 +140,7 @@ def test_creases_are_set_and_taken_away(torus, method):
 
 
 def test_creases_are_refused_and_cancelled(cube):
-    edit = planish.fit(*cube).edit(level=1)
+    edit = planish.fit(*cube, creases="use").edit(level=1)
     rows = edit.positions
     for call, words in [
         (lambda: edit.set_sharp([[0, 99]]), "vertex 99"),

@@ -177,7 +177,7 @@ def test_triangles_as_fine_as_asked_for(cube, grid):
     _, uses = np.unique(edges, axis=0, return_counts=True)
     assert uses.max() == 2
     tips = planish.fit([[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]],
-                       [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+                       [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], creases="use")
     with pytest.warns(UserWarning, match="an angle of 0.7 degrees is not kept beneath"):
         tips.tessellate(angle=0.7)
     with pytest.raises(planish.InvalidArgument, match="neither a chord error nor an angle"):

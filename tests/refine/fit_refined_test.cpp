@@ -95,13 +95,15 @@ TEST(FitRefined, IsTakenBeforeQuadsThatBendMore) {
   int both = 0, taken = 0;
   for (int seed = 1; seed <= 40; ++seed) {
     const PolygonMesh mesh = test::delaunay_sphere(24, static_cast<unsigned>(seed));
-    const FittedMesh made = fitted(mesh, RefineChoice::Auto);
+    MeshFitOptions round;
+    round.chooses_creases = false;
+    const FittedMesh made = fitted(mesh, RefineChoice::Auto, round);
     if (!made.quad_reason) continue;
     SCOPED_TRACE(seed);
     ++both;
     if (made.added_vertices.empty()) continue;
     ++taken;
-    const FittedMesh plain = fitted(mesh, RefineChoice::Off);
+    const FittedMesh plain = fitted(mesh, RefineChoice::Off, round);
     EXPECT_EQ(made.paired_count, 0);
     EXPECT_FALSE(made.quad_reason->are_better);
     EXPECT_LT(normals_off(made, 1), normals_off(plain, 2));

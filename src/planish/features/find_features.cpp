@@ -13,10 +13,13 @@
 #include "planish/features/jumps.h"
 #include "planish/features/line_cut.h"
 #include "planish/features/regions.h"
+#include "planish/mesh/check.h"
 
 namespace planish {
 namespace {
 
+// Of the time, what comes first.
+constexpr double kRegions = 0.3, kAcross = 0.5, kMeasured = 0.7, kLabels = 0.9;
 // Sharp edges explain nothing, so that others become sharp: so often at most.
 constexpr int kPasses = 8;
 // Vertices with more lines have none that goes on.
@@ -34,9 +37,11 @@ class Labeller {
     jump_.resize(count);
   }
 
-  void run() {
+  template <class Tell>
+  void run(const Tell& tell) {
     if (!can_any_be_sharp()) return;
     jumps_.emplace(map_, rules_);
+    tell(kAcross);
     link();
     std::vector<char> is_near(map_.regions.size(), 1);
     if (rules_.every) {
@@ -48,6 +53,7 @@ class Labeller {
     }
     for (int pass = 0; pass < kPasses; ++pass) {
       measure(is_near);
+      if (pass == 0) tell(kMeasured);
       if (!cut(is_near)) return;
     }
   }
@@ -192,13 +198,18 @@ std::vector<CreaseEdge> Features::sharp_edges() const {
 }
 
 Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
-                       const FeatureRules& given) {
+                       const FeatureRules& given, const std::function<void(double)>& done) {
   require_rules(given);
+  const auto tell = [&](double part) {
+    if (done) done(part);
+  };
   FeatureRules rules = given;
   if (rules.every) rules.flat = std::min(rules.flat, *rules.every);
   const RegionMap map = make_regions(mesh, topology, rules);
+  tell(kRegions);
   Labeller labeller(topology, map, rules);
-  labeller.run();
+  labeller.run(tell);
+  tell(kLabels);
   Features features;
   for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
     const std::int32_t s = map.segment_of_edge[e];
@@ -218,6 +229,7 @@ Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
 }
 
 Features find_features(const PolygonMesh& mesh, const FeatureRules& rules) {
+  require_usable(mesh, "mesh");
   return find_features(mesh, MeshTopology(mesh), rules);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -70,7 +71,9 @@ struct Features {
 /// meet as a manifold, Error{InvalidArgument} for rules that are out of range.
 [[nodiscard]] Features find_features(const PolygonMesh& mesh, const FeatureRules& rules = {});
 /// The same where the connectivity is at hand.
+/// `done` is told parts of 1 on the way, from the caller's thread.
 [[nodiscard]] Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
-                                     const FeatureRules& rules = {});
+                                     const FeatureRules& rules = {},
+                                     const std::function<void(double)>& done = {});
 
 }  // namespace planish

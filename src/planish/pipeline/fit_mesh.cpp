@@ -197,7 +197,9 @@ ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptio
                          !options.crease_degrees && result.uses_tags && mesh.creases.empty() &&
                          mesh.corners.empty();
   result.finds_features = preparation.finds_features |= is_chosen;
-  preparation.before_features = [&] { options.fit.callbacks.report("check", kMended); };
+  preparation.features_done = [&](double part) {
+    options.fit.callbacks.report("check", std::lerp(kMended, kOneReady, part));
+  };
   const WarningList warnings(result.warnings, options.fit.callbacks);
   try {
     ReadyMesh made = make_ready(std::move(mesh), preparation);

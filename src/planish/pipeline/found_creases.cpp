@@ -116,10 +116,10 @@ FoundCreases found_since(const PolygonMesh& mesh, std::size_t creases, std::size
 }  // namespace
 
 FoundCreases add_features(PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared,
-                          const FeatureRules& rules) {
+                          const FeatureRules& rules, const std::function<void(double)>& done) {
   const std::size_t creases = mesh.creases.size(), corners = mesh.corners.size();
   const UsedPart used = used_part(mesh, prepared);
-  const Features features = find_features(used.mesh, *prepared->topology, rules);
+  const Features features = find_features(used.mesh, *prepared->topology, rules, done);
   const auto is_tagged = [&](std::int32_t vertex) {
     return std::ranges::any_of(mesh.corners.begin(),
                                mesh.corners.begin() + static_cast<std::ptrdiff_t>(corners),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,7 +24,8 @@ struct FoundCreases {
 /// Tags what find_features() finds. `prepared` is the mesh's, and stays so.
 [[nodiscard]] FoundCreases add_features(PolygonMesh& mesh,
                                         const std::shared_ptr<const PreparedMesh>& prepared,
-                                        const FeatureRules& rules = {});
+                                        const FeatureRules& rules = {},
+                                        const std::function<void(double)>& done = {});
 
 /// Takes back found creases that end at one of these vertices, and found corners there.
 void leave_smooth(PolygonMesh& mesh, const FoundCreases& found,

@@ -148,10 +148,8 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
   name_sources(ready, std::move(welded_sources));
   if (shortened) ready.changes.insert(ready.changes.begin(), *shortened);
   if (choice.repairs) take_out_flat_triangles(ready, choice.stands_alone);
-  if (choice.finds_features && ready.prepared) {
-    choice.before_features();
-    ready.found = add_features(ready.mesh, ready.prepared);
-  }
+  if (choice.finds_features && ready.prepared)
+    ready.found = add_features(ready.mesh, ready.prepared, {}, choice.features_done);
   if (choice.pairs_triangles && ready.prepared) pair_up(ready, choice.crease_degrees);
   if (choice.repairs && choice.method == InterpolationMethod::Fair) make_fair(ready);
   // On the faces that the fair method has cut.

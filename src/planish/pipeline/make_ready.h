@@ -27,9 +27,9 @@ struct Preparation {
   std::optional<double> weld;  ///< see weld_vertices()
   /// Where no creases are to be found; of the mesh that comes out.
   std::span<const std::int32_t> smoothed_vertices;
-  bool pairs_triangles = false;                   ///< see with_paired_triangles()
-  bool stands_alone = true;                       ///< see MeshFitOptions
-  std::function<void()> before_features = [] {};  ///< called then, for these take a while
+  bool pairs_triangles = false;                    ///< see with_paired_triangles()
+  bool stands_alone = true;                        ///< see MeshFitOptions
+  std::function<void(double)> features_done = {};  ///< told parts of 1, for these take a while
 };
 
 /// A mesh to be fitted, with what was found of it. The lists of source vertices and faces are empty

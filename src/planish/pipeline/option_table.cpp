@@ -55,8 +55,8 @@ FitOption creases_option() {
            .choices = "choose|use|ignore|normals|auto[:DEGREES]",
            .initial = "choose",
            .example = "auto:40",
-           .help = "sharp edges: tagged ones, else those where two surfaces meet; tagged ones; "
-                   "none; and split normals, where surfaces meet, or turns above an angle, too",
+           .help = "sharp edges: tagged or found ones, tagged, none; split normals, found ones or "
+                   "turns above too",
            .pattern = kCreasesPattern,
            .ranks = {"choose|use|ignore",
                      "edges are not looked for over ranks; tag them in the file, and take use"}},
