@@ -28,7 +28,9 @@ using testing::Not;
 class StepCommand : public FolderTest {
  protected:
   ProcessResult fit(const std::string& input, std::vector<std::string> flags) {
-    flags.insert(flags.begin(), {"fit", input, "--device", "cpu", "-f", "--creases", "use"});
+    flags.insert(flags.begin(), {"fit", input, "--device", "cpu", "-f"});
+    if (std::ranges::find(flags, "--creases") == flags.end())
+      flags.insert(flags.end(), {"--creases", "use"});
     return run_planish(flags);
   }
   // Its entry of the report, which is valid.

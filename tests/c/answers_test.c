@@ -22,6 +22,7 @@ static void test_errors(void) {
   positions[23] = 3;
   given.positions = positions;
   planish_fit_options_init(&options, sizeof options);
+  options.creases = "use";
   planish_fit_info_init(&info, sizeof info);
   planish_surface_arrays_init(&arrays, sizeof arrays);
   planish_verification_init(&found, sizeof found);

@@ -138,6 +138,7 @@ static void test_queries(void) {
   planish_surface_arrays_init(&fine_arrays, sizeof fine_arrays);
   options.tolerance = 1e-10;
   options.thread_count = 1;
+  options.creases = "use";
   EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
   EXPECT(planish_fit_tessellate(fit, 1e-2, 0, &coarse) == PLANISH_OK);
   EXPECT(planish_fit_tessellate(fit, 1e-3, 20, &fine) == PLANISH_OK);
@@ -522,8 +523,8 @@ static void test_levels_of_detail(const char* input) {
   options.coarser_levels = coarser;
   EXPECT(planish_fit_file("whole.glb", "lods.glb", 1, &options, NULL) == PLANISH_OK);
   EXPECT(file_has("lods.glb", "MSFT_lod"));
-  EXPECT_REFUSED(planish_fit_file(input, "no.glb", 1, &options, NULL),
-                 PLANISH_INVALID_ARGUMENT, "take a file for each level");
+  EXPECT_REFUSED(planish_fit_file(input, "no.glb", 1, &options, NULL), PLANISH_INVALID_ARGUMENT,
+                 "take a file for each level");
 }
 
 static void test_wrong_meshes(void) {

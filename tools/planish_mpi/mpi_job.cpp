@@ -59,6 +59,7 @@ void take_settings(MpiJob& job) {
   options.within = settings.within.of_diagonal.value_or(0.0);
   options.max_iterations = settings.max_iterations;
   job.settings.quads = QuadChoice::Off;
+  job.settings.refine = RefineChoice::Off;
   options.creases = creases_text(settings.creases.use_tags, false, {});
   TilesOptions& tiles = options.tiles_options;
   tiles.tile_vertices = settings.tile_vertices;

@@ -1,7 +1,5 @@
 #include "planish/distributed/block_surface.h"
 
-#include <utility>
-
 #include "planish/distributed/part_fair.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/prepared_mesh.h"
@@ -9,8 +7,7 @@
 namespace planish {
 
 BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage,
-                           const SubMesh& sub, const PartTilesOptions& options,
-                           std::span<const glm::dvec3> limits)
+                           const SubMesh& sub, const PartTilesOptions& options)
     : cage_(sub.mesh) {
   for (std::size_t v = 0; v < sub.vertices.size(); ++v) cage_.positions[v] = cage[sub.vertices[v]];
   EvaluateOptions evaluate;
@@ -21,14 +18,10 @@ BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cag
       find_sharp_features(sub.mesh, topology, sub.mesh.positions, options.sharp));
   if (options.fair == nullptr) {
     surface_.emplace(cage_, options.placement, evaluate);
-  } else {
-    level_one_ = level_one_of(part, *options.fair, sub, topology, *evaluate.features);
-    surface_.emplace(cage_, level_one_, evaluate);
+    return;
   }
-  if (limits.empty()) return;
-  RawVector<glm::dvec3> of_sub(sub.vertices.size());
-  for (std::size_t v = 0; v < of_sub.size(); ++v) of_sub[v] = limits[sub.vertices[v]];
-  surface_->take_vertex_limits(std::move(of_sub));
+  level_one_ = level_one_of(part, *options.fair, sub, topology, *evaluate.features);
+  surface_.emplace(cage_, level_one_, evaluate);
 }
 
 }  // namespace planish

@@ -17,10 +17,9 @@ namespace planish {
 /// local vertex of the part, or of the control points that the options name.
 class BlockSurface {
  public:
-  /// The faces have been found sound. `limits`: where the whole surface has the part's vertices, by
-  /// local vertex; none without texture coordinates.
+  /// The faces have been found sound.
   BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage, const SubMesh& sub,
-               const PartTilesOptions& options, std::span<const glm::dvec3> limits = {});
+               const PartTilesOptions& options);
   BlockSurface(const BlockSurface&) = delete;
   BlockSurface& operator=(const BlockSurface&) = delete;
 

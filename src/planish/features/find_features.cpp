@@ -1,8 +1,10 @@
 #include "planish/features/find_features.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <optional>
 
 #include "planish/core/error.h"
@@ -13,7 +15,9 @@
 #include "planish/features/jumps.h"
 #include "planish/features/line_cut.h"
 #include "planish/features/regions.h"
+#include "planish/mesh/angle_between.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/face_areas.h"
 
 namespace planish {
 namespace {
@@ -179,6 +183,21 @@ void require_rules(const FeatureRules& rules) {
   require("every", rules.every.value_or(0), 0, 180);
 }
 
+// A closed mesh without tags whose edges all turn by less has nothing to look at.
+bool has_any_turn(const PolygonMesh& mesh, const MeshTopology& topology, double flat) {
+  if (!mesh.creases.empty() || !mesh.corners.empty()) return true;
+  const std::vector<glm::dvec3> areas = face_areas(mesh);
+  std::atomic<bool> has = false;
+  parallel_each(static_cast<std::size_t>(topology.edge_count()), 4096, [&](std::size_t e) {
+    const std::int32_t corner = topology.corner_of(static_cast<std::int32_t>(e));
+    const std::int32_t twin = topology.twin(corner);
+    if (twin < 0 || angle_between(areas[topology.face_of(corner)], areas[topology.face_of(twin)]) >=
+                        glm::radians(flat))
+      has.store(true, std::memory_order_relaxed);
+  });
+  return has;
+}
+
 FeatureReason reason_of(const Segment& segment, const SegmentJumps::Jump& jump, bool is_sharp,
                         const FeatureRules& rules) {
   if (segment.is_tagged) return FeatureReason::Tagged;
@@ -205,6 +224,7 @@ Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
   };
   FeatureRules rules = given;
   if (rules.every) rules.flat = std::min(rules.flat, *rules.every);
+  if (!has_any_turn(mesh, topology, rules.flat)) return {};
   const RegionMap map = make_regions(mesh, topology, rules);
   tell(kRegions);
   Labeller labeller(topology, map, rules);
