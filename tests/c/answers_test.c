@@ -22,7 +22,6 @@ static void test_errors(void) {
   positions[23] = 3;
   given.positions = positions;
   planish_fit_options_init(&options, sizeof options);
-  options.creases = "use";
   planish_fit_info_init(&info, sizeof info);
   planish_surface_arrays_init(&arrays, sizeof arrays);
   planish_verification_init(&found, sizeof found);
@@ -119,12 +118,15 @@ static void check_derivatives(const planish_queries* queries, const planish_plac
 }
 
 static void test_derivatives(void) {
+  planish_fit_options rounded;
   static const planish_place places[] = {{2, 0.3, 0.4}, {5, 0.7, 0.1}, {0, 0.62, 0.81}};
   planish_mesh* mesh = cube();
   planish_fit* fit = NULL;
   planish_queries* queries = NULL;
   size_t i;
-  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
+  planish_fit_options_init(&rounded, sizeof rounded);
+  rounded.creases = "use";
+  EXPECT(planish_fit_create(mesh, &rounded, &fit) == PLANISH_OK);
   EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
   for (i = 0; i < 3; ++i) check_derivatives(queries, places + i);
   planish_queries_free(queries);
