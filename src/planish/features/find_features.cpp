@@ -44,17 +44,16 @@ class Labeller {
   template <class Tell>
   void run(const Tell& tell) {
     if (!can_any_be_sharp()) return;
-    jumps_.emplace(map_, rules_);
-    tell(kAcross);
-    link();
-    std::vector<char> is_near(map_.regions.size(), 1);
     if (rules_.every) {
-      measure(is_near);
       for (std::size_t s = 0; s < labels_.size(); ++s)
         if (map_.segments[s].regions[1] >= 0 && std::abs(map_.segments[s].turn) > *rules_.every)
           labels_[s] = 1;
       return;
     }
+    jumps_.emplace(map_, rules_);
+    tell(kAcross);
+    link();
+    std::vector<char> is_near(map_.regions.size(), 1);
     for (int pass = 0; pass < kPasses; ++pass) {
       measure(is_near);
       if (pass == 0) tell(kMeasured);

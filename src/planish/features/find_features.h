@@ -10,7 +10,7 @@
 
 namespace planish {
 
-/// What a feature is; angles in degrees. All constants of this module.
+/// What a feature is; angles in degrees.
 struct FeatureRules {
   /// Faces that turn by less are one plane; three times the noise of normals where it is known.
   double flat = 1;
@@ -50,8 +50,8 @@ enum class FeatureReason {
 struct FeatureEdge {
   std::int32_t v0, v1;
   double turn;  ///< degrees; above 0 at ridges, below at valleys
-  /// Degrees: the turn less what the surfaces of both sides explain, 0 or more; the turn itself in
-  /// a mesh of which no edge turns enough to be sharp.
+  /// Degrees: the turn less what the surfaces of both sides explain, 0 or more; the turn itself
+  /// where no edge of the mesh turns enough to be sharp, and with FeatureRules::every.
   double jump;
   FeatureReason reason;
   bool is_sharp;

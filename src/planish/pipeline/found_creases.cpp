@@ -120,16 +120,13 @@ FoundCreases add_features(PolygonMesh& mesh, const std::shared_ptr<const Prepare
   const std::size_t creases = mesh.creases.size(), corners = mesh.corners.size();
   const UsedPart used = used_part(mesh, prepared);
   const Features features = find_features(used.mesh, *prepared->topology, rules, done);
-  const auto is_tagged = [&](std::int32_t vertex) {
-    return std::ranges::any_of(mesh.corners.begin(),
-                               mesh.corners.begin() + static_cast<std::ptrdiff_t>(corners),
-                               [&](const CornerVertex& corner) { return corner.vertex == vertex; });
-  };
+  std::vector<char> is_tagged(mesh.positions.size(), 0);
+  for (const CornerVertex& corner : mesh.corners) is_tagged[corner.vertex] = 1;
   for (const FeatureEdge& edge : features.edges)
     if (edge.is_sharp && edge.reason != FeatureReason::Tagged)
       mesh.creases.push_back({used.vertices[edge.v0], used.vertices[edge.v1]});
   for (const std::int32_t corner : features.corners)
-    if (const std::int32_t vertex = used.vertices[corner]; !is_tagged(vertex))
+    if (const std::int32_t vertex = used.vertices[corner]; is_tagged[vertex] == 0)
       mesh.corners.push_back({vertex});
   return found_since(mesh, creases, corners);
 }

@@ -93,6 +93,7 @@ export interface FitInfo {
   vertexCount: number;
   faceCount: number;
   creaseDegrees: number;
+  findsFeatures: boolean;
   within: number;
 }
 
