@@ -1,7 +1,6 @@
 #include "planish/edit/followers.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <unordered_map>
 

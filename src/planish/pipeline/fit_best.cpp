@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "planish/core/counted.h"
 #include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/number_text.h"
@@ -148,19 +147,23 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   BestFit best;
   FitOptions of_candidate = options;
   Callbacks caller = options.callbacks;
+  FairMesh made;
+  std::optional<Candidate> fair;
+  const auto make_fair = [&] {
+    made = fair_mesh_of(mesh, make_fair_mesh);
+    fair = fair_candidate(made, backend, of_candidate, best);
+    best.fair = fair->quality;
+  };
   if (are_found_sharp) {
     of_candidate.callbacks = share_of(caller, 0, kSharpMeasured);
-    FairMesh made = fair_mesh_of(mesh, make_fair_mesh);
-    Candidate fair = fair_candidate(made, backend, of_candidate, best);
-    if (fair.is_sound()) {
+    make_fair();
+    if (fair->is_sound()) {
       best.method = InterpolationMethod::Fair;
-      best.fair = fair.quality;
       best.fair_mesh = std::move(made.mesh);
       best.reason = "fair: it does not fold beside what is sharp";
-      give_out(std::move(fair), best, options.callbacks);
+      give_out(*std::move(fair), best, options.callbacks);
       return best;
     }
-    best.smoothed_vertices.clear();
     caller = share_of(caller, kSharpMeasured, 1);
   }
   of_candidate.callbacks = share_of(caller, 0, kFirstMeasured);
@@ -176,23 +179,22 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   if (is_close && (mesh_density(mesh, *progressive.fit.prepared->topology).is_dense() ||
                    folded_at_two() < kSoundFoldedArea)) {
     best.reason = "progressive: it does not fold, and its normals are near the faces'";
+    best.smoothed_vertices.clear();
     give_out(std::move(progressive), best, caller);
     return best;
   }
-  FairMesh made = fair_mesh_of(mesh, make_fair_mesh);
   // It is taken only where the fair one is worse still, and made again then.
   if (!progressive.is_sound()) progressive.drop();
   of_candidate.callbacks = share_of(caller, kFirstMeasured, kBothMeasured);
-  Candidate fair = fair_candidate(made, backend, of_candidate, best);
-  best.fair = fair.quality;
-  choose(progressive, fair, folded_at_two, best);
+  if (!fair) make_fair();
+  choose(progressive, *fair, folded_at_two, best);
   const bool is_fair = best.method == InterpolationMethod::Fair;
   if (!is_fair && !progressive.is_kept) {
-    fair = {};
+    fair.reset();
     of_candidate.callbacks = share_of(caller, kBothMeasured, 1);
     progressive = candidate(mesh, backend, of_candidate);
   }
-  give_out(std::move(is_fair ? fair : progressive), best, caller);
+  give_out(std::move(is_fair ? *fair : progressive), best, caller);
   if (is_fair) {
     best.fair_mesh = std::move(made.mesh);
   } else {

@@ -52,7 +52,7 @@ inline constexpr double kClearlyBetter = 0.96;    ///< of the other's deviation
 /// `are_found_sharp`: sharp edges were found, not given. Then the fair surface comes first, which
 /// takes them back where it folds for them, and is taken where it converges and does not fold.
 ///
-/// `make_fair_mesh` is called at most twice, for the mesh that the fair surface is of: without it
+/// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.
 /// Throws as fit(), whatever options.method is.
 [[nodiscard]] BestFit fit_best(const PolygonMesh& mesh, Backend& backend,
