@@ -291,8 +291,8 @@ static void test_verify_shapes(void) {
   planish_fit_options options, other;
   planish_fit_info info;
   planish_verification found;
-  const int32_t* smoothed = NULL;
-  size_t count = 7;
+  const int32_t *sharp_edges = NULL, *sharp_corners = NULL;
+  size_t edge_count = 7, corner_count = 7;
   int32_t w, b, other_w, other_b;
   planish_mesh_arrays_init(&arrays, sizeof arrays);
   planish_verification_init(&found, sizeof found);
@@ -312,7 +312,9 @@ static void test_verify_shapes(void) {
       options.quads = PLANISH_QUADS_OFF; /* on quads both weights are one */
       EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
       EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
-      EXPECT(planish_fit_smoothed_vertices(fit, &smoothed, &count) == PLANISH_OK && count == 0);
+      EXPECT(planish_fit_sharp(fit, &sharp_edges, &edge_count, &sharp_corners, &corner_count) ==
+             PLANISH_OK);
+      EXPECT(edge_count == 0 && corner_count == 0 && sharp_edges != NULL && sharp_corners != NULL);
       for (other_w = 0; other_w < 2; ++other_w) {
         for (other_b = 0; other_b < 2; ++other_b) {
           other = options;
@@ -625,9 +627,9 @@ static void test_wrong_options(void) {
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
                  "options.quads: loop surfaces are of triangles; take off");
   planish_fit_options_init(&options, sizeof options);
-  options.smoothed_count = 1;
+  options.sharp_corner_count = 1;
   EXPECT_REFUSED(planish_verify(mesh, mesh, &options, NULL), PLANISH_INVALID_ARGUMENT,
-                 "options.smoothed_vertices is NULL");
+                 "options.sharp_corners is NULL");
   planish_fit_options_init(&options, sizeof options);
   options.method = PLANISH_METHOD_FAIR;
   options.scheme = PLANISH_SCHEME_LOOP;

@@ -15,9 +15,10 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
   settings.repair = RepairChoice::None;
   settings.tolerance = 1.0 / 3.0 * 1e-7;
   settings.weld = 1.0 / 3.0 * 1e-5;
-  const std::vector<std::int32_t> smoothed{0, 17, 2147483647};
+  FoundCreases found{{}, {0, 17, 2147483647}};
+  for (std::int32_t v = 0; v < 40; ++v) found.edges.push_back({v, v + 100});
   std::vector<std::string> lines =
-      cage_header_lines(settings, InterpolationMethod::Fair, "some/where/goblet.obj", smoothed);
+      cage_header_lines(settings, InterpolationMethod::Fair, "some/where/goblet.obj", found);
   for (std::string& line : lines) EXPECT_EQ(line.substr(0, 8), "planish ");
   const CageHeader header = parse_cage_header(lines, "cage.obj");
   EXPECT_EQ(header.settings.interpolation, InterpolationChoice::Fair);
@@ -28,7 +29,9 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
   EXPECT_EQ(header.settings.tolerance, settings.tolerance);  // to the last bit
   EXPECT_EQ(header.source, "goblet.obj");
   EXPECT_EQ(header.settings.weld, settings.weld);
-  EXPECT_EQ(header.smoothed_vertices, smoothed);
+  ASSERT_TRUE(header.found);
+  EXPECT_EQ(header.found->edges, found.edges) << "of three lines";
+  EXPECT_EQ(header.found->corners, found.corners);
 }
 
 // Those of older versions are read: order and spelling stay.
@@ -45,7 +48,7 @@ TEST(CageHeader, HasItsLinesInOrder) {
                            "planish weights=doo-sabin", "planish boundary=edge",
                            "planish creases=auto:1e-05", "planish repair=safe",
                            "planish quads=auto", "planish refine=auto", "planish tolerance=1e-06",
-                           "planish source=a.obj", "planish weld=0"));
+                           "planish source=a.obj", "planish weld=0", "planish sharp_edges="));
   EXPECT_EQ(parse_cage_header(lines, "a").settings.creases.dihedral_degrees, 1e-5);
 }
 
@@ -62,7 +65,7 @@ TEST(CageHeader, SaysNothingWhereNothingStands) {
   EXPECT_FALSE(header.settings.weld);
   EXPECT_EQ(header.settings.tolerance, FitSettings().tolerance);
   EXPECT_EQ(header.source, "");
-  EXPECT_TRUE(header.smoothed_vertices.empty());
+  EXPECT_FALSE(header.found);
 }
 
 TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
@@ -74,8 +77,9 @@ TEST(CageHeader, WrongValuesAreNamed) {
   for (const char* line :
        {"planish weights=heavy", "planish tolerance=small", "planish tolerance=-1",
         "planish tolerance=1e-6x", "planish scheme=kobbelt", "planish weld=0.1", "planish weld=nan",
-        "planish smoothed_vertices=1 x", "planish smoothed_vertices=-1",
-        "planish smoothed_vertices=2147483648",
+        "planish sharp_corners=1 x", "planish sharp_corners=-1",
+        "planish sharp_corners=2147483648", "planish sharp_edges=1", "planish sharp_edges=1-x",
+        "planish sharp_edges=1-2-3",
         "planish boundary=", "planish interpolation=auto"}) {
     const std::vector<std::string> lines{line};
     try {

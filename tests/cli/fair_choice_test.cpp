@@ -14,8 +14,14 @@ TEST_F(Fair, AutoTakesWhatFoldsLessAndSaysWhy) {
   EXPECT_THAT(messages_, HasSubstr("surface     fair: progressive folds"));
   const nlohmann::json& choice = taken["solve"]["choice"];
   EXPECT_THAT(choice["reason"].get<std::string>(), HasSubstr("fair: progressive folds"));
-  EXPECT_GT(choice["progressive"]["folded_area_elsewhere"], 1e-4);
-  EXPECT_LT(choice["fair"]["folded_area_elsewhere"], 1e-5);
+  ASSERT_EQ(choice["candidates"].size(), 2u);
+  const nlohmann::json& progressive = choice["candidates"][0];
+  EXPECT_EQ(progressive["method"], "progressive");
+  EXPECT_EQ(progressive["taken"], false);
+  EXPECT_GT(progressive["folded_area_elsewhere"], 1e-4);
+  EXPECT_EQ(choice["candidates"][1]["taken"], true);
+  EXPECT_LT(choice["candidates"][1]["folded_area_elsewhere"], 1e-5);
+  EXPECT_LT(choice["candidates"][1]["cost"], progressive["cost"]);
   // The surface is that of the method asked for by name.
   const nlohmann::json asked = fit(sphere_, {"-o", path("f.ply"), "--interpolation", "fair"});
   EXPECT_EQ(asked["solve"]["choice"], nullptr);
@@ -38,8 +44,8 @@ TEST_F(Fair, AutoTakesCreasesThatAreClear) {
   const nlohmann::json taken = fit(bracket, {"-o", path("a.ply")});
   EXPECT_THAT(messages_, HasSubstr("18 edges kept sharp"));
   EXPECT_EQ(taken["solve"]["creases"], "auto");
-  EXPECT_EQ(taken["solve"]["choice"]["progressive"], nullptr) << "a fit that nobody needs";
-  EXPECT_LT(taken["solve"]["choice"]["fair"]["rms_normal_deviation"], 1e-4);
+  EXPECT_EQ(taken["solve"]["choice"]["candidates"].size(), 1u) << "no fit that nobody needs";
+  EXPECT_LT(taken["surface"]["rms_normal_deviation"], 1e-4);
   const nlohmann::json asked =
       fit(bracket, {"-o", path("f.ply"), "--interpolation", "fair", "--creases", "auto"});
   EXPECT_EQ(taken["outputs"][0]["sha256"], asked["outputs"][0]["sha256"]);
@@ -65,22 +71,29 @@ TEST_F(Fair, AutoJoinsTrianglesThatAreHalvesOfQuads) {
   const nlohmann::json taken = fit(torus, {"-o", path("a.ply")});
   EXPECT_EQ(taken["solve"]["quads"]["joined"], 288);
   EXPECT_EQ(taken["outputs"][0]["quads"], 288 * 16);
-  EXPECT_EQ(taken["solve"]["quads"]["choice"]["triangles"], nullptr) << "it was not made";
+  for (const nlohmann::json& candidate : taken["solve"]["choice"]["candidates"])
+    EXPECT_EQ(candidate["faces"], "quads") << "that of triangles was not made";
   EXPECT_THAT(messages_, HasSubstr("whose halves they are (--quads off leaves them)"));
   EXPECT_THAT(messages_, HasSubstr("288 vertices, 576 faces, 288 with triangles joined (closed"));
   const nlohmann::json asked = fit(torus, {"-o", path("o.ply"), "--quads", "on"});
   EXPECT_EQ(asked["outputs"][0]["sha256"], taken["outputs"][0]["sha256"]);
-  EXPECT_EQ(asked["solve"]["quads"]["choice"], nullptr);
+  EXPECT_EQ(asked["solve"]["choice"]["faces_reason"], nullptr);
   EXPECT_THAT(messages_, Not(HasSubstr("--quads off")));
   const nlohmann::json left = fit(torus, {"-o", path("l.ply"), "--quads", "off"});
   EXPECT_EQ(left["outputs"][0]["quads"], 2 * 288 * 12);
 
-  // A cage says so, and verify finds the same quads.
+  // A cage has the mesh's faces; of quads that were asked for it says so, and verify finds them.
   for (const char* method : {"progressive", "fair"}) {
-    fit(torus, {"--cage", path("c.obj"), "--interpolation", method});
-    EXPECT_THAT(read("c.obj"), HasSubstr("planish quads=on\n"));
-    EXPECT_EQ(run_planish({"verify", path("c.obj"), torus}).exit_code, 0) << method;
-    EXPECT_EQ(run_planish({"verify", path("c.obj"), torus, "--quads", "off"}).exit_code, 4);
+    for (const char* quads : {"auto", "on"}) {
+      fit(torus, {"--cage", path("c.obj"), "--interpolation", method, "--quads", quads});
+      const bool is_joined = std::string(quads) == "on";
+      EXPECT_THAT(read("c.obj"),
+                  HasSubstr(is_joined ? "planish quads=on\n" : "planish quads=off\n"));
+      EXPECT_EQ(run_planish({"verify", path("c.obj"), torus}).exit_code, 0) << method;
+      EXPECT_EQ(run_planish({"verify", path("c.obj"), torus, "--quads", is_joined ? "off" : "on"})
+                    .exit_code,
+                4);
+    }
   }
   EXPECT_THAT(
       run_planish({"fit", torus, "-o", path("x.ply"), "--scheme", "loop", "--quads", "on"}).err,
@@ -94,28 +107,56 @@ TEST_F(Fair, AutoMeasuresQuadsAgainstTrianglesOfParts) {
             "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
             "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\n"
             "f 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n");
-  const nlohmann::json choice = fit(box, {"-o", path("b.ply")})["solve"]["quads"]["choice"];
-  EXPECT_LT(choice["quads"]["bending"], 1e-6);
-  EXPECT_LT(choice["triangles"]["bending"], 1e-6);
-  EXPECT_EQ(choice["reason"], "triangles joined to quads: all is flat (--quads off leaves them)");
+  const nlohmann::json choice = fit(box, {"-o", path("b.ply")})["solve"]["choice"];
+  ASSERT_EQ(choice["candidates"].size(), 2u);
+  for (const nlohmann::json& candidate : choice["candidates"])
+    EXPECT_LT(candidate["bending"], 1e-6);
+  EXPECT_EQ(choice["faces_reason"],
+            "triangles joined to quads: all is flat (--quads off leaves them)");
 }
 
-TEST_F(Fair, AutoKeepsTheInputsFacesForACage) {
-  const nlohmann::json report = fit(sphere_, {"-o", path("p.ply"), "--cage", path("c.obj")});
-  EXPECT_EQ(report["solve"]["method"], "progressive");
-  EXPECT_THAT(report["solve"]["choice"]["reason"].get<std::string>(),
-              HasSubstr("the control cage has the mesh's faces"));
-  EXPECT_EQ(report["solve"]["choice"]["progressive"], nullptr);
-  EXPECT_THAT(messages_, HasSubstr("surface     progressive: the control cage"));
-  EXPECT_EQ(report["outputs"][1]["vertices"], 402);
+// Its own surface is progressive: of the mesh's faces, and sharp where the other is.
+TEST_F(Fair, ACageLeavesTheSurfaceBesideItAlone) {
+  for (const std::string& input : {sphere_, write("cube.obj", cube_obj())}) {
+    const nlohmann::json alone = fit(input, {"-o", path("a.ply")});
+    const nlohmann::json both = fit(input, {"-o", path("p.ply"), "--cage", path("c.obj")});
+    EXPECT_EQ(alone["solve"]["method"], "fair") << input;
+    EXPECT_EQ(both["outputs"][0]["sha256"], alone["outputs"][0]["sha256"]) << input;
+    EXPECT_EQ(both["solve"], alone["solve"]) << input;
+    EXPECT_THAT(read("c.obj"), HasSubstr("planish interpolation=progressive\n"));
+    EXPECT_EQ(run_planish({"verify", path("c.obj"), input}).exit_code, 0) << input;
+    // And the surface beside does not change the cage.
+    const nlohmann::json cage = fit(input, {"--cage", path("d.obj")});
+    EXPECT_EQ(cage["outputs"][0]["sha256"], both["outputs"][1]["sha256"]) << input;
+    EXPECT_EQ(cage["solve"]["method"], "progressive") << input;
+    EXPECT_THAT(messages_, HasSubstr("surface     progressive: the control cage"));
+  }
+  EXPECT_THAT(read("c.obj"), HasSubstr("planish sharp_edges=0-1 "));
+}
+
+// Whatever is sharp stands in the header: of a mesh that another version would find others on.
+TEST_F(Fair, ACageSaysWhichEdgesAreSharp) {
+  const std::string cube = write("cube.obj", cube_obj());
+  for (const char* name : {"c.ply", "c.off"}) {
+    fit(cube, {"--cage", path(name)});
+    std::string cage = read(name);
+    EXPECT_EQ(run_planish({"verify", path(name), cube}).exit_code, 0) << name;
+    EXPECT_EQ(run_planish({"verify", path(name), cube, "--creases", "auto"}).exit_code, 0);
+    EXPECT_EQ(run_planish({"verify", path(name), cube, "--creases", "use"}).exit_code, 5) << name;
+    const std::size_t first = cage.find("0-1 ");
+    ASSERT_NE(first, std::string::npos) << name;
+    cage.erase(first, 4);
+    EXPECT_EQ(
+        run_planish({"verify", write(std::string("less") + (name + 1), cage), cube}).exit_code, 5)
+        << name;
+  }
 }
 
 TEST_F(Fair, AutoSparesTheSecondFitOfSmoothMeshes) {
   const std::string plate = write("fine.obj", bumpy_plate_obj(120));
   const nlohmann::json solve = fit(plate, {"-o", path("p.ply")})["solve"];
   EXPECT_EQ(solve["method"], "progressive");
-  EXPECT_LT(solve["choice"]["progressive"]["rms_normal_deviation"], 1.0);
-  EXPECT_EQ(solve["choice"]["fair"], nullptr);
+  EXPECT_EQ(solve["choice"]["candidates"].size(), 1u);
   EXPECT_THAT(messages_, HasSubstr("surface     progressive: it does not fold"));
   // At level 0 what was measured for the choice is what the surface is reported with.
   const nlohmann::json chosen = fit(plate, {"-o", path("p.ply"), "--levels", "0"});

@@ -66,8 +66,9 @@ TEST_F(Fair, CutsConcaveFaces) {
   const std::string bracket = std::string(PLANISH_SCENES) + "/l_bracket.obj";
   const std::vector<std::string> outputs{"-o", path("s.glb"), "--cage", path("c.obj")};
   std::vector<std::string> flags = outputs;
+  flags.insert(flags.end(), {"--interpolation", "progressive"});
   EXPECT_GT(fit(bracket, flags)["surface"]["folded_area"], 0.01);
-  flags.insert(flags.end(), {"--interpolation", "fair"});
+  flags.back() = "fair";
   const nlohmann::json fair = fit(bracket, flags);
   EXPECT_EQ(fair["surface"]["folded_area"], 0.0);
   EXPECT_EQ(fair["input"]["changed_faces"], (nlohmann::json{0, 1}));

@@ -101,11 +101,12 @@ TEST_F(FitFile, ItsCageIsConfirmed) {
   FitFileOptions options;
   options.cage = path("cage.obj");
   const FileFit done = fit_file(input, path("plate.glb"), options);
-  EXPECT_EQ(done.fitted.options.method, InterpolationMethod::Progressive);
+  EXPECT_EQ(done.fitted.options.method, InterpolationMethod::Fair) << "as without the cage";
+  EXPECT_EQ(read("plate.glb"), (fit_file(input, path("alone.glb")), read("alone.glb")));
   const Verification found =
       verify_cage(read_mesh(path("cage.obj")).mesh, read_mesh(input).mesh, {});
   EXPECT_TRUE(found.confirmed) << found.error.max;
-  EXPECT_EQ(found.vertex_count, done.fitted.mesh.vertex_count());
+  EXPECT_EQ(found.vertex_count, 81);
   PolygonMesh moved = read_mesh(path("cage.obj")).mesh;
   moved.positions[3].z += 0.1;
   EXPECT_FALSE(verify_cage(moved, read_mesh(input).mesh, {}).confirmed);

@@ -73,7 +73,7 @@ void fuzz_read_cage(std::span<const std::byte> bytes, FileFormat format) {
       const bool is_fair = of.settings.interpolation == InterpolationChoice::Fair;
       return command::cage_header_lines(
           of.settings, is_fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive,
-          of.source, of.smoothed_vertices);
+          of.source, of.found.value_or(FoundCreases()));
     };
     const std::vector<std::string> lines = written(header);
     for (const std::string& line : lines) require(line.find('\n') == std::string::npos);

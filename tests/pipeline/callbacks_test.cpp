@@ -17,7 +17,6 @@
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
-#include "planish/pipeline/fit_best.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/tessellate_fit.h"
@@ -112,10 +111,6 @@ TEST_F(CallbacksOf, PreparesBothMeshes) {
 TEST_F(CallbacksOf, Choices) {
   for (const PolygonMesh& mesh :
        {bumpy(60), test::jittered(test::icosphere(4), 0.3, 4), test::cube()}) {
-    FitOptions options;
-    options.callbacks = host_.callbacks();
-    (void)fit_best(mesh, *backend_, options);
-    host_.expect_good("fit_best");
     MeshFitOptions how;
     how.fit.callbacks = host_.callbacks();
     (void)fit_mesh(mesh, "mesh", *backend_, how);
@@ -260,7 +255,6 @@ TEST_F(CallbacksOf, OneThreadIsOneThread) {
     options.method = method;
     expect_alone("fit", [&] { (void)fit(mesh, *one, options); });
   }
-  expect_alone("fit_best", [&] { (void)fit_best(mesh, *one, {}); });
   expect_alone("fit_mesh", [&] { (void)fit_mesh(mesh, "mesh", *one, {}); });
   for (const char* name : {"a.glb", "a.ply", "a.step"}) {
     FitFileOptions how;

@@ -1,10 +1,11 @@
 // Whether triangles are joined to quads: where they look like halves of some, and the surface is
 // better for it.
-#include "planish/pipeline/choose_quads.h"
+#include "planish/pipeline/choose_fit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -32,6 +33,13 @@ FittedMesh fitted(const PolygonMesh& mesh, QuadChoice quads, MeshFitOptions opti
   return fit_mesh(mesh, "mesh", *make_cpu_backend({.thread_count = threads}), options);
 }
 
+// Whether a surface of such faces was made.
+bool tries(const FittedMesh& fit, CandidateFaces faces) {
+  return fit.choice && std::ranges::any_of(fit.choice->candidates, [&](const Candidate& candidate) {
+           return candidate.faces == faces;
+         });
+}
+
 RawVector<glm::dvec3> points_of(const FittedMesh& fit) {
   return evaluate(fit.mesh, fit.fit, *make_cpu_backend(), fit.evaluate_options(1)).positions;
 }
@@ -55,9 +63,8 @@ TEST(ChooseQuads, JoinsHalvesWhereTheSurfaceIsBetter) {
   EXPECT_TRUE(chosen.pairs_triangles);
   EXPECT_EQ(chosen.paired_count, 512);
   EXPECT_EQ(chosen.mesh.face_count(), 512);
-  ASSERT_TRUE(chosen.quad_reason.has_value());
-  EXPECT_TRUE(chosen.quad_reason->are_better);
-  EXPECT_THAT(chosen.quad_reason->text, testing::HasSubstr("--quads off"));
+  EXPECT_EQ(chosen.choice->best().faces, CandidateFaces::Quads);
+  EXPECT_THAT(chosen.choice->faces_reason, testing::HasSubstr("--quads off"));
   EXPECT_EQ(points_of(chosen), points_of(fitted(mesh, QuadChoice::On)));
   const FittedMesh triangles = fitted(mesh, QuadChoice::Off);
   EXPECT_EQ(triangles.paired_count, 0);
@@ -70,10 +77,10 @@ TEST(ChooseQuads, LeavesOtherTrianglesAsTheyAre) {
        {test::icosphere(2), test::icosphere(3), test::jittered(test::icosphere(3), 0.03, 5)}) {
     const FittedMesh chosen = fitted(mesh, QuadChoice::Auto);
     EXPECT_FALSE(chosen.pairs_triangles);
-    EXPECT_FALSE(chosen.quad_reason.has_value()) << "a second fit that nobody needs";
+    EXPECT_FALSE(tries(chosen, CandidateFaces::Quads)) << "a fit that nobody needs";
     EXPECT_EQ(points_of(chosen), points_of(fitted(mesh, QuadChoice::Off)));
   }
-  EXPECT_FALSE(fitted(test::torus(24, 12, 1, 0.4), QuadChoice::Auto).quad_reason.has_value());
+  EXPECT_FALSE(tries(fitted(test::torus(24, 12, 1, 0.4), QuadChoice::Auto), CandidateFaces::Quads));
 }
 
 TEST(ChooseQuads, MakesNoSecondFitForAFewHalves) {
@@ -84,7 +91,7 @@ TEST(ChooseQuads, MakesNoSecondFitForAFewHalves) {
     const PolygonMesh mesh = merged_meshes(meshes).mesh;
     EXPECT_EQ(fitted(mesh, QuadChoice::On).paired_count, 16);
     const bool is_compared = 32 > 0.05 * mesh.face_count();
-    EXPECT_EQ(fitted(mesh, QuadChoice::Auto).quad_reason.has_value(), is_compared) << fans;
+    EXPECT_EQ(tries(fitted(mesh, QuadChoice::Auto), CandidateFaces::Quads), is_compared) << fans;
   }
 }
 
@@ -107,24 +114,7 @@ TEST(ChooseQuads, JoinsWhatIsFlat) {
       EXPECT_NEAR(uv.y, p.y + 0.7 * p.z, 1e-6);
     }
   }
-  EXPECT_THAT(fitted(box, QuadChoice::Auto).quad_reason->text, testing::HasSubstr("flat"));
-}
-
-TEST(ChooseQuads, ByFiguresAlone) {
-  const BendingFigures good{.converged = true, .bending = 10, .folded_area = 0};
-  const auto takes = [&](const BendingFigures& quads, const BendingFigures& triangles) {
-    return choose_quads(triangles, quads).are_better;
-  };
-  EXPECT_TRUE(takes({true, 9.9, 0}, good));
-  EXPECT_FALSE(takes(good, good)) << "no less";
-  EXPECT_THAT(choose_quads(good, {true, 0.03, 0}).text, testing::HasSubstr("bends 99.7 % less"));
-  EXPECT_TRUE(takes({true, 1e-9, 0}, {true, 0, 0})) << "both are flat";
-  EXPECT_FALSE(takes({true, 10 - 1e-6, 0}, good)) << "rounding";
-  EXPECT_FALSE(takes({true, 5, 1e-3}, good)) << "folds";
-  EXPECT_TRUE(takes({true, 5, 1e-3}, {true, 10, 2e-3})) << "folds less";
-  EXPECT_TRUE(takes({true, 5, 1e-6}, good)) << "folds of less are none";
-  EXPECT_FALSE(takes({false, 5, 0}, good)) << "misses the tolerance";
-  EXPECT_TRUE(takes({true, 20, 0}, {false, 10, 0})) << "the other does";
+  EXPECT_THAT(fitted(box, QuadChoice::Auto).choice->faces_reason, testing::HasSubstr("flat"));
 }
 
 TEST(ChooseQuads, CagesOfBothMethodsAreVerified) {
@@ -161,12 +151,10 @@ TEST(ChooseQuads, IsTheSameForAnyNumberOfThreads) {
                                   cut_quads(test::cube())}) {
     const FittedMesh one = fitted(mesh, QuadChoice::Auto, {}, 1);
     const FittedMesh three = fitted(mesh, QuadChoice::Auto, {}, 3);
-    ASSERT_TRUE(one.quad_reason.has_value());
-    EXPECT_EQ(one.quad_reason->text, three.quad_reason->text);
-    ASSERT_EQ(one.quad_reason->quads.has_value(), three.quad_reason->quads.has_value());
-    if (one.quad_reason->quads) {
-      EXPECT_EQ(one.quad_reason->quads->bending, three.quad_reason->quads->bending);
-    }
+    EXPECT_EQ(one.choice->faces_reason, three.choice->faces_reason);
+    ASSERT_EQ(one.choice->candidates.size(), three.choice->candidates.size());
+    for (std::size_t i = 0; i < one.choice->candidates.size(); ++i)
+      EXPECT_EQ(one.choice->candidates[i].bending, three.choice->candidates[i].bending);
     EXPECT_EQ(one.mesh.face_vertices, three.mesh.face_vertices);
     EXPECT_EQ(points_of(one), points_of(three));
   }
@@ -176,9 +164,9 @@ TEST(ChooseQuads, IsTheSameForAnyNumberOfThreads) {
 TEST(ChooseQuads, MakesOneSurfaceOfPlainHalves) {
   const FittedMesh plain = fitted(cut_quads(test::torus(32, 16, 1, 0.4)), QuadChoice::Auto);
   EXPECT_TRUE(plain.pairs_triangles);
-  EXPECT_FALSE(plain.quad_reason->quads || plain.quad_reason->triangles);
+  EXPECT_FALSE(tries(plain, CandidateFaces::Given));
   const FittedMesh part = fitted(cut_quads(test::cube()), QuadChoice::Auto);
-  EXPECT_TRUE(part.quad_reason->quads && part.quad_reason->triangles);
+  EXPECT_TRUE(tries(part, CandidateFaces::Quads) && tries(part, CandidateFaces::Given));
 }
 
 // A barrel of 16 staves whose lid lies a little below its rim, its axis along z.
@@ -212,7 +200,7 @@ PolygonMesh barrel() {
 TEST(ChooseQuads, AllOfAFewVerticesAreEnough) {
   const FittedMesh chosen = fitted(barrel(), QuadChoice::Auto);
   EXPECT_TRUE(chosen.pairs_triangles);
-  EXPECT_FALSE(chosen.quad_reason->quads);
+  EXPECT_FALSE(tries(chosen, CandidateFaces::Given));
   // It has the mirror symmetry of the quads, which their diagonals have not.
   const auto leaves_its_image = [](const FittedMesh& fit) {
     const RawVector<glm::dvec3> points = points_of(fit);
@@ -236,9 +224,11 @@ TEST(ChooseQuads, TriesTrianglesWherePlainQuadsFold) {
   mesh.positions[5] *= 3.0;
   const FittedMesh chosen =
       fitted(mesh, QuadChoice::Auto, {.method = InterpolationMethod::Progressive});
-  ASSERT_TRUE(chosen.quad_reason.has_value());
-  ASSERT_TRUE(chosen.quad_reason->quads && chosen.quad_reason->triangles);
-  EXPECT_GT(chosen.quad_reason->quads->folded_area, 1e-5);
+  EXPECT_TRUE(tries(chosen, CandidateFaces::Given));
+  const Candidate* const quads =
+      chosen.choice->of(CandidateFaces::Quads, InterpolationMethod::Progressive);
+  ASSERT_NE(quads, nullptr);
+  EXPECT_GT(quads->folded_area, 1e-5);
 }
 
 // Both fits are of a mesh that repair has to mend, which is told of once.

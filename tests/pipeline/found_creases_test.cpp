@@ -58,7 +58,7 @@ TEST(FoundCreases, StayAroundFinelyDrawnPlates) {
   for (const int corners : {1000, 10'000}) {
     const FittedMesh fitted = fit_mesh(arc_plate(corners), "plate", *backend);
     EXPECT_EQ(fitted.mesh.creases.size(), 2u * static_cast<unsigned>(corners) + 4);
-    EXPECT_TRUE(fitted.smoothed_vertices.empty()) << fitted.smoothed_vertices.size();
+    EXPECT_EQ(fitted.rounded_count, 0);
     ASSERT_NE(fitted.chosen_quality(), nullptr);
     EXPECT_LT(fitted.chosen_quality()->rms_normal_deviation, 0.5) << corners;
     EXPECT_EQ(fitted.chosen_quality()->folded_area_elsewhere, 0) << corners;
@@ -78,11 +78,10 @@ TEST(FoundCreases, AreTakenBackWhereTheyFoldTheSurface) {
     const double area = folds_of(mesh, creased.fit, *backend);
     EXPECT_LE(area, fair_folds(given, *backend)) << seed;
     EXPECT_LE(area, fair_folds(all, *backend)) << seed;
-    EXPECT_EQ(creased.smoothed_vertices.empty(), edges_of(mesh) == edges_of(all)) << seed;
-    taken_back += !creased.smoothed_vertices.empty();
-    // The list alone says which they are.
-    PolygonMesh again = all;
-    leave_smooth(again, found, creased.smoothed_vertices);
+    taken_back += creased.found.edges.size() < found.edges.size();
+    // What is left alone says which tags there are.
+    PolygonMesh again = given;
+    add_tags(again, creased.found);
     EXPECT_EQ(edges_of(again), edges_of(mesh));
     EXPECT_EQ(again.corners.size(), mesh.corners.size());
   }
@@ -95,7 +94,7 @@ TEST(FoundCreases, StayWhereNothingFolds) {
   const FoundCreases found = add_features(mesh, prepare_mesh(mesh, "cube"));
   const CreasedFit creased = fit_with_found_creases(mesh, found, *backend, {});
   EXPECT_EQ(mesh.creases.size(), 12u);
-  EXPECT_TRUE(creased.smoothed_vertices.empty());
+  EXPECT_EQ(creased.found.edges.size(), 12u);
   EXPECT_EQ(creased.fit.sharp_edge_count, 12);
 }
 
@@ -103,11 +102,12 @@ TEST(FoundCreases, LeaveGivenTagsAlone) {
   PolygonMesh mesh = test::cube();
   mesh.creases = {{0, 1}};
   const auto prepared = prepare_mesh(mesh, "cube");
-  const FoundCreases found = add_features(mesh, prepared);
+  FoundCreases found = add_features(mesh, prepared);
   EXPECT_EQ(mesh.creases.size(), 12u);
   const std::vector<std::int32_t> smooth{0};
   leave_smooth(mesh, found, smooth);
   EXPECT_EQ(mesh.creases.size(), 10u) << "of three at the vertex one is the file's";
+  EXPECT_EQ(found.edges.size(), 9u);
 }
 
 TEST(FoundCreases, GiveTheWarningsOfTheFitThatIsTaken) {

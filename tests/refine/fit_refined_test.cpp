@@ -50,8 +50,9 @@ TEST(FitRefined, IsNearerToTheShapeAndPassesEveryGivenVertex) {
   const SurfaceMesh surface = surface_of(made, 1);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
     EXPECT_LT(glm::distance(surface.positions[v], mesh.positions[v]), 1e-12);
-  EXPECT_THAT(made.refine_reason->text, testing::HasSubstr("--refine off"));
-  EXPECT_LT(made.refine_reason->refined->bending, 0.5 * made.refine_reason->given->bending);
+  EXPECT_THAT(made.choice->faces_reason, testing::HasSubstr("--refine off"));
+  EXPECT_LT(made.choice->best().bending,
+            0.5 * made.choice->of(CandidateFaces::Given, InterpolationMethod::Fair)->bending);
   EXPECT_EQ(made.source_vertices[5], 5);
   EXPECT_EQ(made.source_vertices.back(), -1);
 }
@@ -98,13 +99,13 @@ TEST(FitRefined, IsTakenBeforeQuadsThatBendMore) {
     MeshFitOptions round;
     round.chooses_creases = false;
     const FittedMesh made = fitted(mesh, RefineChoice::Auto, round);
-    if (!made.quad_reason) continue;
+    if (!made.choice->of(CandidateFaces::Quads, InterpolationMethod::Fair)) continue;
     SCOPED_TRACE(seed);
     ++both;
     if (made.added_vertices.empty()) continue;
     const FittedMesh plain = fitted(mesh, RefineChoice::Off, round);
     EXPECT_EQ(made.paired_count, 0);
-    EXPECT_FALSE(made.quad_reason->are_better);
+    EXPECT_EQ(made.choice->best().faces, CandidateFaces::Refined);
     EXPECT_LT(normals_off(made, 1), normals_off(plain, 2));
   }
   EXPECT_GT(both, 0);

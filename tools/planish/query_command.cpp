@@ -132,7 +132,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   report.settings = job.settings;
   const InputFile file = load_job_input(job, report, context);
   JobInput made = read_job_input(job, file, report, context);
-  ReadyFit ready = prepare_input(made, {}, report, context);
+  ReadyFit ready = prepare_input(made, report, context);
   const auto backend =
       open_backend(list_devices(DeviceScope::CpuOnly).devices.front(), job.settings);
   fit_input(made, std::move(ready), *backend, {}, report, context);

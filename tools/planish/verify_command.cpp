@@ -26,6 +26,7 @@ struct VerifyFlags {
 // Flags first, then the cage's header, then the defaults of fit.
 CageHeader with_flags(CageHeader header, const VerifyFlags& flags) {
   apply_flags(flags.options, option_table(), header.settings);
+  if (flags.options.contains("creases")) header.found.reset();
   require_known_method(header.settings, "--interpolation");
   check_consistent(header.settings);
   return header;
@@ -79,7 +80,7 @@ ExitCode run_verify(const VerifyFlags& flags) {
   input.reach = made.settings.textures;
   const Input given = mesh_of(input);
   VerifyOptions options = verify_options(made.settings);
-  options.smoothed_vertices = made.smoothed_vertices;
+  if (made.found) options.found = &*made.found;
   // Other formats than OBJ keep no tags: those of the given mesh count.
   options.cage_has_tags = info_of(cage.file.format).keeps_sharp_edges;
   options.cage_name = cage.name;

@@ -24,12 +24,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Why a method was taken where none was named.
-std::optional<MethodReason> choice_of(const MpiJob& job) {
+std::optional<Choice> choice_of(const MpiJob& job) {
   if (job.settings.interpolation != InterpolationChoice::Auto) return std::nullopt;
-  return MethodReason{
-      "progressive: ranks do not measure both methods; --interpolation fair takes the other",
-      {},
-      {}};
+  Choice choice;
+  choice.reason =
+      "progressive: ranks do not measure both methods; --interpolation fair takes the other";
+  return choice;
 }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -44,7 +44,7 @@ FittedMesh fitted_of(const MpiJob& job, const DistributedFit& fit) {
   all.uses_tags = settings.creases.use_tags;
   all.finds_features = settings.creases.finds_features;
   all.crease_degrees = settings.creases.dihedral_degrees;
-  all.reason = choice_of(job);
+  all.choice = choice_of(job);
   all.fit.spectral_bound = fit.spectral_bound;
   all.fit.within = fit.within;
   Interpolation& result = all.fit.interpolation;
@@ -175,7 +175,7 @@ std::string mpi_summary(const MpiJob& job, const DistributedFit& fit) {
   }
   text << "largest vertex error " << std::setprecision(3) << fit.solution.error.max
        << (fit.solution.converged ? "" : " (not converged)") << "\n";
-  if (const auto choice = choice_of(job)) text << "  method " << choice->text << "\n";
+  if (const auto choice = choice_of(job)) text << "  method " << choice->reason << "\n";
   if (fit.within) text << "  within " << within_text(*fit.within) << "\n";
   if (fit.tiles) {
     for (const TileLevel& level : fit.tiles->file.levels)

@@ -92,23 +92,24 @@ void fields(Archive& archive, SurfaceQuality& quality) {
 }
 
 template <class Archive>
-void fields(Archive& archive, MethodReason& reason) {
-  archive(reason.text, reason.progressive, reason.fair);
+void fields(Archive& archive, Candidate& candidate) {
+  archive(candidate.faces, candidate.method, candidate.alone, candidate.converged,
+          candidate.parts, candidate.folded_area, candidate.bending);
 }
 
 template <class Archive>
-void fields(Archive& archive, QuadReason& reason) {
-  archive(reason.are_better, reason.triangles, reason.quads, reason.text);
-}
-
-template <class Archive>
-void fields(Archive& archive, RefineReason& reason) {
-  archive(reason.text, reason.given, reason.refined);
+void fields(Archive& archive, Choice& choice) {
+  archive(choice.candidates, choice.taken, choice.reason, choice.faces_reason);
 }
 
 template <class Archive>
 void fields(Archive& archive, Warning& warning) {
   archive(warning.code, warning.message, warning.count, warning.first);
+}
+
+template <class Archive>
+void fields(Archive& archive, FoundCreases& found) {
+  archive(found.edges, found.corners);
 }
 
 template <class Archive>
@@ -120,11 +121,10 @@ template <class Archive>
 void fields(Archive& archive, FittedMesh& fitted) {
   archive(fitted.mesh, fitted.fit, fitted.options, fitted.repairs, fitted.uses_tags,
           fitted.finds_features, fitted.crease_degrees, fitted.weld, fitted.split_normals,
-          fitted.reason, fitted.pairs_triangles, fitted.paired_count, fitted.quad_reason,
-          fitted.added_vertices, fitted.refine_reason, fitted.choose_milliseconds,
-          fitted.welded_count, fitted.density, fitted.source_vertices, fitted.source_faces,
-          fitted.changed_faces, fitted.smoothed_vertices, fitted.separated_edges, fitted.warnings,
-          fitted.rest_positions);
+          fitted.choice, fitted.level_one_quality, fitted.pairs_triangles, fitted.paired_count,
+          fitted.added_vertices, fitted.choose_milliseconds, fitted.welded_count, fitted.density,
+          fitted.source_vertices, fitted.source_faces, fitted.changed_faces, fitted.found,
+          fitted.rounded_count, fitted.separated_edges, fitted.warnings, fitted.rest_positions);
 }
 
 template <class Archive>

@@ -216,12 +216,20 @@ void add_fit_class(py::module_& module) {
           },
           "\"progressive\" or \"fair\".")
       .def_property_readonly(
-          "smoothed_vertices",
+          "sharp_edges",
           [](const py::object& self) {
-            const auto& vertices = self.cast<PythonFit&>().fitted.smoothed_vertices;
-            return view(vertices.data(), {static_cast<py::ssize_t>(vertices.size())}, self);
+            const auto& edges = self.cast<PythonFit&>().fitted.found.edges;
+            const std::int32_t* first = edges.empty() ? nullptr : edges.front().data();
+            return view(first, {static_cast<py::ssize_t>(edges.size()), 2}, self);
           },
-          "int32 (n,): vertices of the mesh where found creases were taken back, for verify().")
+          "int32 (n, 2): vertices of the mesh at edges that were found to be sharp, for verify().")
+      .def_property_readonly(
+          "sharp_corners",
+          [](const py::object& self) {
+            const auto& corners = self.cast<PythonFit&>().fitted.found.corners;
+            return view(corners.data(), {static_cast<py::ssize_t>(corners.size())}, self);
+          },
+          "int32 (n,): vertices of the mesh that were found to be corners, for verify().")
       .def_property_readonly(
           "converged",
           [](const PythonFit& self) { return self.fitted.fit.interpolation.converged; },

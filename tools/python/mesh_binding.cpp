@@ -147,15 +147,24 @@ MeshHandle reconstruct_points(const py::object& points, double tolerance,
 }
 
 Verification verify_mesh(const MeshHandle& cage, const MeshHandle& given,
-                         const py::object& smoothed_vertices, const py::kwargs& rest) {
+                         const py::object& sharp_edges, const py::object& sharp_corners,
+                         const py::kwargs& rest) {
   const FitArguments arguments = fit_arguments(rest, "verify");
   VerifyOptions options = verify_options(arguments.settings);
-  Integers smoothed;
-  if (!smoothed_vertices.is_none()) {
-    smoothed = as_integers(smoothed_vertices, "smoothed_vertices");
-    if (smoothed.ndim() != 1) refuse("smoothed_vertices: integers of shape (n,) are wanted");
-    options.smoothed_vertices = {smoothed.data(), static_cast<std::size_t>(smoothed.size())};
+  FoundCreases found;
+  if (!sharp_edges.is_none()) {
+    const Integers edges = as_integers(sharp_edges, "sharp_edges");
+    if (edges.ndim() != 2 || edges.shape(1) != 2)
+      refuse("sharp_edges: integers of shape (n, 2) are wanted");
+    for (py::ssize_t i = 0; i < edges.shape(0); ++i)
+      found.edges.push_back({edges.at(i, 0), edges.at(i, 1)});
   }
+  if (!sharp_corners.is_none()) {
+    const Integers corners = as_integers(sharp_corners, "sharp_corners");
+    if (corners.ndim() != 1) refuse("sharp_corners: integers of shape (n,) are wanted");
+    found.corners.assign(corners.data(), corners.data() + corners.size());
+  }
+  if (!sharp_edges.is_none() || !sharp_corners.is_none()) options.found = &found;
   Verification result;
   run_released(
       arguments.callbacks,
@@ -336,13 +345,14 @@ void add_mesh(py::module_& module) {
       "as fit() takes them, come to the mesh's vertices. Needs the program planish-reconstruct. "
       "Raises MissingProgram without it, "
       "UnusableMesh for points that span no surface.");
-  module.def("verify", &verify_mesh, py::arg("cage").none(false), py::arg("given").none(false),
-             py::kw_only(), py::arg("smoothed_vertices") = py::none(),
-             "How far the vertices of the mesh `given` are from the surface of the control mesh "
-             "`cage`, by limit points in double. Further keywords are those of fit() that shaped "
-             "the surface, and smoothed_vertices those of the Fit; `method` is \"progressive\" "
-             "unless it is given. Raises UnusableMesh for "
-             "a cage of another mesh.");
+  module.def(
+      "verify", &verify_mesh, py::arg("cage").none(false), py::arg("given").none(false),
+      py::kw_only(), py::arg("sharp_edges") = py::none(), py::arg("sharp_corners") = py::none(),
+      "How far the vertices of the mesh `given` are from the surface of the control mesh "
+      "`cage`, by limit points in double. Further keywords are those of fit() that shaped "
+      "the surface, sharp_edges and sharp_corners those of the Fit; `method` is \"progressive\" "
+      "unless it is given. Raises UnusableMesh for "
+      "a cage of another mesh.");
 }
 
 }  // namespace planish::python

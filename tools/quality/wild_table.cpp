@@ -8,7 +8,7 @@
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
 #include "planish/mesh/folded_edges.h"
-#include "planish/pipeline/fit_best.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/found_creases.h"
 #include "planish/surface/surface_quality.h"
 

@@ -235,14 +235,20 @@ planish_status planish_fit_get_info(const planish_fit* fit, planish_fit_info* in
   });
 }
 
-planish_status planish_fit_smoothed_vertices(const planish_fit* fit, const int32_t** vertices,
-                                             size_t* count) {
+planish_status planish_fit_sharp(const planish_fit* fit, const int32_t** edges, size_t* edge_count,
+                                 const int32_t** corners, size_t* corner_count) {
   return call([&] {
     require(fit, "fit");
-    require(vertices, "vertices");
-    require(count, "count");
-    *vertices = fit->fitted.smoothed_vertices.data();
-    *count = fit->fitted.smoothed_vertices.size();
+    require(edges, "edges");
+    require(edge_count, "edge_count");
+    require(corners, "corners");
+    require(corner_count, "corner_count");
+    const planish::FoundCreases& found = fit->fitted.found;
+    static constexpr int32_t kNone = 0;  // no array of none is NULL: it would be looked for
+    *edges = found.edges.empty() ? &kNone : found.edges.front().data();
+    *edge_count = found.edges.size();
+    *corners = found.corners.empty() ? &kNone : found.corners.data();
+    *corner_count = found.corners.size();
     return PLANISH_OK;
   });
 }
@@ -311,18 +317,23 @@ planish_status planish_verify(const planish_mesh* cage, const planish_mesh* give
     require(given, "given");
     const planish_fit_options how = taken(options, planish_fit_options_init, "options");
     planish::VerifyOptions verify = verify_options(mesh_settings_of(how));
-    if (how.smoothed_count > 0) require(how.smoothed_vertices, "options.smoothed_vertices");
-    verify.smoothed_vertices = {how.smoothed_vertices, how.smoothed_count};
-    planish::Verification found;
+    if (how.sharp_edge_count > 0) require(how.sharp_edges, "options.sharp_edges");
+    if (how.sharp_corner_count > 0) require(how.sharp_corners, "options.sharp_corners");
+    planish::FoundCreases sharp;
+    for (size_t i = 0; i < how.sharp_edge_count; ++i)
+      sharp.edges.push_back({how.sharp_edges[2 * i], how.sharp_edges[2 * i + 1]});
+    sharp.corners.assign(how.sharp_corners, how.sharp_corners + how.sharp_corner_count);
+    if (how.sharp_edges != nullptr || how.sharp_corners != nullptr) verify.found = &sharp;
+    planish::Verification result;
     run_on(how.thread_count,
-           [&] { found = planish::verify_cage(cage->mesh, given->mesh, verify); });
+           [&] { result = planish::verify_cage(cage->mesh, given->mesh, verify); });
     planish_verification own;
     planish_verification_init(&own, sizeof own);
-    own.confirmed = found.confirmed ? 1 : 0;
-    own.max_error = found.error.max;
-    own.rms_error = found.error.rms;
-    own.worst_vertex = found.worst_vertex;
-    own.vertex_count = found.vertex_count;
+    own.confirmed = result.confirmed ? 1 : 0;
+    own.max_error = result.error.max;
+    own.rms_error = result.error.rms;
+    own.worst_vertex = result.worst_vertex;
+    own.vertex_count = result.vertex_count;
     give(own, verification, "verification");
     return PLANISH_OK;
   });

@@ -203,9 +203,12 @@ typedef struct planish_fit_options {
    * "auto:40"; of planish_fit_file() "normals", too. NULL: as uses_creases and crease_degrees say,
    * and "choose" where these are the defaults. */
   const char* creases;
-  /** For planish_verify() of a fair surface with found creases: planish_fit_smoothed_vertices(). */
-  const int32_t* smoothed_vertices;
-  size_t smoothed_count;
+  /** For planish_verify() of a surface with found creases: what planish_fit_sharp() gives. NULL and
+   * NULL: they are looked for once more. */
+  const int32_t* sharp_edges;
+  size_t sharp_edge_count;
+  const int32_t* sharp_corners;
+  size_t sharp_corner_count;
   /** A surface that bends less, and passes every vertex at no more than this fraction of the
    * diagonal, above the tolerance and less than 0.1; 0: through them, the default; -1: by the noise
    * that is measured. */
@@ -250,10 +253,10 @@ void planish_fit_info_init(planish_fit_info* info, size_t struct_size);
 planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_options* options,
                                   planish_fit** fit);
 planish_status planish_fit_get_info(const planish_fit* fit, planish_fit_info* info);
-/** Where found creases were taken back, for they would have folded the surface: vertices of the
- * mesh as it was fitted, ascending; the array belongs to the fit. */
-planish_status planish_fit_smoothed_vertices(const planish_fit* fit, const int32_t** vertices,
-                                             size_t* count);
+/** What was found to be sharp, tags aside: edges, two vertices each, and corners, of the mesh as it
+ * was fitted; the arrays belong to the fit. */
+planish_status planish_fit_sharp(const planish_fit* fit, const int32_t** edges, size_t* edge_count,
+                                 const int32_t** corners, size_t* corner_count);
 /** The control cage, a mesh of its own. Of the fair method it is the mesh of level 1. */
 planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
 /** A level that is not named: 2 splits, of a dense mesh 1: 20,000 vertices or more, and faces of
@@ -403,7 +406,7 @@ void planish_verification_init(planish_verification* verification, size_t struct
 /** How far the vertices of `given` are from the surface of `cage`, by limit points in double; of
  * the options, which may be NULL, those that shape the surface count, as they were given to the
  * fit: method (auto: progressive), scheme, weights, boundary, creases, repairs, weld,
- * smoothed_vertices; and tolerance. Not confirming is PLANISH_OK. */
+ * sharp_edges, sharp_corners; and tolerance. Not confirming is PLANISH_OK. */
 planish_status planish_verify(const planish_mesh* cage, const planish_mesh* given,
                               const planish_fit_options* options,
                               planish_verification* verification);

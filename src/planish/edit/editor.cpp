@@ -128,9 +128,10 @@ FittedMesh edited(const FittedMesh& first, const Editor& editor) {
     result.split_normals = false;
     result.finds_features = false;
     result.crease_degrees.reset();
+    result.found = {};
   }
   // What was measured was the surface before the moves.
-  if (result.reason) result.reason->progressive = result.reason->fair = {};
+  result.level_one_quality.reset();
   return result;
 }
 

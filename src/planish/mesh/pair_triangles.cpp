@@ -182,12 +182,15 @@ class Borders {
   std::vector<std::uint8_t> is_tagged_, is_hole_;
 };
 
-TrianglesOf triangles_of(const PolygonMesh& mesh, const PreparedMesh& prepared) {
+TrianglesOf triangles_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                         std::span<const std::uint8_t> may_join = {}) {
   const MeshTopology& topology = *prepared.topology;
   const Borders borders(mesh, prepared);
   TrianglesOf own;
   const auto face_count = static_cast<std::size_t>(mesh.face_count());
-  const auto is_triangle = [&](std::int32_t f) { return mesh.face_size(f) == 3; };
+  const auto is_triangle = [&](std::int32_t f) {
+    return mesh.face_size(f) == 3 && (may_join.empty() || may_join[f] != 0);
+  };
   const SelectedBlocks blocks = count_selected(face_count, is_triangle);
   own.of_face.assign(face_count, -1);
   own.triangles.resize(static_cast<std::size_t>(blocks.total));
@@ -332,7 +335,7 @@ PolygonMesh pair_triangles(std::span<const glm::dvec3> positions,
 
 PairedMesh with_paired_triangles(const PolygonMesh& mesh, const PreparedMesh& prepared,
                                  const PairOptions& options) {
-  const TrianglesOf own = triangles_of(mesh, prepared);
+  const TrianglesOf own = triangles_of(mesh, prepared, options.may_join);
   std::vector<std::int32_t> lost =
       lost_half_edges(mesh.positions, own.triangles, own.twins, options);
   keep_three_faces(own, mesh, prepared, lost);

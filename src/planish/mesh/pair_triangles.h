@@ -17,6 +17,8 @@ enum class QuadChoice { Auto, On, Off };
 struct PairOptions {
   double largest_turn = 30;    ///< degrees between the two triangles' normals
   double largest_angle = 150;  ///< degrees at a corner of a quad; below 180, so quads are convex
+  /// One per face of with_paired_triangles(), 0 where it stays as it is; empty: none has to.
+  std::span<const std::uint8_t> may_join{};
 };
 
 /// Joins neighbouring triangles to quads: greedily by how near the quad's corners come to right

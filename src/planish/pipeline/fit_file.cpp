@@ -18,6 +18,7 @@
 #include "planish/files/write_surface.h"
 #include "planish/pipeline/asset_parts.h"
 #include "planish/pipeline/attribute_fields.h"
+#include "planish/pipeline/choose_fit.h"
 #include "planish/pipeline/fit_asset.h"
 #include "planish/pipeline/fitted_level.h"
 #include "planish/pipeline/make_ready.h"
@@ -112,6 +113,30 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   return write_surface(path, format, surface, how);
 }
 
+// The mesh is fitted, and what a control cage is of, where that is another fit.
+struct WithCage {
+  FittedMesh fitted;
+  std::optional<FittedMesh> cage;
+};
+
+WithCage fit_with_cage(PolygonMesh mesh, std::string_view name, Backend& backend,
+                       const MeshFitOptions& how, bool has_cage) {
+  constexpr double kReady = 0.15, kFitted = 0.8;  // of the time
+  if (!has_cage) return {fit_mesh(std::move(mesh), name, backend, how), {}};
+  const Callbacks& callbacks = how.fit.callbacks;
+  MeshFitOptions preparing = how;
+  preparing.fit.callbacks = share_of(callbacks, 0, kReady);
+  ReadyFit ready = prepare_fit(std::move(mesh), name, preparing);
+  std::optional<ReadyFit> of_cage;
+  if (is_open(ready)) of_cage = cage_fit(ready);
+  ready.options.fit.callbacks = share_of(callbacks, kReady, kFitted);
+  WithCage made{fit_prepared(std::move(ready), backend), {}};
+  if (!of_cage || has_own_cage(made.fitted)) return made;
+  of_cage->options.fit.callbacks = share_of(callbacks, kFitted, 1);
+  made.cage = fit_prepared(*std::move(of_cage), backend);
+  return made;
+}
+
 void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
                    const FitFileOptions& options, const FileMaterials& materials) {
   if (!format) return;
@@ -186,7 +211,9 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   if (is_asset && !options.cage.empty()) file.warnings.push_back(merged_asset(input, options.cage));
   for (const Warning& warning : file.warnings) callbacks.warn(warning);
   FileFit result;
-  result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);
+  WithCage made =
+      fit_with_cage(std::move(file.mesh), visible(input), backend, how, cage_format.has_value());
+  result.fitted = std::move(made.fitted);
   result.fitted.split_normals = options.split_normals;
   auto& warnings = result.fitted.warnings;
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
@@ -206,27 +233,28 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
     result.vertex_count = result.step->vertices;
     result.face_count = result.step->faces;
     result.byte_count = result.step->byte_count;
-    write_cage_of(result.fitted, cage_format, options, materials);
+    write_cage_of(made.cage ? *made.cage : result.fitted, cage_format, options, materials);
     return result;
   }
   const SurfaceShares shares({options.level_of(result.fitted.density), options.z_up,
                               share_of(callbacks, fit, 1), &materials});
-  const FittedLevel made = fitted_level(result.fitted, backend, shares.making);
+  const FittedLevel surface = fitted_level(result.fitted, backend, shares.making);
   const auto tell = [&](const std::optional<Warning>& warning) {
     if (!warning) return;
     warnings.push_back(*warning);
     callbacks.warn(*warning);
   };
-  tell(fold_warning(result.fitted, made, shares.making.level, {.cancelled = callbacks.cancelled}));
-  result.vertex_count = made.blocks->info().row_count;
-  result.face_count = made.blocks->info().face_count;
+  tell(fold_warning(result.fitted, surface, shares.making.level,
+                    {.cancelled = callbacks.cancelled}));
+  result.vertex_count = surface.blocks->info().row_count;
+  result.face_count = surface.blocks->info().face_count;
   result.byte_count =
-      write_level(output, result.fitted, *made.blocks, visible(input.stem()), shares.writing);
+      write_level(output, result.fitted, *surface.blocks, visible(input.stem()), shares.writing);
   // A .gltf's numbers are beside it.
   if (!options.level && file.format != FileFormat::Gltf)
     tell(size_warning(visible(output), result.byte_count, std::filesystem::file_size(input),
                       shares.making.level));
-  write_cage_of(result.fitted, cage_format, options, materials);
+  write_cage_of(made.cage ? *made.cage : result.fitted, cage_format, options, materials);
   return result;
 }
 
@@ -281,8 +309,6 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
     if (place_of(output) == place_of(options.cage))
       throw Error(ErrorCode::InvalidArgument,
                   visible(options.cage) + ": surface and cage cannot be one file; name another");
-    // Of both methods, the one whose cage keeps the mesh's faces.
-    if (!how.method) how.method = InterpolationMethod::Progressive;
   }
   if (options.split_normals) how.chooses_creases = false;
   std::unique_ptr<Backend> own;

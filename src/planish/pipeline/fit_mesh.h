@@ -16,15 +16,16 @@
 #include "planish/mesh/mesh_density.h"
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/pipeline/choose_quads.h"
+#include "planish/pipeline/choice.h"
 #include "planish/pipeline/fit.h"
-#include "planish/pipeline/fit_best.h"
+#include "planish/pipeline/found_creases.h"
 #include "planish/refine/refine_mesh.h"
+#include "planish/surface/surface_quality.h"
 
 namespace planish {
 
 struct MeshFitOptions {
-  /// Empty: of Doo-Sabin the better one by measurement (see fit_best()), else progressive.
+  /// Empty: of Doo-Sabin the better one by measurement (see choose_fit.h), else progressive.
   std::optional<InterpolationMethod> method;
   /// See repair(), weld_short_edges() and without_flat_triangles(); and cuts concave faces for fair
   /// surfaces.
@@ -39,26 +40,13 @@ struct MeshFitOptions {
   bool finds_features = false;           ///< sharp is what find_features() finds, too
   /// The same where the method and crease_degrees are empty and the mesh has no tags.
   bool chooses_creases = true;
-  /// Of Doo-Sabin alone auto joins anything, and where the surface is better (see choose_quads.h).
+  /// Of Doo-Sabin alone auto joins anything, and where the surface is better (see choose_fit.h).
   QuadChoice quads = QuadChoice::Auto;
   /// Adds vertices (see refine_mesh()) to meshes of triangles that stand alone, of the fair method
   /// with FitOptions::within 0; auto: where the method is chosen, too, and the surface bends less.
   RefineChoice refine = RefineChoice::Auto;
   std::optional<double> weld;  ///< vertices within this fraction of the diagonal
   FitOptions fit;              ///< its method and prepared are not looked at
-};
-
-/// Why a method was taken where none was named.
-struct MethodReason {
-  std::string text;                                 ///< in a line, for people
-  std::optional<SurfaceQuality> progressive, fair;  ///< at level 1; empty: not measured
-};
-
-/// Whether vertices were added, and why.
-struct RefineReason {
-  std::string text;  ///< in a line, for people
-  /// At level 2, and with added vertices, which are denser, at level 1; empty: not measured.
-  std::optional<BendingFigures> given, refined;
 };
 
 /// A mesh that anybody made, with the fit of it.
@@ -69,21 +57,22 @@ struct FittedMesh {
   bool repairs = true, uses_tags = true;
   bool finds_features = false;
   std::optional<double> crease_degrees, weld;
-  bool split_normals = false;  ///< see FitFileOptions
-  std::optional<MethodReason> reason;
+  bool split_normals = false;    ///< see FitFileOptions
+  std::optional<Choice> choice;  ///< where something was left open
+  /// Of the surface at level 1, where it was measured to choose it.
+  std::optional<SurfaceQuality> level_one_quality;
   bool pairs_triangles = false;   ///< whether they were joined: with it the cage can be verified
   std::int64_t paired_count = 0;  ///< triangles that became quads, each a diagonal less
-  std::optional<QuadReason> quad_reason;
   /// The last vertices of `mesh`, those that refine_mesh() added; of these source_vertices has -1.
   std::vector<AddedVertex> added_vertices;
-  std::optional<RefineReason> refine_reason;
   double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
   std::int64_t welded_count = 0;   ///< vertices that became another
   MeshDensity density;             ///< before triangles are joined by measurement
   /// For each vertex and face of `mesh` the given one's; empty: the same.
   std::vector<std::int32_t> source_vertices, source_faces;
-  std::vector<std::int32_t> changed_faces;      ///< the given mesh's that repair changed
-  std::vector<std::int32_t> smoothed_vertices;  ///< of `mesh`, see CreasedFit
+  std::vector<std::int32_t> changed_faces;  ///< the given mesh's that repair changed
+  FoundCreases found;                       ///< of `mesh`, and not taken back
+  std::int64_t rounded_count = 0;           ///< edges that were, for they fold a fair surface
   /// For sheet_gap(): along which repair separated sheets, pairs of vertices of the given mesh.
   std::vector<std::pair<std::int32_t, std::int32_t>> separated_edges;
   std::vector<Warning> warnings;  ///< of repair and of the fit
@@ -109,20 +98,18 @@ struct ReadyFit {
   FittedMesh fitted;  ///< all but the fit; the method may change where measurement chooses it
   std::string name;
   MeshFitOptions options;
-  std::optional<FoundCreases> found;  ///< where sharp edges were looked for
-  bool chooses_method = false;        ///< by measurement
-  std::optional<PolygonMesh> given;   ///< as it was, where that needs it
+  bool chooses_method = false;       ///< by measurement
+  std::optional<PolygonMesh> given;  ///< as it was, where that needs it
   /// The same with triangles joined, where these may be better, or plainly are.
   std::shared_ptr<ReadyFit> paired;
   bool is_plainly_halved = false;
+  /// Which faces may be joined, where these are; empty: all.
+  std::vector<std::uint8_t> may_join;
   /// The same with added vertices, which prepare_refined() makes: for who wants to know beforehand
   /// what may come; fit_prepared() makes them of the mesh with all that it finds.
   std::shared_ptr<ReadyFit> refined;
 };
 
-/// Whether vertices may be added: nothing but its surface hangs on the mesh's own, and where nobody
-/// named it, nothing but measurement chooses.
-[[nodiscard]] bool may_refine(const ReadyFit& ready);
 /// Sets ReadyFit::refined where vertices may be added and are.
 void prepare_refined(ReadyFit& ready);
 
@@ -130,6 +117,12 @@ void prepare_refined(ReadyFit& ready);
 /// problem and its remedy, and as repair(). Callbacks must outlive what is returned.
 [[nodiscard]] ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name,
                                    const MeshFitOptions& options = {});
+
+/// What a control cage is of, whatever is chosen for the surface: the mesh's own faces with what is
+/// sharp in it, by the method that is named, else the progressive one.
+[[nodiscard]] ReadyFit cage_fit(const ReadyFit& ready);
+/// Whether a surface is that of cage_fit(), too.
+[[nodiscard]] bool has_own_cage(const FittedMesh& fitted);
 
 /// The second half: the choice of the method, and fit(). Throws as that.
 [[nodiscard]] FittedMesh fit_prepared(ReadyFit ready, Backend& backend);

@@ -12,43 +12,28 @@ using Json = nlohmann::ordered_json;
 
 Json norms_json(const ErrorNorms& norms) { return {{"max", norms.max}, {"rms", norms.rms}}; }
 
-Json choice_json(const std::optional<MethodReason>& choice) {
+Json choice_json(const std::optional<Choice>& choice) {
   if (!choice) return nullptr;
-  const auto figures = [](const std::optional<SurfaceQuality>& quality) -> Json {
-    if (!quality) return nullptr;
-    return {{"folded_area_elsewhere", quality->folded_area_elsewhere},
-            {"rms_normal_deviation", quality->rms_normal_deviation}};
+  Json candidates = Json::array();
+  for (std::size_t i = 0; i < choice->candidates.size(); ++i) {
+    const Candidate& candidate = choice->candidates[i];
+    const auto measured = [&](double figure) -> Json {
+      return candidate.is_measured() ? Json(figure) : Json();
+    };
+    candidates.push_back({{"faces", word_of(kFacesWords, candidate.faces)},
+                          {"method", word_of(kMethodWords, candidate.method)},
+                          {"converged", candidate.converged},
+                          {"folded_area_elsewhere", measured(candidate.folded_area)},
+                          {"bending", measured(candidate.bending)},
+                          {"cost", measured(candidate.cost())},
+                          {"taken", i == choice->taken}});
+  }
+  const auto text = [](const std::string& reason) {
+    return reason.empty() ? Json() : Json(reason);
   };
-  return {{"reason", choice->text},
-          {"progressive", figures(choice->progressive)},
-          {"fair", figures(choice->fair)}};
-}
-
-Json bending_json(const std::optional<BendingFigures>& of) {
-  if (!of) return nullptr;
-  return {{"bending", of->bending}, {"folded_area_elsewhere", of->folded_area}};
-}
-
-Json refinement_json(const FittedMesh& fitted) {
-  Json choice;
-  if (fitted.refine_reason) {
-    const RefineReason& reason = *fitted.refine_reason;
-    choice = {{"reason", reason.text},
-              {"given", bending_json(reason.given)},
-              {"refined", bending_json(reason.refined)}};
-  }
-  return {{"added", fitted.added_vertices.size()}, {"choice", choice}};
-}
-
-Json quads_json(const FittedMesh& fitted) {
-  Json choice;
-  if (fitted.quad_reason) {
-    const QuadReason& reason = *fitted.quad_reason;
-    choice = {{"reason", reason.text},
-              {"triangles", bending_json(reason.triangles)},
-              {"quads", bending_json(reason.quads)}};
-  }
-  return {{"joined", fitted.paired_count}, {"choice", choice}};
+  return {{"reason", text(choice->reason)},
+          {"faces_reason", text(choice->faces_reason)},
+          {"candidates", candidates}};
 }
 
 Json fair_json(const FittedMesh& fitted) {
@@ -58,7 +43,7 @@ Json fair_json(const FittedMesh& fitted) {
           {"shrunk_vertices", fair.shrunk_vertices},
           {"reversed_vertices", fair.reversed_vertices},
           {"cured_vertices", fair.cured_vertices},
-          {"smoothed_vertices", fitted.smoothed_vertices.size()},
+          {"rounded_edges", fitted.rounded_count},
           {"flagged_edges", fair.flagged_edges},
           {"flagged_faces", fair.flagged_faces},
           {"rounds",
@@ -112,7 +97,7 @@ Json solve_json(const FittedMesh& fitted) {
   const auto where = [](bool applies, Json value) { return applies ? value : Json(); };
   Json json;
   json["method"] = word_of(kMethodWords, options.method);
-  json["choice"] = choice_json(fitted.reason);
+  json["choice"] = choice_json(fitted.choice);
   json["scheme"] = word_of(kSchemeWords, options.scheme);
   json["weights"] =
       where(options.scheme == Scheme::DooSabin, word_of(kWeightsWords, options.weights));
@@ -121,8 +106,8 @@ Json solve_json(const FittedMesh& fitted) {
   json["creases"] = fitted.creases();
   json["repair"] = fitted.repairs ? "safe" : "none";
   json["weld"] = fitted.weld ? Json(*fitted.weld) : Json();
-  json["quads"] = quads_json(fitted);
-  json["refine"] = refinement_json(fitted);
+  json["quads"] = {{"joined", fitted.paired_count}};
+  json["refine"] = {{"added", fitted.added_vertices.size()}};
   json["tolerance"] = options.tolerance;
   json["within"] = within_json(fitted.fit.within);
   json["converged"] = result.converged;

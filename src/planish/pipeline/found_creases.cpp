@@ -1,11 +1,12 @@
 #include "planish/pipeline/found_creases.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <tuple>
 #include <utility>
 
+#include "planish/core/counted.h"
+#include "planish/core/error.h"
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/deep_folds.h"
@@ -24,6 +25,7 @@ constexpr double kFewCreases = 16;
 // A fit that is not given out yet, with its tags.
 struct CreasedCandidate {
   Fit fit;
+  FoundCreases found;
   std::vector<CreaseEdge> creases;
   std::vector<CornerVertex> corners;
   std::vector<Warning> warnings;
@@ -48,8 +50,10 @@ double folded_area(const PolygonMesh& mesh, const Fit& fitted, const FitOptions&
   return area;
 }
 
-CreasedCandidate creased_candidate(const PolygonMesh& mesh, Backend& backend, FitOptions options) {
+CreasedCandidate creased_candidate(const PolygonMesh& mesh, const FoundCreases& found,
+                                   Backend& backend, FitOptions options) {
   CreasedCandidate result;
+  result.found = found;
   const Callbacks whole = options.callbacks;
   options.callbacks = share_of(whole, 0, 0.6);
   options.method = InterpolationMethod::Fair;
@@ -97,64 +101,81 @@ void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
   }
 }
 
-bool is_before(const CreaseEdge& a, const CreaseEdge& b) {
-  return std::tuple(std::minmax(a.v0, a.v1)) < std::tuple(std::minmax(b.v0, b.v1));
-}
-
-bool is_at_other(const CornerVertex& a, const CornerVertex& b) { return a.vertex < b.vertex; }
-
-// What was added to the tags that a mesh had before.
-FoundCreases found_since(const PolygonMesh& mesh, std::size_t creases, std::size_t corners) {
-  FoundCreases found{
-      {mesh.creases.begin() + static_cast<std::ptrdiff_t>(creases), mesh.creases.end()},
-      {mesh.corners.begin() + static_cast<std::ptrdiff_t>(corners), mesh.corners.end()}};
-  std::ranges::sort(found.creases, is_before);
-  std::ranges::sort(found.corners, is_at_other);
-  return found;
+// Tags at smooth vertices that are among those found.
+template <class Tag, class Found, class IsSmooth>
+void drop_found(std::vector<Tag>& tags, std::vector<Found>& found, const auto& found_of,
+                const IsSmooth& is_smooth) {
+  std::erase_if(tags, [&](const Tag& tag) {
+    const Found one = found_of(tag);
+    return is_smooth(one) && std::ranges::binary_search(found, one);
+  });
+  std::erase_if(found, is_smooth);
 }
 
 }  // namespace
 
+void add_tags(PolygonMesh& mesh, const FoundCreases& found) {
+  const auto require_vertex = [&](std::int32_t vertex) {
+    if (vertex < 0 || vertex >= mesh.vertex_count())
+      throw Error(ErrorCode::UnusableMesh, formatted("vertex {} is sharp, of a mesh of {}", vertex,
+                                                     counted(mesh.vertex_count(), "vertex")));
+  };
+  for (const auto& [v0, v1] : found.edges) {
+    require_vertex(v0);
+    require_vertex(v1);
+    mesh.creases.push_back({v0, v1});
+  }
+  for (const std::int32_t corner : found.corners) {
+    require_vertex(corner);
+    mesh.corners.push_back({corner});
+  }
+}
+
 FoundCreases add_features(PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared,
                           const FeatureRules& rules, const std::function<void(double)>& done) {
-  const std::size_t creases = mesh.creases.size(), corners = mesh.corners.size();
   const UsedPart used = used_part(mesh, prepared);
   const Features features = find_features(used.mesh, *prepared->topology, rules, done);
   std::vector<char> is_tagged(mesh.positions.size(), 0);
   for (const CornerVertex& corner : mesh.corners) is_tagged[corner.vertex] = 1;
-  for (const FeatureEdge& edge : features.edges)
-    if (edge.is_sharp && edge.reason != FeatureReason::Tagged)
-      mesh.creases.push_back({used.vertices[edge.v0], used.vertices[edge.v1]});
+  FoundCreases found;
+  for (const FeatureEdge& edge : features.edges) {
+    if (!edge.is_sharp || edge.reason == FeatureReason::Tagged) continue;
+    const auto [v0, v1] = std::minmax(used.vertices[edge.v0], used.vertices[edge.v1]);
+    found.edges.push_back({v0, v1});
+  }
   for (const std::int32_t corner : features.corners)
     if (const std::int32_t vertex = used.vertices[corner]; is_tagged[vertex] == 0)
-      mesh.corners.push_back({vertex});
-  return found_since(mesh, creases, corners);
+      found.corners.push_back(vertex);
+  std::ranges::sort(found.edges);
+  std::ranges::sort(found.corners);
+  add_tags(mesh, found);
+  return found;
 }
 
-void leave_smooth(PolygonMesh& mesh, const FoundCreases& found,
-                  std::span<const std::int32_t> smoothed_vertices) {
+void leave_smooth(PolygonMesh& mesh, FoundCreases& found, std::span<const std::int32_t> vertices) {
   std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
-  for (const std::int32_t v : smoothed_vertices)
-    if (v >= 0 && v < mesh.vertex_count()) smooth[v] = 1;
-  std::erase_if(mesh.creases, [&](const CreaseEdge& crease) {
-    return (smooth[crease.v0] != 0 || smooth[crease.v1] != 0) &&
-           std::ranges::binary_search(found.creases, crease, is_before);
-  });
-  std::erase_if(mesh.corners, [&](const CornerVertex& corner) {
-    return smooth[corner.vertex] != 0 &&
-           std::ranges::binary_search(found.corners, corner, is_at_other);
-  });
+  for (const std::int32_t v : vertices) smooth[v] = 1;
+  using Edge = std::array<std::int32_t, 2>;
+  drop_found(
+      mesh.creases, found.edges,
+      [](const CreaseEdge& crease) {
+        const auto [v0, v1] = std::minmax(crease.v0, crease.v1);
+        return Edge{v0, v1};
+      },
+      [&](const Edge& edge) { return smooth[edge[0]] != 0 || smooth[edge[1]] != 0; });
+  drop_found(
+      mesh.corners, found.corners, [](const CornerVertex& corner) { return corner.vertex; },
+      [&](std::int32_t vertex) { return smooth[vertex] != 0; });
 }
 
 namespace {
 
-CreasedFit creased_fit(PolygonMesh& mesh, const FoundCreases& found, Backend& backend,
+CreasedFit creased_fit(PolygonMesh& mesh, FoundCreases found, Backend& backend,
                        const FitOptions& options) {
-  CreasedFit result;
   RoundParts rounds(options.callbacks, 0.8);  // mostly one is enough
   FitOptions prepared = options;
   prepared.callbacks = rounds.next();
-  CreasedCandidate best = creased_candidate(mesh, backend, prepared);
+  CreasedCandidate best = creased_candidate(mesh, found, backend, prepared);
   prepared.prepared = best.fit.prepared;
   std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
   const auto first_count = static_cast<double>(best.creases.size());
@@ -165,17 +186,15 @@ CreasedFit creased_fit(PolygonMesh& mesh, const FoundCreases& found, Backend& ba
   double least = best.area;
   // False where what is taken back costs more than all folds that are left.
   const auto try_smooth = [&] {
-    std::vector<std::int32_t> smoothed = numbers_of(smooth);
     const std::size_t before = mesh.creases.size() + mesh.corners.size();
-    leave_smooth(mesh, found, smoothed);
+    leave_smooth(mesh, found, numbers_of(smooth));
     if (lost(mesh.creases.size()) >= least) return false;
     if (mesh.creases.size() + mesh.corners.size() == before) return true;
     prepared.callbacks = rounds.next();
-    CreasedCandidate next = creased_candidate(mesh, backend, prepared);
+    CreasedCandidate next = creased_candidate(mesh, found, backend, prepared);
     const double cost = next.area + lost(next.creases.size());
     if (cost >= least) return true;
     least = cost;
-    result.smoothed_vertices = std::move(smoothed);
     best = std::move(next);
     return true;
   };
@@ -191,8 +210,7 @@ CreasedFit creased_fit(PolygonMesh& mesh, const FoundCreases& found, Backend& ba
   mesh.creases = std::move(best.creases);
   mesh.corners = std::move(best.corners);
   for (const Warning& warning : best.warnings) options.callbacks.warn(warning);
-  result.fit = std::move(best.fit);
-  return result;
+  return {std::move(best.fit), std::move(best.found)};
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,11 +15,17 @@
 
 namespace planish {
 
-/// The creases and corners that were found of a mesh, those that it was tagged with aside.
+/// What was found to be sharp of a mesh, its own tags aside: edges by their vertices, the smaller
+/// first, and corners; both ascending.
 struct FoundCreases {
-  std::vector<CreaseEdge> creases;
-  std::vector<CornerVertex> corners;
+  std::vector<std::array<std::int32_t, 2>> edges;
+  std::vector<std::int32_t> corners;
+
+  [[nodiscard]] bool is_empty() const { return edges.empty() && corners.empty(); }
 };
+
+/// Tags it. Throws Error{UnusableMesh} for what is no vertex of the mesh.
+void add_tags(PolygonMesh& mesh, const FoundCreases& found);
 
 /// Tags what find_features() finds. `prepared` is the mesh's, and stays so.
 [[nodiscard]] FoundCreases add_features(PolygonMesh& mesh,
@@ -26,9 +33,8 @@ struct FoundCreases {
                                         const FeatureRules& rules = {},
                                         const std::function<void(double)>& done = {});
 
-/// Takes back found creases that end at one of these vertices, and found corners there.
-void leave_smooth(PolygonMesh& mesh, const FoundCreases& found,
-                  std::span<const std::int32_t> smoothed_vertices);
+/// Takes back what was found at one of these vertices, of the tags and of `found`.
+void leave_smooth(PolygonMesh& mesh, FoundCreases& found, std::span<const std::int32_t> vertices);
 
 /// The share of the area that may fold before all found creases are taken back, part of it before
 /// as large a part of them is, but for a few: an edge that is rounded is seen from far, a fold of
@@ -38,8 +44,7 @@ inline constexpr double kWorthAllCreases = 3e-3;
 /// A fair surface whose creases only help.
 struct CreasedFit {
   Fit fit;
-  /// Ascending: found creases with an end at one of them were taken back, and corners there.
-  std::vector<std::int32_t> smoothed_vertices;
+  FoundCreases found;  ///< what was not taken back
 };
 
 /// Fits by the fair method a mesh whose creases were found. Where the surface is folded at level 3

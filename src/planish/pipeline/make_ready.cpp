@@ -96,9 +96,10 @@ void name_sources(ReadyMesh& ready, std::vector<std::int32_t>&& welded) {
 
 }  // namespace
 
-bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees) {
+bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees,
+             std::span<const std::uint8_t> may_join) {
   PairedMesh paired =
-      with_paired_triangles(ready.mesh, *ready.prepared, pair_options(crease_degrees));
+      with_paired_triangles(ready.mesh, *ready.prepared, pair_options(crease_degrees, may_join));
   if (paired.pair_count == 0) return false;
   ready.paired_count = paired.pair_count;
   take_faces(ready, std::move(paired.mesh), std::move(paired.source_faces), {});
@@ -110,8 +111,9 @@ void make_fair(ReadyMesh& ready) {
   if (ready.prepared) ready.mesh = with_cusp_corners(ready.mesh);
 }
 
-PairOptions pair_options(std::optional<double> crease_degrees) {
-  PairOptions options;
+PairOptions pair_options(std::optional<double> crease_degrees,
+                         std::span<const std::uint8_t> may_join) {
+  PairOptions options{.may_join = may_join};
   if (crease_degrees) options.largest_turn = std::min(options.largest_turn, *crease_degrees);
   return options;
 }
@@ -148,15 +150,19 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
   name_sources(ready, std::move(welded_sources));
   if (shortened) ready.changes.insert(ready.changes.begin(), *shortened);
   if (choice.repairs) take_out_flat_triangles(ready, choice.stands_alone);
-  if (choice.finds_features && ready.prepared)
+  const bool searches = choice.found == nullptr && ready.prepared;
+  if (choice.found != nullptr) {
+    ready.found = *choice.found;
+    add_tags(ready.mesh, ready.found);
+  }
+  if (choice.finds_features && searches)
     ready.found = add_features(ready.mesh, ready.prepared, {}, choice.features_done);
-  if (choice.pairs_triangles && ready.prepared) pair_up(ready, choice.crease_degrees);
+  if (choice.pairs_triangles && ready.prepared)
+    pair_up(ready, choice.crease_degrees, choice.may_join);
   if (choice.repairs && choice.method == InterpolationMethod::Fair) make_fair(ready);
   // On the faces that the fair method has cut.
-  if (choice.crease_degrees && ready.prepared)
+  if (choice.crease_degrees && searches)
     ready.found = add_features(ready.mesh, ready.prepared, {.every = choice.crease_degrees});
-  if (ready.found && !choice.smoothed_vertices.empty())
-    leave_smooth(ready.mesh, *ready.found, choice.smoothed_vertices);
   return ready;
 }
 

@@ -25,9 +25,10 @@ struct Preparation {
   std::optional<double> crease_degrees;  ///< sharp are edges whose faces turn by more, too
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<double> weld;  ///< see weld_vertices()
-  /// Where no creases are to be found; of the mesh that comes out.
-  std::span<const std::int32_t> smoothed_vertices;
+  /// Of the mesh that comes out, in place of a search.
+  const FoundCreases* found = nullptr;
   bool pairs_triangles = false;                    ///< see with_paired_triangles()
+  std::span<const std::uint8_t> may_join{};        ///< where; see PairOptions
   bool stands_alone = true;                        ///< see MeshFitOptions
   std::function<void(double)> features_done = {};  ///< told parts of 1, for these take a while
 };
@@ -36,15 +37,15 @@ struct Preparation {
 /// where nothing was welded, repaired or cut.
 struct ReadyMesh : RepairedMesh {
   std::int64_t welded_count = 0;
-  std::int64_t paired_count = 0;  ///< diagonals that went
-  /// What was looked for, and found: for fit_with_found_creases().
-  std::optional<FoundCreases> found;
+  std::int64_t paired_count = 0;                 ///< diagonals that went
+  FoundCreases found;                            ///< and tagged
   std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
 };
 
 /// How triangles are joined for a fit: edges that may be found as creases, which turn by more than
 /// `crease_degrees`, stay.
-[[nodiscard]] PairOptions pair_options(std::optional<double> crease_degrees);
+[[nodiscard]] PairOptions pair_options(std::optional<double> crease_degrees,
+                                       std::span<const std::uint8_t> may_join = {});
 
 /// The mesh that is fitted: without tags where they are to be ignored, welded where that is asked
 /// for, repaired where that is, with its triangles paired, with creases detected where an angle is
@@ -56,7 +57,8 @@ struct ReadyMesh : RepairedMesh {
 
 /// What that does where triangles are paired, of a mesh that is ready otherwise and has no found
 /// creases. False, and nothing is done, where none are.
-bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees);
+bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees,
+             std::span<const std::uint8_t> may_join = {});
 
 /// What that does for fair surfaces alone, of a mesh that is ready otherwise and has no found
 /// creases.

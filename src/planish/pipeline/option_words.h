@@ -12,6 +12,7 @@
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/sharpness.h"
+#include "planish/pipeline/choice.h"
 #include "planish/primal/scheme.h"
 #include "planish/refine/refine_mesh.h"
 
@@ -32,6 +33,11 @@ inline constexpr std::array kWeightsWords{OptionWord<Weights>{"doo-sabin", Weigh
 inline constexpr std::array kMethodWords{
     OptionWord<InterpolationMethod>{"progressive", InterpolationMethod::Progressive},
     OptionWord<InterpolationMethod>{"fair", InterpolationMethod::Fair}};
+inline constexpr std::array kFacesWords{
+    OptionWord<CandidateFaces>{"given", CandidateFaces::Given},
+    OptionWord<CandidateFaces>{"quads", CandidateFaces::Quads},
+    OptionWord<CandidateFaces>{"refined", CandidateFaces::Refined},
+    OptionWord<CandidateFaces>{"mixed", CandidateFaces::Mixed}};
 inline constexpr std::array kSolverWords{OptionWord<Solver>{"chebyshev", Solver::Chebyshev},
                                          OptionWord<Solver>{"plain", Solver::Plain},
                                          OptionWord<Solver>{"cg", Solver::ConjugateGradients}};

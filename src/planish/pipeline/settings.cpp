@@ -104,4 +104,13 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
   }
 }
 
+void settle(FitSettings& settings, const FittedMesh& fitted) {
+  settings.creases.chooses = false;
+  settings.creases.finds_features = fitted.finds_features;
+  settings.creases.dihedral_degrees = fitted.crease_degrees;
+  settings.quads = fitted.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
+  settings.refine = fitted.added_vertices.empty() ? RefineChoice::Off : RefineChoice::On;
+  if (fitted.fit.within) settings.within = {.of_diagonal = fitted.fit.within->within};
+}
+
 }  // namespace planish

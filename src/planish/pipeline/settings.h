@@ -105,4 +105,7 @@ using SpellOption = std::string (*)(std::string_view name);
 /// without a mesh and a device.
 void check_consistent(const FitSettings& settings, SpellOption spell = flag_of_option);
 
+/// What was left open as it was taken for a fit, but the method.
+void settle(FitSettings& settings, const FittedMesh& fitted);
+
 }  // namespace planish

@@ -79,7 +79,7 @@ Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const Verify
   ReadyMesh ready = make_ready(
       PolygonMesh(given),
       {options.repairs, options.sharp.use_tags, options.finds_features, options.crease_degrees,
-       options.method, options.weld, options.smoothed_vertices, pairs_triangles});
+       options.method, options.weld, options.found, pairs_triangles});
   require_usable(ready.mesh, options.given_name);
   if (refines)
     if (auto refined = refine_mesh(ready.mesh, *prepare_mesh(ready.mesh, options.given_name)))

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "planish/backend/backend.h"
@@ -11,6 +10,7 @@
 #include "planish/fair/interpolation_method.h"
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/pipeline/found_creases.h"
 #include "planish/primal/scheme.h"
 #include "planish/refine/refine_mesh.h"
 
@@ -21,11 +21,12 @@ struct VerifyOptions {
   Scheme scheme = Scheme::DooSabin;
   Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
   SharpFeatureOptions sharp;
-  bool repairs = true;                                ///< of the given mesh, as when it was fitted
-  bool finds_features = false;                        ///< the same
-  std::optional<double> crease_degrees;               ///< the same
-  std::optional<double> weld;                         ///< the same
-  std::span<const std::int32_t> smoothed_vertices{};  ///< see CreasedFit
+  bool repairs = true;                   ///< of the given mesh, as when it was fitted
+  bool finds_features = false;           ///< the same
+  std::optional<double> crease_degrees;  ///< the same
+  std::optional<double> weld;            ///< the same
+  /// FittedMesh::found, in place of a search by the two.
+  const FoundCreases* found = nullptr;
   /// Of the given mesh, as when it was fitted; auto: joined where the cage is of no other faces.
   QuadChoice quads = QuadChoice::Auto;
   /// The same, of the fair method; auto: added where the cage is of no other faces.

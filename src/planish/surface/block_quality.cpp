@@ -25,14 +25,22 @@ constexpr std::size_t kSharedPieces = 8;
 
 using Sums = QualitySums;
 
+}  // namespace
+
 // Measures one range of quads after another; keeps its memory.
 class QuadMeter {
  public:
+  using Run = BlockQuality::Run;
+
+  // `runs`: where the quads' parts are asked for.
   Sums operator()(const PolygonMesh& input, const ApexNormals& apexes,
                   std::span<const std::uint8_t> is_beside_folds, const SurfaceBlocks& surface,
                   RowRange faces, std::span<const glm::dvec3> positions,
-                  std::span<const glm::vec3> normals) {
+                  std::span<const glm::vec3> normals, const PartOfFaces& parts = {},
+                  std::vector<Run>* runs = nullptr) {
     input_ = &input;
+    parts_ = parts.of_face;
+    runs_ = runs;
     apexes_ = &apexes;
     is_beside_folds_ = is_beside_folds;
     positions_ = positions;
@@ -95,15 +103,31 @@ class QuadMeter {
 
   void add_fold(std::size_t face, double area, Sums& sums) const {
     const std::int32_t ancestor = ancestors_[face];
-    const bool is_elsewhere = is_beside_folds_.empty() || is_beside_folds_[ancestor] == 0;
+    const bool counts = is_elsewhere(ancestor);
     sums.folded += area;
-    if (is_elsewhere) sums.folded_elsewhere += area;
+    if (counts) sums.folded_elsewhere += area;
     const glm::dvec3* const corners = positions_.data() + 4 * face;
-    sums.places.add({ancestor, 0.25 * (corners[0] + corners[1] + corners[2] + corners[3])},
-                    is_elsewhere);
+    sums.places.add({ancestor, 0.25 * (corners[0] + corners[1] + corners[2] + corners[3])}, counts);
+  }
+
+  // Where the input is not to blame.
+  [[nodiscard]] bool is_elsewhere(std::int32_t ancestor) const {
+    return is_beside_folds_.empty() || is_beside_folds_[ancestor] == 0;
   }
 
   void add(std::size_t face, int i, Sums& sums) const {
+    add_figures(face, i, sums);
+    if (runs_ == nullptr) return;
+    const std::int32_t part = parts_.empty() ? 0 : parts_[ancestors_[face]];
+    if (runs_->empty() || runs_->back().part != part) runs_->push_back({part, {}});
+    PartSums& of_part = runs_->back().sums;
+    of_part.area += figures_.area[i];
+    of_part.bending += figures_.bending[i];
+    if (deviates_[i] && is_elsewhere(ancestors_[face]))
+      of_part.folded_elsewhere += figures_.folded[i];
+  }
+
+  void add_figures(std::size_t face, int i, Sums& sums) const {
     sums.area += figures_.area[i];
     sums.bending += figures_.bending[i];
     if (!deviates_[i]) return;
@@ -117,6 +141,8 @@ class QuadMeter {
   std::span<const std::uint8_t> is_beside_folds_;
   std::span<const glm::dvec3> positions_;
   std::span<const glm::vec3> normals_;
+  std::span<const std::int32_t> parts_;
+  std::vector<Run>* runs_ = nullptr;
   RawVector<std::int32_t> ancestors_;
   std::int32_t ancestor_ = -1;
   const glm::dvec3* apex_ = nullptr;
@@ -127,28 +153,45 @@ class QuadMeter {
   QuadFigures figures_;
 };
 
-}  // namespace
-
 BlockQuality::BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& input,
-                           std::span<const std::uint8_t> is_beside_folds)
-    : surface_(surface), input_(input), is_beside_folds_(is_beside_folds), apexes_(input) {
+                           std::span<const std::uint8_t> is_beside_folds, const PartOfFaces& parts)
+    : surface_(surface),
+      input_(input),
+      is_beside_folds_(is_beside_folds),
+      apexes_(input),
+      parts_(parts) {
   PLANISH_ASSERT(surface.info().level >= 1 && surface.info().corners_per_face == 4);
   const std::vector<RowRange> pieces = swept_pieces(surface.info());
   if (!pieces.empty()) piece_size_ = pieces.front().count;
   of_pieces_.resize(pieces.size());
+  runs_of_pieces_.resize(pieces.size());
 }
 
 void BlockQuality::add(RowRange piece, std::span<const glm::dvec3> positions,
                        std::span<const glm::vec3> normals) {
   thread_local QuadMeter measure;
-  of_pieces_[piece.first / piece_size_] =
-      measure(input_, apexes_, is_beside_folds_, surface_, piece, positions, normals);
+  const auto number = static_cast<std::size_t>(piece.first / piece_size_);
+  of_pieces_[number] = measure(input_, apexes_, is_beside_folds_, surface_, piece, positions,
+                               normals, parts_, &runs_of_pieces_[number]);
 }
 
 SurfaceQuality BlockQuality::result() const {
   QualitySums all;
   for (const QualitySums& part : of_pieces_) all.add(part);
   return all.quality();
+}
+
+std::vector<PartSums> BlockQuality::parts() const {
+  std::vector<PartSums> parts(static_cast<std::size_t>(parts_.count));
+  for (const std::vector<Run>& runs : runs_of_pieces_) {
+    for (const Run& run : runs) {
+      PartSums& part = parts[run.part];
+      part.area += run.sums.area;
+      part.folded_elsewhere += run.sums.folded_elsewhere;
+      part.bending += run.sums.bending;
+    }
+  }
+  return parts;
 }
 
 void QualitySums::add(const QualitySums& later) {
@@ -194,10 +237,10 @@ QualitySums quality_sums(const SurfaceBlocks& surface, std::span<const RowRange>
   return all;
 }
 
-SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
-                               std::span<const std::uint8_t> is_beside_folds,
-                               const Callbacks& callbacks) {
-  BlockQuality quality(surface, input, is_beside_folds);
+namespace {
+
+// The whole surface.
+void sweep(const SurfaceBlocks& surface, BlockQuality& quality, const Callbacks& callbacks) {
   const std::vector<RowRange> pieces = swept_pieces(surface.info());
   // At level 1 the quads of a range share their points, so that long ones make fewer of them.
   const std::size_t together = surface.info().level == 1 ? kSharedPieces : 1;
@@ -225,7 +268,24 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
     }
   });
   callbacks.report("measure", 1);
+}
+
+}  // namespace
+
+SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
+                               std::span<const std::uint8_t> is_beside_folds,
+                               const Callbacks& callbacks) {
+  BlockQuality quality(surface, input, is_beside_folds);
+  sweep(surface, quality, callbacks);
   return quality.result();
+}
+
+std::vector<PartSums> quality_of_parts(const SurfaceBlocks& surface, const PolygonMesh& input,
+                                       std::span<const std::uint8_t> is_beside_folds,
+                                       const PartOfFaces& parts, const Callbacks& callbacks) {
+  BlockQuality quality(surface, input, is_beside_folds, parts);
+  sweep(surface, quality, callbacks);
+  return quality.parts();
 }
 
 }  // namespace planish

@@ -26,6 +26,18 @@ struct QualitySums {
   [[nodiscard]] SurfaceQuality quality() const;
 };
 
+/// Of a part of a surface: its area, what of it is folded and the input is not to blame for, and
+/// its bending.
+struct PartSums {
+  double area = 0, folded_elsewhere = 0, bending = 0;
+};
+
+/// Which part a face of the input belongs to, 0 to `count` less one; none: it is one part.
+struct PartOfFaces {
+  std::span<const std::int32_t> of_face;
+  std::int32_t count = 1;
+};
+
 /// Those of some ranges of faces, which follow one another, as surface_quality() has them.
 [[nodiscard]] QualitySums quality_sums(const SurfaceBlocks& surface,
                                        std::span<const RowRange> ranges, const PolygonMesh& input,
@@ -36,7 +48,7 @@ struct QualitySums {
 class BlockQuality {
  public:
   BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& input,
-               std::span<const std::uint8_t> is_beside_folds);
+               std::span<const std::uint8_t> is_beside_folds, const PartOfFaces& parts = {});
   BlockQuality(const BlockQuality&) = delete;
   BlockQuality& operator=(const BlockQuality&) = delete;
 
@@ -45,14 +57,25 @@ class BlockQuality {
            std::span<const glm::vec3> normals);
   /// Of all pieces that were added, whatever their order.
   [[nodiscard]] SurfaceQuality result() const;
+  /// The same of each part.
+  [[nodiscard]] std::vector<PartSums> parts() const;
 
  private:
+  // Consecutive quads of one part.
+  struct Run {
+    std::int32_t part;
+    PartSums sums;
+  };
+  friend class QuadMeter;
+
   const SurfaceBlocks& surface_;
   const PolygonMesh& input_;
   std::span<const std::uint8_t> is_beside_folds_;
   ApexNormals apexes_;
   std::int64_t piece_size_ = 1;
+  PartOfFaces parts_;
   std::vector<QualitySums> of_pieces_;
+  std::vector<std::vector<Run>> runs_of_pieces_;
 };
 
 /// surface_quality() against the faces of the mesh that was fitted, of a surface of level 1 or more
@@ -62,5 +85,11 @@ class BlockQuality {
 [[nodiscard]] SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
                                              std::span<const std::uint8_t> is_beside_folds,
                                              const Callbacks& callbacks);
+/// The same of each part.
+[[nodiscard]] std::vector<PartSums> quality_of_parts(const SurfaceBlocks& surface,
+                                                     const PolygonMesh& input,
+                                                     std::span<const std::uint8_t> is_beside_folds,
+                                                     const PartOfFaces& parts,
+                                                     const Callbacks& callbacks);
 
 }  // namespace planish

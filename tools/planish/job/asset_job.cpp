@@ -70,9 +70,8 @@ void prepare_part(const AssetJob& work, AssetPart& part, std::int64_t number) {
   part.report.input.dropped = file.dropped_element_count;
   part.report.input.file_vertices = file.mesh.vertex_count();
   part.report.input.file_faces = file.mesh.face_count();
-  part.ready = timed(part.report.timing.check, [&] {
-    return prepare_input(part.made, work.outputs, part.report, work.context);
-  });
+  part.ready = timed(part.report.timing.check,
+                     [&] { return prepare_input(part.made, part.report, work.context); });
 }
 
 void fit_part(const AssetJob& work, AssetPart& part) {

@@ -113,20 +113,20 @@ std::string outputs_text(const PlannedJob& planned, FileFormat input, const Poly
   return text;
 }
 
-std::string solve_text(const Settings& settings, const std::vector<PlannedOutput>& outputs) {
+std::string solve_text(const Settings& settings, bool is_open) {
   if (settings.interpolation == InterpolationChoice::Fair) return "fair";
   const std::string solver(name_of(settings.solver));
-  return chooses_by_measurement(settings, outputs) ? solver + ", or fair where that is better"
-                                                   : solver;
+  return is_open ? solver + ", or fair where that is better" : solver;
 }
 
 // As it will be fitted, as far as that is known before it is measured.
 ReadyFit expected_ready(const PlannedJob& planned, Input input) {
   const Settings& settings = planned.job.settings;
   MeshFitOptions options = mesh_fit_options(settings);
-  if (!options.method && !chooses_by_measurement(settings, planned.outputs))
+  if (!options.method && !chooses_by_measurement(settings))
     options.method = InterpolationMethod::Progressive;
   ReadyFit ready = prepare_mesh(std::move(input), options, settings);
+  (void)take_cage(ready, planned.outputs, !planned.job.page.empty());
   prepare_refined(ready);
   return ready;
 }
@@ -148,7 +148,7 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
       "would fit {}: {}\n{}  solve        {}, {}{}, tolerance {}\n", name,
       counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count,
                   std::ssize(fitted.added_vertices)),
-      device_line(device), solve_text(settings, planned.outputs),
+      device_line(device), solve_text(settings, ready.chooses_method),
       ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
       : ready.refined                          ? "vertices added where that is better, "
                                                : "",
@@ -194,7 +194,7 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
       kept > 0 ? " (" + with_separators(static_cast<std::int64_t>(kept)) + " would stay as it is)"
                : "",
       counted(vertices, "vertex"), counted(faces, "face"), device_line(device),
-      solve_text(planned.job.settings, planned.outputs));
+      solve_text(planned.job.settings, chooses_by_measurement(planned.job.settings)));
   PlannedJob shown = planned;
   shown.outputs = settled(planned.outputs, finest);
   text += outputs_text(shown, file.format, {}, forecast, claims);

@@ -12,6 +12,7 @@
 #include "page/page.h"
 #include "page/page_still.h"
 #include "planish/core/error.h"
+#include "planish/pipeline/choose_fit.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/surface/memory_need.h"
 #include "terminal/text.h"
@@ -64,6 +65,12 @@ std::uint64_t solve_bytes(std::int64_t corners, bool makes_both, const Settings&
                                   ? kProgressiveBytes
                                   : kFairBytes;
   return bytes * static_cast<std::uint64_t>(corners);
+}
+
+// Of control cages beside surfaces, which are of other fits where the method is left open.
+int cage_fits(const Settings& settings, const std::vector<PlannedOutput>& outputs) {
+  const auto is_cage = [](const PlannedOutput& output) { return output.kind == OutputKind::Cage; };
+  return chooses_by_measurement(settings) && std::ranges::any_of(outputs, is_cage) ? 1 : 0;
 }
 
 // The levels that are held together: the highest, or those of detail in one file.
@@ -135,15 +142,18 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
     forecast.peak_bytes += kStillBytes + kPageVertexBytes * static_cast<std::uint64_t>(vertices);
     seconds += kPageSeconds * static_cast<double>(vertices);
   }
-  const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
+  const double fits = (chooses_by_measurement(settings) ? 2 : 1) + cage_fits(settings, outputs);
   seconds += kVertexSeconds * fits * static_cast<double>(levels[0].vertices);
   forecast.seconds = 1e-6 * seconds;
   return forecast;
 }
 
-std::uint64_t solve_bytes(const ReadyFit& ready, const Settings& settings) {
+std::uint64_t solve_bytes(const ReadyFit& ready, const Settings& settings,
+                          const std::vector<PlannedOutput>& outputs) {
   const bool makes_both = ready.paired && !ready.is_plainly_halved;
-  return solve_bytes(ready.fitted.options.prepared->topology->corner_count(), makes_both, settings);
+  const std::int64_t corners = ready.fitted.options.prepared->topology->corner_count();
+  const std::uint64_t cages = kProgressiveBytes * cage_fits(settings, outputs);
+  return solve_bytes(corners, makes_both, settings) + cages * static_cast<std::uint64_t>(corners);
 }
 
 std::uint64_t rider_bytes(const PointCloud& cloud) {
@@ -188,7 +198,7 @@ std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& setti
     std::vector<int> levels = held_levels(settled_for(mesh, outputs));
     for (int& level : levels) level = std::max(0, level - less);
     held.add(RefinedAttributes::of(expected.mesh), expected_counts(mesh), levels,
-             solve_bytes(*mesh.ready, settings), mesh.vertices);
+             solve_bytes(*mesh.ready, settings, outputs), mesh.vertices);
   }
   return held.peak();
 }

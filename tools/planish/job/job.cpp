@@ -129,8 +129,11 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     }
     JobInput made =
         timed(report.timing.read, [&] { return read_job_input(job, file, report, context); });
+    std::optional<ReadyFit> cage;
     ReadyFit ready = timed(report.timing.check, [&] {
-      ReadyFit prepared = prepare_input(made, outputs, report, context);
+      ReadyFit prepared = prepare_input(made, report, context);
+      cage = take_cage(prepared, outputs, context.wants_page(job));
+      report.method = prepared.fitted.options.method;
       if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context.console);
       const MeshNeed need{&prepared, nullptr};
       require_memory_for({&need, 1}, job.settings, outputs);
@@ -138,6 +141,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     });
     const bool was_open = ready.chooses_method;
     fit_input(made, std::move(ready), backend, job.moves, report, context);
+    if (cage) fit_cage(made, *std::move(cage), backend, job.moves, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
     const std::vector<PlannedOutput> written = settled(outputs, made.fitted.density.level());
     stdout_bytes = staged.naming_targets([&] {

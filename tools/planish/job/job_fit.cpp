@@ -14,26 +14,13 @@ namespace {
 
 void note_fit(JobReport& report, FittedMesh& fitted) {
   report.method = fitted.options.method;
-  report.choice = fitted.reason;
-  report.quad_reason = fitted.quad_reason;
-  // Why none were is for who reads the whole report.
-  if (!fitted.added_vertices.empty()) report.refinement = fitted.refine_reason->text;
-  CreaseChoice& creases = report.settings.creases;
-  creases.chooses = false;
-  creases.finds_features = fitted.finds_features;
-  creases.dihedral_degrees = fitted.crease_degrees;
-  report.found_edges =
-      fitted.crease_degrees || fitted.finds_features ? std::ssize(fitted.mesh.creases) : 0;
+  report.choice = fitted.choice;
+  settle(report.settings, fitted);
+  report.found_edges = std::ssize(fitted.found.edges);
   report.input.joined = fitted.paired_count;
   report.density = fitted.density;
-  report.settings.quads = fitted.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
   report.input.added = std::ssize(fitted.added_vertices);
-  report.settings.refine = report.input.added > 0 ? RefineChoice::On : RefineChoice::Off;
-  if (fitted.fit.within) {
-    report.settings.within = {.of_diagonal = fitted.fit.within->within};
-    report.within = fitted.fit.within;
-  }
-  report.smoothed_vertices = fitted.smoothed_vertices;
+  report.within = fitted.fit.within;
   report.input.welded += fitted.welded_count;
   report.input.separated_edges = std::ssize(fitted.separated_edges);
   report.timing.choose = fitted.choose_milliseconds;
@@ -78,6 +65,20 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
     add_warning(report, context.console, *missed);
   }
   note_fit(report, made.fitted);
+}
+
+void fit_cage(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+              JobReport& report, const JobContext& context) {
+  if (has_own_cage(made.fitted)) return;
+  const std::string name = ready.name;
+  FittedMesh& cage = made.cage.emplace(
+      timed(report.timing.choose, [&] { return fit_prepared(std::move(ready), backend); }));
+  cage.split_normals = report.settings.creases.split_normals;
+  if (!moves.empty()) timed(report.timing.choose, [&] { return apply_moves(cage, moves); });
+  if (const auto missed = convergence_warning(cage, name + ": control cage")) {
+    report.exit_code = ExitCode::NotConverged;
+    add_warning(report, context.console, *missed);
+  }
 }
 
 }  // namespace planish::command

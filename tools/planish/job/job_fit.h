@@ -13,4 +13,9 @@ namespace planish::command {
 void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
                JobReport& report, const JobContext& context);
 
+/// The same of a control cage, after it, into JobInput::cage; nothing where the surface has that
+/// cage itself.
+void fit_cage(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+              JobReport& report, const JobContext& context);
+
 }  // namespace planish::command

@@ -8,6 +8,7 @@
 #include "planish/files/formats.h"
 #include "planish/limit/adaptive_tessellation.h"
 #include "planish/mesh/check.h"
+#include "planish/pipeline/choose_fit.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
 #include "terminal/interrupt.h"
@@ -81,10 +82,6 @@ InterpolationMethod method_for(const Settings& settings, const JobInput& made) {
                     (settings.interpolation == InterpolationChoice::Auto && !made.points.empty() &&
                      settings.scheme == Scheme::DooSabin);
   return fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
-}
-
-bool is_left_open(const Settings& settings) {
-  return settings.interpolation == InterpolationChoice::Auto && settings.scheme == Scheme::DooSabin;
 }
 
 // With the tags that a scene adds.
@@ -171,10 +168,18 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
   return made;
 }
 
-bool chooses_by_measurement(const Settings& settings, const std::vector<PlannedOutput>& outputs) {
-  return is_left_open(settings) && std::ranges::none_of(outputs, [](const PlannedOutput& output) {
-           return output.kind == OutputKind::Cage;
-         });
+bool chooses_by_measurement(const Settings& settings) {
+  return settings.interpolation == InterpolationChoice::Auto && settings.scheme == Scheme::DooSabin;
+}
+
+std::optional<ReadyFit> take_cage(ReadyFit& ready, const std::vector<PlannedOutput>& outputs,
+                                  bool has_page) {
+  const auto is_cage = [](const PlannedOutput& output) { return output.kind == OutputKind::Cage; };
+  if (!is_open(ready) || std::ranges::none_of(outputs, is_cage)) return {};
+  ReadyFit cage = cage_fit(ready);
+  if (has_page || !std::ranges::all_of(outputs, is_cage)) return cage;
+  ready = std::move(cage);
+  return {};
 }
 
 ReadyFit prepare_mesh(Input&& input, MeshFitOptions options, const Settings& settings) {
@@ -182,11 +187,10 @@ ReadyFit prepare_mesh(Input&& input, MeshFitOptions options, const Settings& set
   return prepare_fit(tagged(std::move(input.file.mesh), settings, input.name), input.name, options);
 }
 
-ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs, JobReport& report,
-                       const JobContext& context) {
+ReadyFit prepare_input(JobInput& made, JobReport& report, const JobContext& context) {
   const bool is_mesh = made.points.empty();
   if (!is_mesh) report.settings.weld.reset();  // the mesh is our own
-  const bool chooses = is_mesh && chooses_by_measurement(report.settings, outputs);
+  const bool chooses = is_mesh && chooses_by_measurement(report.settings);
   MeshFitOptions options = mesh_fit_options(report.settings);
   options.fit.callbacks = callbacks_for(report, context);
   if (!chooses) options.method = method_for(report.settings, made);
@@ -194,11 +198,6 @@ ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs
   if (!is_mesh) options.quads = QuadChoice::Off;  // which it has already
   ReadyFit ready = prepare_mesh(std::move(made.input), options, report.settings);
   report.method = ready.fitted.options.method;
-  if (is_mesh && is_left_open(report.settings) && !chooses) {
-    ready.fitted.reason.emplace().text =
-        "progressive: the control cage has the mesh's faces, as that of --interpolation fair "
-        "does not";
-  }
   return ready;
 }
 
@@ -226,7 +225,7 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
       case OptionNeeds::Faces:
         return made.points.empty();
       case OptionNeeds::Progressive:
-        return !is_fair;
+        return !is_fair || made.cage;
       case OptionNeeds::Fair:
         return is_fair;
       case OptionNeeds::Tiles:

@@ -26,6 +26,7 @@ struct JobInput {
   FileMaterials materials;         ///< that the file names
   std::optional<Input> source;     ///< where the job names one
   FittedMesh fitted;               ///< the mesh of `input`, once fit_input() has it
+  std::optional<FittedMesh> cage;  ///< what a control cage is of, where that is another fit
   FoldedEdges folds;               ///< of that
 };
 
@@ -38,10 +39,16 @@ struct JobInput {
 [[nodiscard]] JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report,
                                       const JobContext& context);
 
-/// Whether a mesh's method is chosen by measurement: not where it is named, where only one is to be
-/// had, or where a cage is wanted, which the progressive method alone makes of the mesh's faces.
-[[nodiscard]] bool chooses_by_measurement(const Settings& settings,
-                                          const std::vector<PlannedOutput>& outputs);
+/// Whether a mesh's method is chosen by measurement: not where it is named, or where only one is to
+/// be had.
+[[nodiscard]] bool chooses_by_measurement(const Settings& settings);
+
+/// Where anything is left open and a cage is written, its fit: see cage_fit(). What the surface
+/// is does not hang on it, but where nothing else shows one (`has_page`: a page does): then it
+/// takes the place of `ready`, and nothing is given.
+[[nodiscard]] std::optional<ReadyFit> take_cage(ReadyFit& ready,
+                                                const std::vector<PlannedOutput>& outputs,
+                                                bool has_page);
 
 /// What prepare_fit() makes of the input's mesh with the tags that a scene adds. Throws as that,
 /// and Error{UnusableMesh} for a tag that names no vertex.
@@ -51,8 +58,7 @@ struct JobInput {
 /// prepare_fit() of the input's mesh, with the tags that a scene adds, as the job's settings say;
 /// repairs are told as warnings, since the file is not what its author believes. Notes the report's
 /// method, which measurement may still change. Throws Error{UnusableMesh} naming the file.
-[[nodiscard]] ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs,
-                                     JobReport& report, const JobContext& context);
+[[nodiscard]] ReadyFit prepare_input(JobInput& made, JobReport& report, const JobContext& context);
 
 /// Warns "unused-settings" of flags that have no effect on what the input turned out to be.
 void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,

@@ -1,7 +1,9 @@
 #include "output/cage_header.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string_view>
 
@@ -16,25 +18,62 @@
 namespace planish::command {
 namespace {
 
-// "3 17 20"
-std::vector<std::int32_t> parse_vertices(std::string_view value, const std::string& where) {
-  std::vector<std::int32_t> vertices;
+constexpr std::string_view kEdgesKey = "sharp_edges", kCornersKey = "sharp_corners";
+// So many a line, which stays short enough to be read.
+constexpr std::size_t kMostOfLine = 16;
+
+std::int32_t parse_vertex(std::string_view text, const std::string& where) {
+  std::int64_t vertex = 0;
+  if (!parse_integer(text, vertex) || vertex < 0 ||
+      vertex > std::numeric_limits<std::int32_t>::max())
+    refuse(where, "\"" + visible(text) + "\" is no vertex; 0 to 2147483647 is wanted");
+  return static_cast<std::int32_t>(vertex);
+}
+
+// Words between spaces.
+void for_each_word(std::string_view value, const std::function<void(std::string_view)>& take) {
   while (!value.empty()) {
     const std::size_t end = std::min(value.find(' '), value.size());
-    const std::string_view number = value.substr(0, end);
-    std::int64_t vertex = 0;
-    if (!parse_integer(number, vertex) || vertex < 0 ||
-        vertex > std::numeric_limits<std::int32_t>::max())
-      refuse(where, "\"" + visible(number) + "\" is no vertex; 0 to 2147483647 is wanted");
-    vertices.push_back(static_cast<std::int32_t>(vertex));
+    take(value.substr(0, end));
     value.remove_prefix(std::min(end + 1, value.size()));
   }
-  return vertices;
+}
+
+// "3-17 17-20"
+void parse_edges(std::string_view value, const std::string& where, FoundCreases& found) {
+  for_each_word(value, [&](std::string_view word) {
+    const std::size_t middle = std::min(word.find('-'), word.size());
+    const std::string_view second = word.substr(std::min(middle + 1, word.size()));
+    found.edges.push_back(
+        {parse_vertex(word.substr(0, middle), where), parse_vertex(second, where)});
+  });
+}
+
+// "3 17 20"
+void parse_corners(std::string_view value, const std::string& where, FoundCreases& found) {
+  for_each_word(value,
+                [&](std::string_view word) { found.corners.push_back(parse_vertex(word, where)); });
+}
+
+// Several lines where there are many. Without any there is a line all the same, which says so.
+template <class T>
+void add_found(std::vector<std::string>& lines, std::string_view key, const std::vector<T>& found,
+               const auto& text_of) {
+  std::size_t i = 0;
+  do {
+    std::string text;
+    for (const std::size_t end = std::min(i + kMostOfLine, found.size()); i < end; ++i)
+      text += (text.empty() ? "" : " ") + text_of(found[i]);
+    lines.push_back(formatted("planish {}={}", key, text));
+  } while (i < found.size());
 }
 
 void apply(CageHeader& header, std::string_view key, std::string_view value,
            const std::string& where) {
-  if (key == "smoothed_vertices") header.smoothed_vertices = parse_vertices(value, where);
+  if (key == kEdgesKey || key == kCornersKey) {
+    if (!header.found) header.found.emplace();
+    (key == kEdgesKey ? parse_edges : parse_corners)(value, where, *header.found);
+  }
   if (key == "source") header.source = std::string(value);
   const FitOption* option = find_option(option_table(), key);
   if (option == nullptr || !is_of_cages(*option)) return;
@@ -56,8 +95,7 @@ void require_known_method(const FitSettings& settings, std::string_view where) {
 }
 
 std::vector<std::string> cage_header_lines(FitSettings settings, InterpolationMethod method,
-                                           const std::string& source,
-                                           std::span<const std::int32_t> smoothed_vertices) {
+                                           const std::string& source, const FoundCreases& found) {
   settings.interpolation = method == InterpolationMethod::Fair ? InterpolationChoice::Fair
                                                                : InterpolationChoice::Progressive;
   settings.creases.chooses = false;  // what was found stands in the settings
@@ -75,11 +113,13 @@ std::vector<std::string> cage_header_lines(FitSettings settings, InterpolationMe
     }
     if (has_default) add("source", plain_utf8(std::filesystem::path(source).filename().string()));
   }
-  if (smoothed_vertices.empty()) return lines;
-  std::string numbers;
-  for (const std::int32_t vertex : smoothed_vertices)
-    numbers += (numbers.empty() ? "" : " ") + std::to_string(vertex);
-  add("smoothed_vertices", numbers);
+  if (!settings.creases.finds_features && !settings.creases.dihedral_degrees) return lines;
+  add_found(lines, kEdgesKey, found.edges, [](const std::array<std::int32_t, 2>& edge) {
+    return std::to_string(edge[0]) + "-" + std::to_string(edge[1]);
+  });
+  if (!found.corners.empty())
+    add_found(lines, kCornersKey, found.corners,
+              [](std::int32_t vertex) { return std::to_string(vertex); });
   return lines;
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "planish/core/option.h"
+#include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/settings.h"
 
 namespace planish::command {
@@ -14,8 +16,7 @@ namespace planish::command {
 struct CageHeader {
   /// The defaults where it says nothing, of the progressive method.
   FitSettings settings{.interpolation = InterpolationChoice::Progressive, .creases = {}};
-  /// Of the prepared mesh: where creases were found and taken back, ascending.
-  std::vector<std::int32_t> smoothed_vertices;
+  std::optional<FoundCreases> found;  ///< of the prepared mesh
   std::string source;  ///< file name of the input; may be empty
 };
 
@@ -23,7 +24,7 @@ struct CageHeader {
 /// and the input's file name.
 [[nodiscard]] std::vector<std::string> cage_header_lines(
     FitSettings settings, InterpolationMethod method, const std::string& source,
-    std::span<const std::int32_t> smoothed_vertices = {});
+    const FoundCreases& found = {});
 
 /// Reads them back; a leading comment sign is allowed. Keys that are not known are left to newer
 /// versions. Throws Error{UnreadableInput} naming `name` for a known key whose value is none.

@@ -29,7 +29,8 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
     if (!planned.to_stdout) target = work.staged.stage(planned.path);
     written = surface != nullptr
                   ? write_surface_output(planned, target, *surface, options, stdout_bytes)
-                  : write_cage_output(planned, target, work.made.fitted,
+                  : write_cage_output(planned, target,
+                                      work.made.cage ? *work.made.cage : work.made.fitted,
                                       work.made.materials.library, work.report);
     if (planned.to_stdout) return;
     const std::filesystem::path beside = companion_of(target, planned.format);

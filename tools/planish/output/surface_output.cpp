@@ -236,17 +236,18 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
 WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
                                 const FittedMesh& whole, const MaterialLibrary& materials,
                                 const JobReport& report) {
-  const Settings& settings = report.settings;
+  Settings settings = report.settings;
+  settle(settings, whole);
   const PolygonMesh& input = whole.mesh;
   const Fit& fitted = whole.fit;
   PolygonMesh cage = control_cage(input, fitted, settings.sharp());
   round_for(planned.format, cage.positions);
-  write_mesh(target, planned.format, cage,
-             {.header = cage_header_lines(settings, report.method, report.input.path,
-                                          report.smoothed_vertices),
-              .subdivision = subdivision_of(settings),
-              .is_z_up = settings.up == UpAxis::Z,
-              .materials = {&materials, planned.path.parent_path()}});
+  write_mesh(
+      target, planned.format, cage,
+      {.header = cage_header_lines(settings, whole.options.method, report.input.path, whole.found),
+       .subdivision = subdivision_of(settings),
+       .is_z_up = settings.up == UpAxis::Z,
+       .materials = {&materials, planned.path.parent_path()}});
   WrittenOutput written;
   written.path = planned.path.string();
   written.kind = planned.kind;

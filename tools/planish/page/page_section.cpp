@@ -81,11 +81,10 @@ std::string figures(const Json& report) {
   rows += row("sharp edges, corners",
               count_of(input["sharp_edges"]) + ", " + count_of(input["corners"]));
   rows += row("method", method_text(solve));
-  for (const auto& [label, choice] :
-       {std::pair{"why this method", solve.value("choice", Json())},
-        {"why these faces",
-         solve.value("quads", Json(Json::value_t::object)).value("choice", Json())}})
-    if (choice.is_object()) rows += row(label, text_of(choice["reason"]));
+  if (const Json choice = solve.value("choice", Json()); choice.is_object())
+    for (const auto& [label, key] :
+         {std::pair{"why this method", "reason"}, {"why these faces", "faces_reason"}})
+      if (choice[key].is_string()) rows += row(label, text_of(choice[key]));
   if (const Json within = solve.value("within", Json()); within.is_object())
     rows += row("left by at most, rms", figure(within["allowed"]) + ", " +
                                             figure(within["distance"]["rms"]) + " of the diagonal");

@@ -102,17 +102,14 @@ struct JobReport {
   DeviceDescription device;
   Settings settings;
   InterpolationMethod method = InterpolationMethod::Progressive;
-  std::optional<MethodReason> choice;     ///< where the settings leave the method open
-  std::string refinement;                 ///< why vertices were added, for people; empty: none were
-  std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
-  std::int64_t found_edges = 0;           ///< that are kept sharp
-  MeshDensity density;                    ///< which settles the level where nobody named one
+  std::optional<Choice> choice;  ///< where the settings leave something open
+  std::int64_t found_edges = 0;  ///< that are kept sharp
+  MeshDensity density;           ///< which settles the level where nobody named one
   std::optional<FairFigures> fair;
-  std::optional<MovedFigures> moved;            ///< where the job has moves
-  std::optional<WithinFit> within;              ///< where vertices were left to bend less
-  nlohmann::ordered_json solve;                 ///< solve_json()
-  std::vector<std::int32_t> smoothed_vertices;  ///< see CreasedFit
-  Interpolation interpolation;                  ///< displacement left empty
+  std::optional<MovedFigures> moved;  ///< where the job has moves
+  std::optional<WithinFit> within;    ///< where vertices were left to bend less
+  nlohmann::ordered_json solve;       ///< solve_json()
+  Interpolation interpolation;        ///< displacement left empty
   double spectral_bound = 0;
   std::optional<MeasuredSurface> surface;  ///< empty where none was evaluated
   nlohmann::ordered_json reconstruction;   ///< of a point cloud, see reconstruction_json()

@@ -86,11 +86,13 @@ std::string method_line(const JobReport& report) {
 
 std::string chosen_lines(const JobReport& report) {
   std::string text;
-  if (report.choice) text += "  chosen      " + report.choice->text + "\n";
-  if (report.quad_reason && report.quad_reason->are_better)
-    text += (text.empty() ? "  chosen      " : "              ") + report.quad_reason->text + "\n";
-  if (!report.refinement.empty())
-    text += (text.empty() ? "  chosen      " : "              ") + report.refinement + "\n";
+  const auto add = [&](const std::string& reason) {
+    if (!reason.empty())
+      text += (text.empty() ? "  chosen      " : "              ") + reason + "\n";
+  };
+  if (!report.choice) return text;
+  add(report.choice->reason);
+  add(report.choice->faces_reason);
   return text;
 }
 
@@ -139,15 +141,15 @@ std::string normals_text(const JobReport& report) {
 std::string surface_line(const JobReport& report) {
   const Interpolation& result = report.interpolation;
   std::string text = "  surface     ";
-  if (report.choice) {
-    text += report.choice->text;
+  if (report.choice && !report.choice->reason.empty()) {
+    text += report.choice->reason;
   } else if (report.settings.scheme != Scheme::DooSabin) {
     text += word_of(kSchemeWords, report.settings.scheme);
   } else {
     text += word_of(kMethodWords, report.method);
   }
-  if (report.quad_reason && report.quad_reason->are_better) text += "; " + report.quad_reason->text;
-  if (!report.refinement.empty()) text += "; " + report.refinement;
+  // Why the mesh's own faces stayed is for who reads the whole report.
+  if (report.choice && report.choice->has_other_faces()) text += "; " + report.choice->faces_reason;
   if (!result.converged) text += "; not converged: the error is " + short_number(result.error.max);
   if (!report.surface) return text + "\n";
   if (report.surface->quality.folded_area >= kSoundFoldedArea)

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "planish/fair/interpolation_method.h"
+
+namespace planish {
+
+/// The faces of a surface that may be taken: those of the mesh, triangles joined to quads, or more
+/// triangles, with vertices added between uneven ones; mixed: of each part of the mesh its own.
+enum class CandidateFaces : std::uint8_t { Given, Quads, Refined, Mixed };
+
+/// What a surface is like over a part of the mesh that shares no vertex with others, and what it is
+/// taken by: of level 2, and with added vertices, which make it as fine, of level 1. See
+/// SurfaceQuality: what the input does not fold, of the part's area, and the integral of both
+/// squared curvatures.
+struct PartFigures {
+  CandidateFaces faces = CandidateFaces::Given;
+  double folded_area = 0, bending = 0;
+
+  /// What is least for the surface that is taken; see ChoiceWeights.
+  [[nodiscard]] double cost() const;
+};
+
+/// A surface through the vertices of a mesh that may be taken.
+struct Candidate {
+  CandidateFaces faces = CandidateFaces::Given;
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  std::string alone{};  ///< why the other method was not tried, where it was not
+  bool converged = false;
+  std::vector<PartFigures> parts{};     ///< empty: it needed no measure, for it had no rival
+  double folded_area = 0, bending = 0;  ///< of all of it
+
+  [[nodiscard]] bool is_measured() const { return !parts.empty(); }
+  [[nodiscard]] bool folds() const;
+  /// The sum of its parts', and what a missed tolerance weighs.
+  [[nodiscard]] double cost() const;
+};
+
+/// Folds of less of the area are none.
+inline constexpr double kSoundFoldedArea = 1e-5;
+
+/// The one table of what surfaces are chosen by. A cost is the logarithm of the bending, so that
+/// 0.1 more is a tenth more of it, and what follows.
+struct ChoiceWeights {
+  double missed = 100;       ///< the tolerance
+  double folds = 1e4;        ///< times the folded area
+  double added = 0.1;        ///< vertices, which are to be worth their rows
+  double flat = 1e-6;        ///< of bending: rounding, beside a sphere's 8 pi
+  double alike = 1e-3;       ///< costs that differ by less: the first that was made is taken
+  double close_degrees = 1;  ///< normals nearer to the faces' (rms, level 1) need no rival
+};
+inline constexpr ChoiceWeights kChoiceWeights{};
+
+/// Why a surface was taken.
+struct Choice {
+  std::vector<Candidate> candidates;  ///< in the order that they were made
+  std::size_t taken = 0;
+  /// In a line each, for people: why this method, and why these faces; empty: nothing was chosen.
+  std::string reason, faces_reason;
+
+  [[nodiscard]] const Candidate& best() const { return candidates[taken]; }
+  [[nodiscard]] bool has_other_faces() const {
+    return !candidates.empty() && best().faces != CandidateFaces::Given;
+  }
+  /// Null where it was not made.
+  [[nodiscard]] const Candidate* of(CandidateFaces faces, InterpolationMethod method) const;
+};
+
+/// Adds a candidate, and takes it where its cost is less than that of the one that was taken, by
+/// more than `alike`. True: it was.
+bool enter(Choice& choice, const Candidate& candidate);
+
+/// Of each part the faces of the least cost.
+[[nodiscard]] std::vector<CandidateFaces> best_faces(const Choice& choice);
+
+/// What the candidates say of why the one is taken; reasons that stand there already stay.
+void explain(Choice& choice, std::int64_t added_vertices);
+
+}  // namespace planish
