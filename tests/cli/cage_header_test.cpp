@@ -77,9 +77,8 @@ TEST(CageHeader, WrongValuesAreNamed) {
   for (const char* line :
        {"planish weights=heavy", "planish tolerance=small", "planish tolerance=-1",
         "planish tolerance=1e-6x", "planish scheme=kobbelt", "planish weld=0.1", "planish weld=nan",
-        "planish sharp_corners=1 x", "planish sharp_corners=-1",
-        "planish sharp_corners=2147483648", "planish sharp_edges=1", "planish sharp_edges=1-x",
-        "planish sharp_edges=1-2-3",
+        "planish sharp_corners=1 x", "planish sharp_corners=-1", "planish sharp_corners=2147483648",
+        "planish sharp_edges=1", "planish sharp_edges=1-x", "planish sharp_edges=1-2-3",
         "planish boundary=", "planish interpolation=auto"}) {
     const std::vector<std::string> lines{line};
     try {

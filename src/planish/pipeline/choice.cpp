@@ -57,6 +57,7 @@ double PartFigures::cost() const {
   double cost = std::log(bending + weights.flat);
   if (folded_area >= kSoundFoldedArea) cost += weights.folds * folded_area;
   if (faces == CandidateFaces::Refined) cost += weights.added;
+  if (is_by_lot) cost += weights.by_lot;
   return cost;
 }
 

@@ -18,6 +18,7 @@ enum class CandidateFaces : std::uint8_t { Given, Quads, Refined, Mixed };
 /// squared curvatures.
 struct PartFigures {
   CandidateFaces faces = CandidateFaces::Given;
+  bool is_by_lot = false;  ///< quads of what does not look like halves of some
   double folded_area = 0, bending = 0;
 
   /// What is least for the surface that is taken; see ChoiceWeights.
@@ -47,6 +48,7 @@ inline constexpr double kSoundFoldedArea = 1e-5;
 struct ChoiceWeights {
   double missed = 100;       ///< the tolerance
   double folds = 1e4;        ///< times the folded area
+  double by_lot = 0.1;       ///< joined triangles that do not look like halves of quads
   double added = 0.1;        ///< vertices, which are to be worth their rows
   double flat = 1e-6;        ///< of bending: rounding, beside a sphere's 8 pi
   double alike = 1e-3;       ///< costs that differ by less: the first that was made is taken

@@ -110,9 +110,12 @@ bool is_close(FittedMesh& fitted, const Callbacks& callbacks) {
 // The surfaces that were made: the best one is kept, of the others what they are like.
 class Contest {
  public:
-  // Of the parts of a mesh, which must outlive it.
-  Contest(const MeshParts& parts, const PolygonMesh& mesh)
-      : parts_(parts), given_counts_(counted(parts.of_faces(mesh))) {}
+  // Of the parts of a mesh that is ready; they must outlive it.
+  Contest(const MeshParts& parts, const ReadyFit& ready)
+      : parts_(parts), given_counts_(counted(parts.of_faces(ready.fitted.mesh))) {
+    for (const Halves look : ready.looks) is_by_lot_.push_back(look == Halves::No);
+    is_by_lot_.resize(given_counts_.size(), false);
+  }
 
   // `faces`: of each part, or one for all. `alone`: why no other method was tried.
   void add(FittedMesh&& fitted, const std::vector<CandidateFaces>& faces,
@@ -168,8 +171,10 @@ class Contest {
     PartSums all;
     for (std::size_t p = 0; p < own.size(); ++p) {
       const PartSums& part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
-      candidate.parts.push_back(
-          {.faces = own[p], .folded_area = share(part), .bending = part.bending});
+      candidate.parts.push_back({.faces = own[p],
+                                 .is_by_lot = own[p] == CandidateFaces::Quads && is_by_lot_[p],
+                                 .folded_area = share(part),
+                                 .bending = part.bending});
       all.area += part.area;
       all.folded_elsewhere += part.folded_elsewhere;
       all.bending += part.bending;
@@ -217,6 +222,7 @@ class Contest {
 
   const MeshParts& parts_;
   std::vector<std::int64_t> given_counts_;
+  std::vector<bool> is_by_lot_;
   std::optional<FittedMesh> best_;
   Candidate first_;
   Choice choice_;
@@ -298,19 +304,20 @@ void enter_surfaces(Contest& contest, ReadyFit ready, CandidateFaces faces, bool
     fair = fit_one(for_fair(ready.fitted, ready), ready.name, backend, shares.next(2 * kFit));
     if (is_sound(*fair, shares.next(kMeasure))) alone = "it does not fold beside what is sharp";
   }
+  std::optional<FittedMesh> progressive;
   if (alone.empty()) {
-    FittedMesh progressive =
-        fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
-    if (is_close(progressive, shares.next(kMeasure)))
-      return contest.add(std::move(progressive), {faces}, shares.next(kMeasure),
+    progressive = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
+    if (is_close(*progressive, shares.next(kMeasure)))
+      return contest.add(*std::move(progressive), {faces}, shares.next(kMeasure),
                          "it does not fold, and its normals are near the faces'");
     if (!fair)
-      fair = fit_one(for_fair(progressive, ready), ready.name, backend, shares.next(2 * kFit));
-    contest.add(std::move(progressive), {faces}, shares.next(kMeasure));
+      fair = fit_one(for_fair(*progressive, ready), ready.name, backend, shares.next(2 * kFit));
   }
   std::optional<FittedMesh> refined;
   if (adds) refined = refined_of(*fair, {}, ready.name, backend, shares.next(2 * kFit));
+  // The fair one first: where both are alike it passes the vertices to rounding.
   contest.add(*std::move(fair), {faces}, shares.next(kMeasure), alone);
+  if (progressive) contest.add(*std::move(progressive), {faces}, shares.next(kMeasure));
   if (refined) contest.add(*std::move(refined), {CandidateFaces::Refined}, shares.next(kMeasure));
 }
 
@@ -397,7 +404,7 @@ FittedMesh choose_fit(ReadyFit ready, Backend& backend) {
   Callbacks silent = caller;  // warnings are those of the surface that is taken
   silent.warning = {};
   const MeshParts parts = mesh_parts(ready.fitted.mesh);
-  Contest contest(parts, ready.fitted.mesh);
+  Contest contest(parts, ready);
   std::optional<ReadyFit> kept;  // for parts that have different faces
   bool is_done = false;
   double begun = 0;

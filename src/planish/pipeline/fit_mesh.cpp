@@ -9,10 +9,9 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/version.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/folded_edges.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/bend_least.h"
 #include "planish/pipeline/choose_fit.h"
-#include "planish/pipeline/look_halved.h"
 #include "planish/pipeline/mesh_warnings.h"
 #include "planish/pipeline/option_words.h"
 #include "planish/pipeline/ready_fit.h"
@@ -160,11 +159,22 @@ bool has_own_cage(const FittedMesh& fitted) {
          !fitted.choice->has_other_faces();
 }
 
+namespace {
+
+bool has_triangles(const PolygonMesh& mesh) {
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (mesh.face_size(f) == 3) return true;
+  return false;
+}
+
+}  // namespace
+
 ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
   const HostScope host(options.fit.callbacks);
   const auto report = [&](double fraction) { options.fit.callbacks.report("check", fraction); };
   report(0);
-  const bool may_pair = options.quads == QuadChoice::Auto && options.fit.scheme == Scheme::DooSabin;
+  const bool may_pair = options.quads == QuadChoice::Auto &&
+                        options.fit.scheme == Scheme::DooSabin && has_triangles(mesh);
   // Creases, and what is done for fair surfaces alone, come after the pairs.
   std::optional<PolygonMesh> given;
   if (may_pair && (options.crease_degrees || options.method == InterpolationMethod::Fair))
@@ -177,12 +187,21 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
       WarningList(ready.fitted.warnings, options.fit.callbacks).add(*torn);
   if (may_pair) {
     report(kOneReady);
-    HalvedParts look = look_halved_by_parts(ready.fitted.mesh, *ready.fitted.options.prepared,
-                                            options.crease_degrees);
-    if (look.halves != Halves::No) {
+    ready.looks = look_halved_by_parts(ready.fitted.mesh, *ready.fitted.options.prepared,
+                                       options.crease_degrees);
+    const auto are_all = [&](Halves look) {
+      return std::ranges::all_of(ready.looks, [&](Halves one) { return one == look; });
+    };
+    std::vector<std::uint8_t> may_join;
+    // What does not look like halves is worth a try where that costs little.
+    const bool is_large = density.vertex_count >= kDenseVertices;
+    if (is_large && !are_all(Halves::Maybe) && !are_all(Halves::Plain))
+      for (const std::int32_t part : mesh_parts(ready.fitted.mesh).of_faces(ready.fitted.mesh))
+        may_join.push_back(ready.looks[part] != Halves::No ? 1 : 0);
+    if (!is_large || !are_all(Halves::No)) {
       report(kLookedHalved);
-      ready.is_plainly_halved = look.halves == Halves::Plain;
-      ready.paired = prepare_paired(ready, std::move(given), std::move(look.may_join));
+      ready.is_plainly_halved = are_all(Halves::Plain);
+      ready.paired = prepare_paired(ready, std::move(given), std::move(may_join));
     }
   }
   for (ReadyFit* one : {&ready, ready.paired.get()}) {

@@ -19,6 +19,7 @@
 #include "planish/pipeline/choice.h"
 #include "planish/pipeline/fit.h"
 #include "planish/pipeline/found_creases.h"
+#include "planish/pipeline/look_halved.h"
 #include "planish/refine/refine_mesh.h"
 #include "planish/surface/surface_quality.h"
 
@@ -103,6 +104,7 @@ struct ReadyFit {
   /// The same with triangles joined, where these may be better, or plainly are.
   std::shared_ptr<ReadyFit> paired;
   bool is_plainly_halved = false;
+  std::vector<Halves> looks;  ///< of each part, where triangles may be joined
   /// Which faces may be joined, where these are; empty: all.
   std::vector<std::uint8_t> may_join;
   /// The same with added vertices, which prepare_refined() makes: for who wants to know beforehand

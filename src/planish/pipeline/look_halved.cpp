@@ -34,23 +34,14 @@ Halves look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
   return share >= kHalvedShare ? Halves::Maybe : Halves::No;
 }
 
-HalvedParts look_halved_by_parts(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                                 std::optional<double> crease_degrees) {
+std::vector<Halves> look_halved_by_parts(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                                         std::optional<double> crease_degrees) {
   const MeshParts parts = mesh_parts(mesh);
-  if (parts.count <= 1) return {look_halved(mesh, prepared, crease_degrees), {}};
+  if (parts.count <= 1) return {look_halved(mesh, prepared, crease_degrees)};
   std::vector<Halves> looks;
   for (const PolygonMesh& part : meshes_of(parts, mesh))
     looks.push_back(look_halved(part, *prepare_mesh(part, "part"), crease_degrees));
-  HalvedParts result;
-  const auto is_other = [](Halves look) { return look == Halves::No; };
-  if (std::ranges::all_of(looks, is_other)) return result;
-  const bool are_plain =
-      std::ranges::all_of(looks, [](Halves look) { return look == Halves::Plain; });
-  result.halves = are_plain ? Halves::Plain : Halves::Maybe;
-  if (std::ranges::none_of(looks, is_other)) return result;
-  for (const std::int32_t part : parts.of_faces(mesh))
-    result.may_join.push_back(looks[part] != Halves::No);
-  return result;
+  return looks;
 }
 
 }  // namespace planish

@@ -30,14 +30,9 @@ enum class Halves { No, Maybe, Plain };
 [[nodiscard]] Halves look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
                                  std::optional<double> crease_degrees);
 
-/// The same of each part of a mesh: the least plain of those that may be halves, and which faces
-/// are theirs; empty: all are.
-struct HalvedParts {
-  Halves halves = Halves::No;
-  std::vector<std::uint8_t> may_join;
-};
-[[nodiscard]] HalvedParts look_halved_by_parts(const PolygonMesh& mesh,
-                                               const PreparedMesh& prepared,
-                                               std::optional<double> crease_degrees);
+/// The same of each part of a mesh, in the order of mesh_parts().
+[[nodiscard]] std::vector<Halves> look_halved_by_parts(const PolygonMesh& mesh,
+                                                       const PreparedMesh& prepared,
+                                                       std::optional<double> crease_degrees);
 
 }  // namespace planish
