@@ -160,15 +160,11 @@ TEST(Stretched, ClosestPointsTakeLittleMoreAndAreExact) {
       const Asked plain(mesh, method);
       for (const double off : {0.0, 1e-5, 1e-2, 0.3}) {
         const double once = ask(plain, off, {1, 0, 0});
-        double sum = 0;
         for (const Stretch& stretch : kStretches) {
           const Asked asked(stretched(mesh, stretch.factor, stretch.along), method);
           SCOPED_TRACE(name + " " + std::to_string(stretch.factor) + " off " + std::to_string(off));
-          const double work = ask(asked, off, stretch.along);
-          EXPECT_LT(work, 30 * once);
-          sum += work;
+          EXPECT_LE(ask(asked, off, stretch.along), 20 * once);
         }
-        EXPECT_LT(sum, 20 * once * static_cast<double>(kStretches.size())) << name << " " << off;
       }
     }
   }

@@ -402,7 +402,8 @@ NearestPlace NearestSearch::run(const glm::dvec3& point) {
   corner_count_ = region_count_ = 0;
   want();
   const auto& nodes = tree_.nodes();
-  waiting_.assign(1, {0, square_distance(nodes[0].box, point)});
+  const glm::dvec3 turned = tree_.turned(point);
+  waiting_.assign(1, {0, square_distance(nodes[0].box, turned)});
   while (!waiting_.empty()) {
     const Waiting next = waiting_.back();
     waiting_.pop_back();
@@ -411,14 +412,14 @@ NearestPlace NearestSearch::run(const glm::dvec3& point) {
     if (node.count > 0) {
       for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        if (square_distance(tree_.boxes()[at], point) < wanted_)
+        if (square_distance(tree_.boxes()[at], turned) < wanted_)
           search_corner(tree_.corners()[at], point);
       }
       continue;
     }
     Waiting left{next.node + 1, 0}, right{node.right, 0};
-    left.square_distance = square_distance(nodes[left.node].box, point);
-    right.square_distance = square_distance(nodes[right.node].box, point);
+    left.square_distance = square_distance(nodes[left.node].box, turned);
+    right.square_distance = square_distance(nodes[right.node].box, turned);
     // The nearer one is looked at first.
     if (left.square_distance < right.square_distance) std::swap(left, right);
     waiting_.push_back(left);

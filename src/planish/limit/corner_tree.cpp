@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
+#include <optional>
 
+#include "planish/core/eigenvectors.h"
 #include "planish/core/parallel.h"
 #include "planish/core/stop.h"
 #include "planish/limit/patch_box.h"
@@ -47,6 +50,40 @@ CornerBox united(const CornerBox& a, const CornerBox& b) {
   return {glm::min(a.low, b.low), glm::max(a.high, b.high)};
 }
 
+// By how much less area boxes along other axes must have.
+constexpr double kWorthTurning = 0.5;
+
+// The chance of a ray to meet boxes is as their areas.
+double area_of(std::span<const CornerBox> boxes) {
+  double area = 0;
+  for (const CornerBox& box : boxes) {
+    const glm::dvec3 size = glm::dvec3(box.high) - glm::dvec3(box.low);
+    area += size.x * size.y + size.y * size.z + size.z * size.x;
+  }
+  return area;
+}
+
+// Principal axes of the boxes' middles where these reach much less far along one than along
+// another.
+std::optional<glm::dmat3> axes_of_thin(std::span<const CornerBox> boxes) {
+  constexpr double kThin = 1.0 / 16;
+  const auto middle = [](const CornerBox& box) {
+    return 0.5 * (glm::dvec3(box.low) + glm::dvec3(box.high));
+  };
+  const double count = static_cast<double>(boxes.size());
+  glm::dvec3 mean(0.0);
+  for (const CornerBox& box : boxes) mean += middle(box) / count;
+  glm::dmat3 spread(0.0);
+  for (const CornerBox& box : boxes) {
+    const glm::dvec3 off = middle(box) - mean;
+    spread += glm::outerProduct(off, off) / count;
+  }
+  const glm::dmat3 axes = eigenvectors(spread);
+  const auto [least, most] = std::minmax({spread[0][0], spread[1][1], spread[2][2]});
+  if (!(least < kThin * kThin * most)) return std::nullopt;
+  return axes;
+}
+
 }  // namespace
 
 CornerTree::CornerTree(const LimitSurface& surface) : surface_(surface) {
@@ -63,9 +100,16 @@ void CornerTree::make_boxes(std::span<const std::int32_t> corners,
                             std::span<CornerBox> boxes) const {
   parallel_for(corners.size(), kBoxGrain, [&](std::size_t begin, std::size_t end) {
     LimitSurface::Corner corner(surface_);
+    std::vector<glm::dvec3> points;
     for (std::size_t i = begin; i < end; ++i) {
       corner.move_to(corners[i]);
-      boxes[i] = outward(patch_box(corner.form(), corner.points(), reaches_), corner.own());
+      std::span<const glm::dvec3> given = corner.points();
+      if (is_turned_) {
+        points.clear();
+        for (const glm::dvec3& point : given) points.push_back(turned(point));
+        given = points;
+      }
+      boxes[i] = outward(patch_box(corner.form(), given, reaches_), turned(corner.own()));
     }
   });
 }
@@ -75,7 +119,9 @@ void CornerTree::rebuild() {
   std::ranges::sort(corners_);
   if (corners_.empty()) return;
   RawVector<CornerBox> in_order(corners_.size());
+  is_turned_ = false;
   make_boxes(corners_, in_order);
+  choose_axes(in_order);
   boxes_.resize(static_cast<std::size_t>(surface_.topology().corner_count()));
   for (std::size_t i = 0; i < corners_.size(); ++i)  // by corner while the tree is made
     boxes_[corners_[i]] = in_order[i];
@@ -84,6 +130,20 @@ void CornerTree::rebuild() {
   build(0, 0, count);
   for (std::size_t i = 0; i < corners_.size(); ++i) in_order[i] = boxes_[corners_[i]];
   boxes_.swap(in_order);
+}
+
+void CornerTree::choose_axes(RawVector<CornerBox>& boxes) {
+  const auto axes = axes_of_thin(boxes);
+  if (!axes) return;
+  axes_ = *axes;
+  is_turned_ = true;
+  RawVector<CornerBox> along(boxes.size());
+  make_boxes(corners_, along);
+  if (area_of(along) < kWorthTurning * area_of(boxes)) {
+    boxes.swap(along);
+  } else {
+    is_turned_ = false;
+  }
 }
 
 std::int64_t CornerTree::refit(std::span<const std::int32_t> corners) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -11,14 +12,15 @@
 
 namespace planish {
 
-/// An axis-aligned box in unit coordinates, rounded outwards to float.
+/// A box along a tree's axes in unit coordinates, rounded outwards to float.
 struct CornerBox {
   glm::vec3 low, high;
 };
 
 /// Boxes around the pieces of a limit surface, one a corner, in a binary tree: what closest points
-/// and rays share. Made on all threads, the same for every thread count. Corners of hole faces are
-/// left out.
+/// and rays share. They lie along the axes of coordinates, or, where that makes much smaller boxes
+/// of a surface that is long and thin or flat, along its own. Made on all threads, the same for
+/// every thread count. Corners of hole faces are left out.
 class CornerTree {
  public:
   /// The surface must outlive it.
@@ -40,6 +42,10 @@ class CornerTree {
   };
 
   [[nodiscard]] const LimitSurface& surface() const { return surface_; }
+  /// A vector of unit coordinates by the axes of the boxes.
+  [[nodiscard]] glm::dvec3 turned(const glm::dvec3& vector) const {
+    return is_turned_ ? vector * axes_ : vector;
+  }
   [[nodiscard]] const PatchReaches& reaches() const { return reaches_; }
   /// Empty where the surface has no visible face; else the root comes first.
   [[nodiscard]] const RawVector<Node>& nodes() const { return nodes_; }
@@ -49,6 +55,7 @@ class CornerTree {
 
  private:
   void build(std::int32_t node, std::int32_t first, std::int32_t last);
+  void choose_axes(RawVector<CornerBox>& boxes);
   void number_places();
   void make_boxes(std::span<const std::int32_t> corners, std::span<CornerBox> boxes) const;
   std::int64_t refit_node(std::int32_t node, std::int32_t first, std::int32_t last,
@@ -56,6 +63,8 @@ class CornerTree {
 
   const LimitSurface& surface_;
   PatchReaches reaches_;
+  bool is_turned_ = false;
+  glm::dmat3 axes_{1.0};  // its columns: those of the boxes
   RawVector<Node> nodes_;
   RawVector<std::int32_t> corners_;
   RawVector<CornerBox> boxes_;

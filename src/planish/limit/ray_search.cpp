@@ -85,13 +85,13 @@ NetPoint net_point(const BezierNet& net, double u, double v) {
 bool RaySearch::meets(const CornerBox& box) const {
   double from = t_min_ - kRounding, to = t_max_ + kRounding;
   for (int d = 0; d < 3; ++d) {
-    const double low = box.low[d] - kRounding - origin_[d];
-    const double high = box.high[d] + kRounding - origin_[d];
-    if (direction_[d] == 0) {
+    const double low = box.low[d] - kRounding - turned_origin_[d];
+    const double high = box.high[d] + kRounding - turned_origin_[d];
+    if (turned_direction_[d] == 0) {
       if (low > 0 || high < 0) return false;
       continue;
     }
-    const double a = low / direction_[d], b = high / direction_[d];
+    const double a = low / turned_direction_[d], b = high / turned_direction_[d];
     from = std::max(from, std::min(a, b));
     to = std::min(to, std::max(a, b));
   }
@@ -197,10 +197,12 @@ const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm:
                                             double t_min, double t_max, RayAnswer wanted) {
   const CornerBox& all = tree_.nodes()[0].box;
   const glm::dvec3 centre = 0.5 * (glm::dvec3(all.low) + glm::dvec3(all.high));
-  const double way = glm::dot(centre - origin, direction);
+  turned_direction_ = tree_.turned(direction);
+  const double way = glm::dot(centre - tree_.turned(origin), turned_direction_);
   const double ahead = std::abs(way) > kFarAway ? way : 0;
   origin_ = origin + ahead * direction;
   direction_ = direction;
+  turned_origin_ = tree_.turned(origin_);
   t_min_ = t_min - ahead;
   t_max_ = t_max - ahead;
   wanted_ = wanted;
@@ -227,7 +229,7 @@ const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm:
     // The nearer half is looked at first.
     const auto middle = [&](std::int32_t child) {
       const CornerBox& box = nodes[child].box;
-      return glm::dot(glm::dvec3(box.low) + glm::dvec3(box.high), direction);
+      return glm::dot(glm::dvec3(box.low) + glm::dvec3(box.high), turned_direction_);
     };
     std::int32_t near = index + 1, far = node.right;
     if (middle(far) < middle(near)) std::swap(near, far);

@@ -54,6 +54,7 @@ class RaySearch {
   const CornerTree& tree_;
   LimitSurface::Corner corner_;
   glm::dvec3 origin_{}, direction_{}, right_{}, up_{};
+  glm::dvec3 turned_origin_{}, turned_direction_{};  // by the tree's axes
   double t_min_ = 0, t_max_ = 0;
   RayAnswer wanted_ = RayAnswer::All;
   std::int32_t corner_number_ = -1;

@@ -9,6 +9,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "planish/core/eigenvectors.h"
 
 namespace planish {
 namespace {
@@ -21,34 +24,6 @@ constexpr double kLeastRest = 1e-3;
 using Terms = std::array<double, kTerms>;
 
 Terms terms_at(double x, double y) { return {1, x, y, x * x, x * y, y * y}; }
-
-// Eigenvectors of a symmetric matrix as columns, by cyclic Jacobi rotations; the eigenvalues stay
-// on the diagonal of `matrix`.
-glm::dmat3 eigenvectors(glm::dmat3& matrix) {
-  constexpr int kSweeps = 12;
-  constexpr double kCoupling = 1e-18;  // far below rounding
-  glm::dmat3 vectors(1.0);
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const double coupling =
-        std::abs(matrix[0][1]) + std::abs(matrix[0][2]) + std::abs(matrix[1][2]);
-    if (coupling <= kCoupling * (matrix[0][0] + matrix[1][1] + matrix[2][2])) break;
-    for (int p = 0; p < 2; ++p) {
-      for (int q = p + 1; q < 3; ++q) {
-        if (matrix[p][q] == 0) continue;
-        const double theta = (matrix[q][q] - matrix[p][p]) / (2 * matrix[p][q]);
-        const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
-        const double c = 1 / std::hypot(t, 1.0), s = t * c;
-        glm::dmat3 rotation(1.0);
-        rotation[p][p] = rotation[q][q] = c;
-        rotation[p][q] = -s;
-        rotation[q][p] = s;
-        matrix = glm::transpose(rotation) * matrix * rotation;
-        vectors = vectors * rotation;
-      }
-    }
-  }
-  return vectors;
-}
 
 // Cholesky's factor of a symmetric positive definite matrix in its lower half; false if it is
 // singular to working precision.
