@@ -557,6 +557,31 @@ def extensions() -> list[Case]:
     found.append(Case("gltf_ngons_needed", {"a.glb": needed.glb()}, "a.glb",
                       args=("--compress", "meshopt"), exit=3,
                       says=("`FB_ngon_encoding` describes triangles that give way",)))
+    # And those of the file are its polygons.
+    def encoded(points, fans, **more) -> File:
+        return File(points, [(f[0], f[k], f[k + 1]) for f in fans for k in range(1, len(f) - 1)],
+                    **more).uses("FB_ngon_encoding")
+
+    around = [(math.cos(math.pi * k / 3), math.sin(math.pi * k / 3)) for k in range(6)]
+    prism = [(x, y, z) for z in (0, 1) for x, y in around]
+    walls = [(k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k) for k in range(6)]
+    fans = [(5, 4, 3, 2, 1, 0), *walls, (6, 7, 8, 9, 10, 11)]
+    quad = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (-1, 1, 0), (-1, 0, 0)]
+    apex = [(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)]
+    for name, points, given, faces in (
+            ("read", prism, fans, 8), ("apart", quad, [(0, 1, 2), (0, 3, 4)], 2),
+            ("closed_fan", apex, [(0, 1, 2, 3, 4, 1)], 2),
+            ("split_first", quad + quad[:1], [(0, 1, 2, 3), (6, 3, 4, 5)], 2),
+            ("split_last", quad + quad[2:3], [(0, 1, 2), (0, 2, 6), (0, 6, 3)], 1)):
+        file = encoded(points, given)
+        file.primitive["extensions"] = {"FB_ngon_encoding": {}}
+        case(f"ngons_{name}", file, args=("--quads", "off"), check=all_of(
+            counts(file_faces=faces, file_vertices=len({points[k] for f in given for k in f})),
+            passes([points[k] for f in given for k in f])))
+    turned = node(encoded(prism, fans), scale=[-1, 1, 1])
+    turned.primitive["extensions"] = {"FB_ngon_encoding": {}}
+    case("ngons_mirrored", turned, args=("--asset", "merge"), silent=("inside",),
+         check=counts(file_faces=8, components=1, genus=0))
     # Ids are those of the nearest vertex, never between two.
     for name, kind in (("floats", FLOAT), ("bytes", UBYTE)):
         features = with_extension("EXT_mesh_features", "primitive",

@@ -11,6 +11,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/stop.h"
+#include "planish/files/gltf/asset/geometry_extensions.h"
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/gltf/gltf_materials.h"
@@ -37,7 +38,7 @@ constexpr std::array<std::string_view, 16> kReadExtensions = {"KHR_materials_",
                                                               "MSFT_lod",
                                                               "KHR_interactivity",
                                                               "MSFT_texture_dds",
-                                                              "FB_ngon_encoding",
+                                                              kNgonExtension,
                                                               "EXT_mesh_features",
                                                               "EXT_structural_metadata"};
 
@@ -49,6 +50,11 @@ void require_known_version(const JsonPlace& least) {
   if (number > kKnown)
     least.fail("the file needs a reader of glTF {}, and 2.0 is read; save it as glTF 2.0",
                least.text());
+}
+
+bool encodes_polygons(const JsonPlace& primitive) {
+  const auto extensions = primitive.find("extensions");
+  return extensions && extensions->is_object() && extensions->find(kNgonExtension);
 }
 
 }  // namespace
@@ -284,24 +290,30 @@ std::int32_t SceneReader::welded(const SourcePrimitive& primitive, std::int64_t 
   return welded_vertices_[slot];
 }
 
+// The corners of the current primitive that a face has.
+void SceneReader::add_attributes(std::span<const std::size_t> corners) {
+  const auto numbered = [&](std::int64_t first, std::size_t corner) {
+    return first < 0 ? -1 : static_cast<std::int32_t>(first + corners_[corner]);
+  };
+  for (const std::size_t corner : corners) {
+    attributes_.add_corner(numbered(first_uv_, corner));
+    if (creases_from_normals_) normals_.of_corners.push_back(numbered(first_normal_, corner));
+  }
+  attributes_.add_face();
+}
+
 void SceneReader::add_triangles(const JsonPlace& place, std::int64_t mode, bool mirrored) {
   constexpr std::int64_t kTriangles = 4, kStrip = 5;
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
     // A mirror turns front faces into back faces.
     if (mirrored) std::swap(b, c);
-    if (!triangles_.add(vertices_[a], vertices_[b], vertices_[c])) return;
-    const auto numbered = [&](std::int64_t first, std::size_t corner) {
-      return first < 0 ? -1 : static_cast<std::int32_t>(first + corners_[corner]);
-    };
-    for (const std::size_t corner : {a, b, c}) {
-      attributes_.add_corner(numbered(first_uv_, corner));
-      if (creases_from_normals_) normals_.of_corners.push_back(numbered(first_normal_, corner));
-    }
-    attributes_.add_face();
+    if (triangles_.add(vertices_[a], vertices_[b], vertices_[c]))
+      add_attributes(std::array{a, b, c});
   };
   if (mode == kTriangles) {
     if (vertices_.size() % 3 != 0)
       place.fail("{} corners make no whole triangles", vertices_.size());
+    if (encodes_polygons(place)) return add_polygons(mirrored);
     for (std::size_t i = 0; i < vertices_.size(); i += 3) add(i, i + 1, i + 2);
     return;
   }
@@ -312,6 +324,41 @@ void SceneReader::add_triangles(const JsonPlace& place, std::int64_t mode, bool 
       add(i + 1, i + 2, 0);
     }
   }
+}
+
+// FB_ngon_encoding: the triangles of a polygon follow each other, a fan around its first corner.
+// Where they are none, as of a writer that did not know the extension, each stays a triangle.
+void SceneReader::add_polygons(bool mirrored) {
+  std::vector<std::size_t> polygon;  // corners
+  std::vector<std::int32_t> vertices;
+  polygon_of_.resize(static_cast<std::size_t>(welder_.count()), 0);
+  const auto extend = [&](std::size_t corner) {
+    polygon.push_back(corner);
+    polygon_of_[vertices_[corner]] = polygon_number_;
+  };
+  const auto end = [&] {
+    if (polygon.empty()) return;
+    if (mirrored) std::reverse(polygon.begin() + 1, polygon.end());
+    vertices.clear();
+    for (const std::size_t corner : polygon) vertices.push_back(vertices_[corner]);
+    triangles_.add_polygon(vertices);
+    add_attributes(polygon);
+    polygon.clear();
+  };
+  for (std::size_t i = 0; i < vertices_.size(); i += 3) {
+    if (!triangles_.has_area(vertices_[i], vertices_[i + 1], vertices_[i + 2])) continue;
+    const bool goes_on = !polygon.empty() && corners_[i] == corners_[polygon.front()] &&
+                         vertices_[i + 1] == vertices_[polygon.back()] &&
+                         polygon_of_[vertices_[i + 2]] != polygon_number_;
+    if (!goes_on) {
+      end();
+      ++polygon_number_;
+      extend(i);
+      extend(i + 1);
+    }
+    extend(i + 2);
+  }
+  end();
 }
 
 }  // namespace planish

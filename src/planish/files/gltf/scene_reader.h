@@ -52,6 +52,8 @@ class SceneReader {
   void read_normals(const SourcePrimitive& primitive, const GltfInstance& instance);
   void color_vertices(const SourcePrimitive& primitive);
   void add_triangles(const JsonPlace& place, std::int64_t mode, bool mirrored);
+  void add_polygons(bool mirrored);
+  void add_attributes(std::span<const std::size_t> corners);
   std::int32_t welded(const SourcePrimitive& primitive, std::int64_t vertex,
                       const GltfInstance& instance);
 
@@ -82,6 +84,9 @@ class SceneReader {
   std::vector<std::int32_t> welded_vertices_;
   std::vector<std::int64_t> stamps_;
   std::int64_t stamp_ = 0;
+  // By welded vertex: the last polygon that had it.
+  std::vector<std::int64_t> polygon_of_;
+  std::int64_t polygon_number_ = 0;
 };
 
 /// Throws Error{UnreadableInput} for a version but 2.x, for one that needs a later reader, and for

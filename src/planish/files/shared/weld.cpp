@@ -150,11 +150,14 @@ WeldedPositions weld(std::span<const glm::dvec3> positions, const FileBytes& fil
   return welded;
 }
 
+bool TriangleCollector::has_area(std::int32_t v0, std::int32_t v1, std::int32_t v2) {
+  const bool is_flat = v0 == v1 || v1 == v2 || v2 == v0;
+  if (is_flat) ++degenerate_count_;
+  return !is_flat;
+}
+
 bool TriangleCollector::add(std::int32_t v0, std::int32_t v1, std::int32_t v2) {
-  if (v0 == v1 || v1 == v2 || v2 == v0) {
-    ++degenerate_count_;
-    return false;
-  }
+  if (!has_area(v0, v1, v2)) return false;
   mesh_.add_face(std::array{v0, v1, v2});
   return true;
 }

@@ -50,12 +50,16 @@ struct WeldedPositions {
 [[nodiscard]] WeldedPositions weld(std::span<const glm::dvec3> positions,
                                    const FileBytes& file = {});
 
-/// Collects triangles by welded vertices for the formats that know nothing else. Triangles that
-/// name a vertex twice have no area and are left out.
+/// Collects triangles by welded vertices for the formats that know nothing else, and polygons that
+/// are told by triangles. Triangles that name a vertex twice have no area and are left out.
 class TriangleCollector {
  public:
   /// False for a triangle that was left out.
   bool add(std::int32_t v0, std::int32_t v1, std::int32_t v2);
+  /// Whether a triangle is none to be left out; such a one is counted.
+  bool has_area(std::int32_t v0, std::int32_t v1, std::int32_t v2);
+  /// A face of distinct vertices.
+  void add_polygon(std::span<const std::int32_t> vertices) { mesh_.add_face(vertices); }
   [[nodiscard]] std::size_t corner_count() const { return mesh_.face_vertices.size(); }
   /// Hands over the mesh with its counts, and a warning if triangles were left out.
   void finish(std::vector<glm::dvec3> positions, std::int64_t merged_count, MeshFile& file);
