@@ -288,6 +288,14 @@ def containers() -> list[Case]:
         json["accessors"][0].pop("min")
         json["accessors"][0].pop("max")
 
+    empty = changed(lambda j: j["scenes"][0].update(nodes=[]))
+
+    def says_nothing_is_wrong(result: Result) -> str | None:
+        said = result.report
+        if said["problems"] or said["faces"] != 0 or said["asset"]["counts"]["meshes"] != 1:
+            return f"faces {said['faces']}, problems {said['problems']}, asset {said['asset']}"
+        return None if "the scene shows nothing" in said["warnings"][0] else f"{said['warnings']}"
+
     shorter = text_of(file).replace(f'"byteLength": {len(file.binary)}}}]',
                                     f'"byteLength": {len(file.binary) - 2}}}]').encode()
     return [
@@ -303,7 +311,15 @@ def containers() -> list[Case]:
         case("wrong_bounds", changed(lambda j: j["accessors"][0].update(max=[9, 9, 9])),
              check=IS_TORUS),
         case("no_scene", changed(lambda j: (j.pop("scene"), j.pop("scenes"))), check=IS_TORUS),
-        case("empty_scene", changed(lambda j: j["scenes"][0].update(nodes=[])), check=warns_nothing),
+        case("empty_scene", empty, says=("the scene shows nothing",),
+             check=all_of(warns("empty-scene"), document_is(
+                 ("its mesh is fitted", lambda glb: len(glb.accessor(
+                     first_primitive(glb)["attributes"]["POSITION"])) > 1000),
+                 ("its scene stays empty", lambda glb: not glb.positions())))),
+        case("empty_scene_merged", empty, args=("--asset", "merge"), exit=4,
+             says=("the scene shows nothing",)),
+        Case("gltf_empty_scene_inspected", {"a.glb": empty}, "a.glb", inspects=True,
+             check=says_nothing_is_wrong),
         case("cycle", changed(lambda j: j.update(nodes=[{"children": [1]},
                                                         {"children": [0], "mesh": 0}])),
              exit=3, says=("nodes must form trees",)),

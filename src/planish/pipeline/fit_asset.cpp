@@ -13,6 +13,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/write_asset.h"
+#include "planish/files/gltf/gltf_nodes.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/asset_parts.h"
 #include "planish/pipeline/fitted_level.h"
@@ -121,6 +122,7 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
         parts, level_of, backend,
         share_of(whole, std::lerp(fitted, made, from), std::lerp(fitted, made, done / rows))));
   }
+  tell(whole, parts.front().fitted, empty_scene_warning(asset.root()));
   int finest = 0;
   for (auto part = parts.begin(); const PartLevel& level : details.front()) {
     tell(whole, part->fitted,

@@ -16,6 +16,7 @@
 #include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/write_asset.h"
+#include "planish/files/gltf/gltf_nodes.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/asset_parts.h"
 #include "terminal/interrupt.h"
@@ -330,6 +331,8 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
   }
   report.input.format = name_of(file.format);
   report.input.sha256 = file.sha256();
+  if (const auto warning = empty_scene_warning(asset->root()))
+    add_warning(report, context.console, *warning);
   return asset;
 }
 

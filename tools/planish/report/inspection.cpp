@@ -322,6 +322,8 @@ Inspection inspect(const InputFile& file) {
   look_at_asset(file, inspection);
   const PolygonMesh& mesh = inspection.input.file.mesh;
   note_box(inspection, mesh.positions, glm::dvec3(0));
+  // What its scene shows nothing of stays a glTF with its meshes.
+  if (inspection.asset && mesh.face_count() == 0) return inspection;
   inspection.problems = check(mesh);
   inspection.is_mended = !inspection.problems.empty() && can_be_mended(mesh);
   if (inspection.problems.empty()) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "planish/core/counted.h"
+#include "planish/core/formatted.h"
 #include "planish/files/gltf/gltf_accessor.h"
 
 namespace planish {
@@ -126,9 +128,14 @@ bool hides(const JsonPlace& node) {
   return visible && !visible->boolean();
 }
 
-}  // namespace
+// A node of the default scene that has a mesh.
+struct PlacedMesh {
+  std::int64_t mesh, node;
+  glm::dmat4 to_world;
+  bool is_hidden;
+};
 
-GltfScene gltf_scene(const JsonPlace& root, GltfSource& source) {
+std::vector<PlacedMesh> placed_meshes(const JsonPlace& root) {
   struct Visit {
     std::int64_t node;
     glm::dmat4 parent_to_world;
@@ -136,7 +143,7 @@ GltfScene gltf_scene(const JsonPlace& root, GltfSource& source) {
   };
   const auto nodes = root.find("nodes");
   if (!nodes) return {};
-  GltfScene scene;
+  std::vector<PlacedMesh> placed;
   std::vector<bool> reached(static_cast<std::size_t>(nodes->array_size()), false);
   std::vector<Visit> pending;
   const auto push = [&](const std::vector<std::int64_t>& indices, const glm::dmat4& to_world,
@@ -154,23 +161,46 @@ GltfScene gltf_scene(const JsonPlace& root, GltfSource& source) {
     reached[visit.node] = true;
     const glm::dmat4 to_world = visit.parent_to_world * local_transform(node);
     const bool is_hidden = visit.is_hidden || hides(node);
-    const auto mesh = node.find("mesh");
-    if (mesh && is_hidden) ++scene.hidden_count;
-    if (mesh && !is_hidden) {
-      const auto extensions = node.find("extensions");
-      const auto instancing = extensions ? extensions->find(kInstancing) : std::nullopt;
-      const auto attributes = instancing ? instancing->find("attributes") : std::nullopt;
-      if (!attributes) {
-        scene.instances.push_back({mesh->integer(), visit.node, to_world});
-      } else {
-        for (const glm::dmat4& place : places_of(root, *attributes, source))
-          scene.instances.push_back({mesh->integer(), visit.node, to_world * place});
-      }
-    }
+    if (const auto mesh = node.find("mesh"))
+      placed.push_back({mesh->integer(), visit.node, to_world, is_hidden});
     if (const auto children = node.find("children"))
       push(indices_of(*children), to_world, is_hidden);
   }
+  return placed;
+}
+
+}  // namespace
+
+GltfScene gltf_scene(const JsonPlace& root, GltfSource& source) {
+  GltfScene scene;
+  for (const auto& [mesh, number, to_world, is_hidden] : placed_meshes(root)) {
+    if (is_hidden) {
+      ++scene.hidden_count;
+      continue;
+    }
+    const auto extensions = root["nodes"][number].find("extensions");
+    const auto instancing = extensions ? extensions->find(kInstancing) : std::nullopt;
+    const auto attributes = instancing ? instancing->find("attributes") : std::nullopt;
+    if (!attributes) {
+      scene.instances.push_back({mesh, number, to_world});
+    } else {
+      for (const glm::dmat4& place : places_of(root, *attributes, source))
+        scene.instances.push_back({mesh, number, to_world * place});
+    }
+  }
   return scene;
+}
+
+std::optional<Warning> empty_scene_warning(const JsonPlace& root) {
+  const auto meshes = root.find("meshes");
+  const std::int64_t count = meshes ? meshes->array_size() : 0;
+  if (count == 0 || !placed_meshes(root).empty()) return std::nullopt;
+  return Warning{
+      "empty-scene",
+      formatted("the scene shows nothing: no node of it has the {} of the file, which {} "
+                "fitted where it stays a glTF and left out where it becomes one mesh",
+                counted(count, "mesh"), count == 1 ? "is" : "are"),
+      count};
 }
 
 std::vector<glm::dmat4> joint_matrices(const JsonPlace& root, std::int64_t skin,

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <optional>
 #include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/json_place.h"
 
@@ -28,6 +30,9 @@ struct GltfScene {
 /// that are no children), parents first, each as often as EXT_mesh_gpu_instancing places it. Every
 /// node may be reached once. Throws Error{UnreadableInput}.
 [[nodiscard]] GltfScene gltf_scene(const JsonPlace& root, GltfSource& source);
+
+/// "empty-scene" where the default scene has no mesh in a file that has some. Throws as above.
+[[nodiscard]] std::optional<Warning> empty_scene_warning(const JsonPlace& root);
 
 /// For each joint of a skin, what takes a vertex that it alone moves from the mesh to where the
 /// file's nodes stand. Throws Error{UnreadableInput}.

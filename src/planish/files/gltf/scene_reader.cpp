@@ -82,6 +82,7 @@ MeshFile SceneReader::read(FileFormat format) {
              formatted("{} that the file hides (KHR_node_visibility) {} left out",
                        counted(scene.hidden_count, "mesh"), scene.hidden_count == 1 ? "is" : "are"),
          .count = scene.hidden_count});
+  if (auto warning = empty_scene_warning(root_)) file_.warnings.push_back(*std::move(warning));
   return read(format, scene.instances);
 }
 
