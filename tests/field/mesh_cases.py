@@ -267,7 +267,7 @@ def stl_cases():
     yield bad("stl_count_0", binary(corners, count=0), "promises 0 triangles in 84 bytes, but the file has 9684, which 192")
     yield bad("stl_count_ffffffff", binary(corners, count=0xFFFFFFFF), "has 9684, which 192")
     yield good("stl_zeros_behind", binary(corners, b"part", tail=bytes(37)), says=("37 zero bytes", "byte 9684"))
-    yield good("stl_zero_behind", binary(corners, b"part", tail=b"\0"), says=("1 zero byte",))
+    yield good("stl_zero_behind", binary(corners, b"part", tail=b"\0"), says=("1 zero byte behind the triangles",))
     yield bad("stl_more_behind", binary(corners, b"part", tail=b"\1" * 37), "9684 bytes, but the file has 9721")
     yield bad("stl_cut_short", binary(corners)[:-25], "9684 bytes, but the file has 9659")
     yield good("stl_colours_viscam", binary(corners, behind=0xFC00), says=("colours of triangles are left out",))

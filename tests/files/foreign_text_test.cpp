@@ -112,9 +112,8 @@ TEST(ForeignText, IsReadWhateverEndsItsLinesAndItself) {
                   kCorners);
     const auto [positions, warnings] = found_in(text.bytes + std::string(5, '\0'), text.format);
     EXPECT_THAT(positions, kCorners);
-    EXPECT_THAT(warnings,
-                ElementsAre("a: 5 zero bytes stand behind the text, from byte " +
-                            std::to_string(text.bytes.size()) + " on; they are left out"));
+    EXPECT_THAT(warnings, ElementsAre("a: 5 zero bytes behind the text, from byte " +
+                                      std::to_string(text.bytes.size()) + " on, are left out"));
   }
 }
 

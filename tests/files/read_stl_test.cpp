@@ -161,7 +161,7 @@ TEST(ReadStl, PassesOverZerosBehindTheTriangles) {
   EXPECT_EQ(file.mesh.face_count(), 1);
   ASSERT_EQ(file.warnings.size(), 1u);
   EXPECT_EQ(file.warnings[0].message,
-            "a.stl: 7 zero bytes stand behind the triangles, from byte 134 on; they are left out");
+            "a.stl: 7 zero bytes behind the triangles, from byte 134 on, are left out");
   EXPECT_EQ(stl_error(bytes + "x"),
             "a.stl: header promises 1 triangles in 134 bytes, but the file has 135");
   bytes[80] = 0;

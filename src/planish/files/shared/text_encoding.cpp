@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
 
 namespace planish {
@@ -147,12 +148,12 @@ TextFile text_file(const FileBytes& file, FileFormat format) {
   if (size == bytes.size() || size == 0 || file.is_strict ||
       ends_in_binary(characters_of(bytes), format))
     return result;
+  const auto behind = static_cast<std::int64_t>(bytes.size() - size);
   result.warnings.push_back(
       {.code = "trailing-zeros",
-       .message =
-           formatted("{}: {} zero bytes stand behind the text, from byte {} on; they are left out",
-                     name, bytes.size() - size, size),
-       .count = static_cast<std::int64_t>(bytes.size() - size)});
+       .message = formatted("{}: {} behind the text, from byte {} on, {} left out", name,
+                            counted(behind, "zero byte"), size, behind == 1 ? "is" : "are"),
+       .count = behind});
   bytes = bytes.first(size);
   return result;
 }

@@ -390,13 +390,14 @@ MeshFile read_stl(const FileBytes& file, std::size_t part_bytes) {
   FileBytes triangles = file;
   triangles.bytes = bytes.first(expected);
   MeshFile found = read_binary(triangles);
+  const auto behind = static_cast<std::int64_t>(bytes.size() - expected);
   if (is_padded)
     found.warnings.push_back(
         {.code = "trailing-zeros",
-         .message = formatted("{}: {} zero bytes stand behind the triangles, from byte {} on; they "
-                              "are left out",
-                              file.name, bytes.size() - expected, expected),
-         .count = static_cast<std::int64_t>(bytes.size() - expected)});
+         .message =
+             formatted("{}: {} behind the triangles, from byte {} on, {} left out", file.name,
+                       counted(behind, "zero byte"), expected, behind == 1 ? "is" : "are"),
+         .count = behind});
   return found;
 }
 
