@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <random>
 #include <regex>
 #include <sstream>
 
@@ -179,6 +180,26 @@ TEST_F(Needs, OfTrianglesByWhatIsTried) {
   }
 }
 
+// Surfaces that leave vertices are made and measured one after another, beside the best so far.
+TEST_F(Needs, OfVerticesThatMayBeLeft) {
+  PolygonMesh mesh = torus(300, 120, 1.0, 0.4);
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0, 0.002);
+  for (glm::dvec3& p : mesh.positions) p *= 1 + noise(random);
+  write("scan.obj", obj_of(mesh));
+  for (const std::vector<std::string>& flags : {std::vector<std::string>{},
+                                                {"--interpolation", "progressive"},
+                                                {"--interpolation", "fair"},
+                                                {"--scheme", "catmull-clark"}}) {
+    for (const std::string within : {"1e-3", "auto"}) {
+      std::vector<std::string> arguments{"scan.obj", "-o",  "a.glb",    "--levels", "0",
+                                         "--refine", "off", "--within", within};
+      arguments.insert(arguments.end(), flags.begin(), flags.end());
+      expect_enough(arguments);
+    }
+  }
+}
+
 TEST_F(Needs, OfPagesAndTiles) {
   write("torus.obj", torus_obj(100));
   const std::string scan = PLANISH_SCENES "/rocker_arm_scan.obj";
@@ -239,6 +260,8 @@ TEST(ForecastOf, CountsTheFitsThatAreMade) {
   const double one = command::forecast_of({&need, 1}, settings, {}, 0).seconds;
   settings.interpolation = InterpolationChoice::Auto;
   EXPECT_DOUBLE_EQ(command::forecast_of({&need, 1}, settings, {}, 0).seconds, 2 * one);
+  settings.within.is_measured = true;
+  EXPECT_GT(command::forecast_of({&need, 1}, settings, {}, 0).seconds, 4 * one);
   EXPECT_GT(one, 0);
 }
 

@@ -31,6 +31,9 @@ MeshCounts mesh_counts_of(const PreparedMesh& mesh) {
 // bends, of points that are meshed, and of those of a large cloud of which few are.
 constexpr double kVertexSeconds = 6, kPointSeconds = 0.6, kPageSeconds = 4, kBendSeconds = 2.5,
                  kCloudSeconds = 80, kCarriedSeconds = 20;
+// The same of a vertex that may be left: two to ten further fits, each measured; with other schemes
+// than Doo-Sabin, whose levels are made whole for that.
+constexpr double kLeavingSeconds = 25, kLeavingPrimalSeconds = 120;
 
 // Bytes of host memory, upper values of what the command took: tools/planish/README.md has them.
 constexpr std::uint64_t kPageVertexBytes = 210 + 36, kBendBytes = 48, kBendUvBytes = 96;
@@ -58,12 +61,21 @@ constexpr double kStepPoints = 60, kCubicPoints = 150;
 constexpr std::uint64_t kProgressiveBytes = 150, kFairBytes = 210, kPrimalBytes = 300,
                         kBothBytes = 290;
 
+// Where vertices may be left, the best surface so far beside the next one and how it bends.
+constexpr std::uint64_t kLeavingBytes = 110, kLeavingPrimalBytes = 800;
+
+bool may_leave_vertices(const Settings& settings) {
+  return settings.within.is_measured || settings.within.of_diagonal.value_or(0) > 0;
+}
+
 std::uint64_t solve_bytes(std::int64_t corners, bool makes_both, const Settings& settings) {
-  const std::uint64_t bytes = settings.scheme != Scheme::DooSabin ? kPrimalBytes
-                              : makes_both                        ? kBothBytes
-                              : settings.interpolation == InterpolationChoice::Progressive
-                                  ? kProgressiveBytes
-                                  : kFairBytes;
+  const bool is_primal = settings.scheme != Scheme::DooSabin;
+  std::uint64_t bytes = is_primal    ? kPrimalBytes
+                        : makes_both ? kBothBytes
+                        : settings.interpolation == InterpolationChoice::Progressive
+                            ? kProgressiveBytes
+                            : kFairBytes;
+  if (may_leave_vertices(settings)) bytes += is_primal ? kLeavingPrimalBytes : kLeavingBytes;
   return bytes * static_cast<std::uint64_t>(corners);
 }
 
@@ -143,7 +155,10 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
     seconds += kPageSeconds * static_cast<double>(vertices);
   }
   const double fits = (chooses_by_measurement(settings) ? 2 : 1) + cage_fits(settings, outputs);
-  seconds += kVertexSeconds * fits * static_cast<double>(levels[0].vertices);
+  const double leaving = !may_leave_vertices(settings)         ? 0
+                         : settings.scheme != Scheme::DooSabin ? kLeavingPrimalSeconds
+                                                               : kLeavingSeconds;
+  seconds += (kVertexSeconds * fits + leaving) * static_cast<double>(levels[0].vertices);
   forecast.seconds = 1e-6 * seconds;
   return forecast;
 }
