@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <iterator>
 #include <sstream>
 
 #include "files/gltf/asset_sample.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/core/number_text.h"
 #include "planish/files/file_materials.h"
 #include "planish/files/mesh_file.h"
 #include "support/expect_error.h"
@@ -185,6 +187,36 @@ TEST_F(FitFilePlaces, WhatIsOddAboutTheMeshIsTold) {
   FitFileOptions welded;
   welded.mesh.weld = 0;
   EXPECT_EQ(warnings_of(welded), (Found{{"unused-vertices", 0}}));
+}
+
+// By as much as its numbers are off, in every format of single precision, and in no other.
+TEST_F(FitFilePlaces, NumbersThatLoseWhatTheFitKeepsAreTold) {
+  const glm::dvec3 far(1e5, -2e5, 3e5);
+  PolygonMesh mesh = test::torus(12, 8, 2, 1);
+  for (glm::dvec3& p : mesh.positions) p += far;
+  write_mesh(input_, FileFormat::Obj, mesh);
+  for (const char* name : {"a.stl", "a.ply", "a.glb", "a.obj", "a.off", "a.usda"}) {
+    FitFileOptions options;
+    options.level = 1;
+    const FileFit done = fit_file(input_, folder_ / name, options);
+    const auto found = std::ranges::find(done.fitted.warnings, "rounded-output", &Warning::code);
+    const bool is_single = std::string(name) == "a.stl";
+    EXPECT_EQ(found != done.fitted.warnings.end(), is_single) << name;
+    if (!is_single || found == done.fitted.warnings.end()) continue;
+    // The file's own vertices: the nearest one to each that was given.
+    const MeshFile written = read_mesh(folder_ / name);
+    double largest = 0;
+    for (const glm::dvec3& p : mesh.positions) {
+      double nearest = 1e300;
+      for (const glm::dvec3& q : written.mesh.positions)
+        nearest = std::min(nearest, glm::distance(p, q));
+      largest = std::max(largest, nearest);
+    }
+    const double diagonal = done.fitted.fit.placement.diagonal;
+    EXPECT_GT(largest, 1e-6 * diagonal);
+    EXPECT_THAT(found->message,
+                HasSubstr("leaves an error of " + short_number(largest / diagonal)));
+  }
 }
 
 TEST_F(FitFilePlaces, AnAssetThatBecomesOneMeshForItsCageIsTold) {

@@ -87,12 +87,6 @@ FitHandle fit_files(const py::object& input, const py::object& output, const py:
   return made;
 }
 
-// Warnings are given once Python's lock is held again.
-Callbacks collecting(Callbacks callbacks, std::vector<Warning>& warnings) {
-  callbacks.warning = [&warnings](const Warning& warning) { warnings.push_back(warning); };
-  return callbacks;
-}
-
 SurfaceHandle evaluate_fit(const FitHandle& fit, const py::object& level,
                            const py::object& progress, const py::object& cancelled) {
   auto made = std::make_shared<PythonSurface>();

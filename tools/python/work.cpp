@@ -89,4 +89,9 @@ void run_released(const PythonCallbacks& python, const std::function<void(const 
   });
 }
 
+Callbacks collecting(Callbacks callbacks, std::vector<Warning>& warnings) {
+  callbacks.warning = [&warnings](const Warning& warning) { warnings.push_back(warning); };
+  return callbacks;
+}
+
 }  // namespace planish::python

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include <functional>
+#include <vector>
 
 #include "planish/core/callbacks.h"
 
@@ -20,5 +21,8 @@ struct PythonCallbacks {
 /// or an exception of a function that was given. `threads`: as CpuBackendOptions has them.
 void run_released(const PythonCallbacks& python, const std::function<void(const Callbacks&)>& work,
                   int threads = 0);
+
+/// `callbacks` whose warnings go to `warnings`: given to warn() once Python's lock is held again.
+[[nodiscard]] Callbacks collecting(Callbacks callbacks, std::vector<Warning>& warnings);
 
 }  // namespace planish::python

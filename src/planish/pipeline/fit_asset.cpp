@@ -18,6 +18,7 @@
 #include "planish/pipeline/asset_parts.h"
 #include "planish/pipeline/fitted_level.h"
 #include "planish/pipeline/mesh_warnings.h"
+#include "planish/pipeline/written_distance.h"
 
 namespace planish {
 namespace {
@@ -131,10 +132,16 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
     ++part;
   }
   FileFit result;
+  double rounded = 0;  // the largest error of the file's numbers, of a mesh's diagonal
   const std::vector<AssetSurface> surfaces =
       surfaces_of(parts, details, edges, [&](const AssetPart& part, const PartLevel& level) {
         GltfOptions gltf = gltf_options_of(part.fitted, part.mesh.name, {level.level, false, {}});
         level.attributes->add_to(gltf);
+        const Fit& fit = part.fitted.fit;
+        if (fit.interpolation.converged)
+          rounded =
+              std::max(rounded, written_distance(*level.made.blocks, part.fitted.points(), gltf) /
+                                    fit.placement.diagonal);
         result.vertex_count += level.made.blocks->info().row_count;
         result.face_count += level.made.blocks->info().face_count;
         return AssetSurface{.mesh = part.mesh.number,
@@ -145,6 +152,7 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
   GltfOptions common;
   common.callbacks = share_of(whole, made, 1);
   result.byte_count = write_asset(output, output.parent_path(), asset, surfaces, common).byte_count;
+  tell(whole, parts.front().fitted, rounding_warning(visible(output), rounded, how.fit.tolerance));
   if (!options.level && options.coarser_levels.empty())
     tell(whole, parts.front().fitted,
          size_warning(visible(output), result.byte_count, asset.byte_count(), finest));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@
 #include "planish/pipeline/fitted_level.h"
 #include "planish/pipeline/make_ready.h"
 #include "planish/pipeline/mesh_warnings.h"
+#include "planish/pipeline/written_distance.h"
 
 namespace planish {
 namespace {
@@ -82,6 +84,8 @@ StepFigures write_step_of(const std::filesystem::path& path, const FittedMesh& f
        .callbacks = options.callbacks});
 }
 
+using FitWarnings = std::function<void(const std::optional<Warning>&)>;
+
 // Callbacks for making a surface and for writing it.
 struct SurfaceShares {
   explicit SurfaceShares(const SurfaceFileOptions& whole) : making(whole), writing(whole) {
@@ -93,9 +97,17 @@ struct SurfaceShares {
   SurfaceFileOptions making, writing;
 };
 
+// A fit that misses its tolerance has a warning of its own.
+void tell_rounding(const std::filesystem::path& path, const FittedMesh& fitted, double distance,
+                   const FitWarnings& tell) {
+  if (fitted.fit.interpolation.converged)
+    tell(rounding_warning(visible(path), distance / fitted.fit.placement.diagonal,
+                          fitted.options.tolerance));
+}
+
 std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& fitted,
                           const SurfaceBlocks& surface, std::string_view name,
-                          const SurfaceFileOptions& options) {
+                          const SurfaceFileOptions& options, const FitWarnings& tell) {
   const FileFormat format = output_format(path, FormatUse::WriteSurfaceFile);
   std::vector<NamedField> fields;
   std::vector<VertexAttribute> attributes;
@@ -103,6 +115,7 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   if (info_of(format).is_gltf) {
     GltfOptions gltf = gltf_options_of(fitted, name, options);
     gltf.fields = fields;
+    tell_rounding(path, fitted, written_distance(surface, fitted.points(), gltf), tell);
     return write_gltf(path, surface, gltf).byte_count;
   }
   SurfaceWriteOptions how;
@@ -110,6 +123,7 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   how.callbacks = options.callbacks;
   if (options.materials != nullptr)
     how.materials = {&options.materials->library, path.parent_path(), &options.materials->gltf};
+  tell_rounding(path, fitted, written_distance(surface, fitted.points(), format), tell);
   return write_surface(path, format, surface, how);
 }
 
@@ -224,12 +238,18 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
       read_materials_of(input, file.format, options.textures,
                         to.format == FileFormat::Obj || cage_format == FileFormat::Obj, to_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
+  const auto tell = [&](const std::optional<Warning>& warning) {
+    if (!warning) return;
+    warnings.push_back(*warning);
+    callbacks.warn(*warning);
+  };
   if (to.is_brep) {
     SurfaceFileOptions step{
         .z_up = options.z_up, .callbacks = share_of(callbacks, fit, 1), .materials = &materials};
     step.step = options.step;
     step.step.unit = settled_unit(options.step.unit, name_of(file.format));
     result.step = write_step_of(output, result.fitted, visible(input.stem()), step);
+    tell_rounding(output, result.fitted, result.step->largest_distance, tell);
     result.vertex_count = result.step->vertices;
     result.face_count = result.step->faces;
     result.byte_count = result.step->byte_count;
@@ -239,17 +259,12 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   const SurfaceShares shares({options.level_of(result.fitted.density), options.z_up,
                               share_of(callbacks, fit, 1), &materials});
   const FittedLevel surface = fitted_level(result.fitted, backend, shares.making);
-  const auto tell = [&](const std::optional<Warning>& warning) {
-    if (!warning) return;
-    warnings.push_back(*warning);
-    callbacks.warn(*warning);
-  };
   tell(fold_warning(result.fitted, surface, shares.making.level,
                     {.cancelled = callbacks.cancelled}));
   result.vertex_count = surface.blocks->info().row_count;
   result.face_count = surface.blocks->info().face_count;
-  result.byte_count =
-      write_level(output, result.fitted, *surface.blocks, visible(input.stem()), shares.writing);
+  result.byte_count = write_level(output, result.fitted, *surface.blocks, visible(input.stem()),
+                                  shares.writing, tell);
   // A .gltf's numbers are beside it.
   if (!options.level && file.format != FileFormat::Gltf)
     tell(size_warning(visible(output), result.byte_count, std::filesystem::file_size(input),
@@ -276,7 +291,10 @@ std::uint64_t write_fitted_surface(const std::filesystem::path& path, const Fitt
       return;
     }
     const FittedLevel surface = fitted_level(fitted, backend, shares.making);
-    bytes = write_level(path, fitted, *surface.blocks, name, shares.writing);
+    bytes = write_level(path, fitted, *surface.blocks, name, shares.writing,
+                        [&](const std::optional<Warning>& warning) {
+                          if (warning) options.callbacks.warn(*warning);
+                        });
   });
   options.callbacks.report("write", 1);
   return bytes;

@@ -5,12 +5,11 @@
 
 #include "output/cage_header.h"
 #include "output/digest.h"
-#include "planish/core/parallel.h"
-#include "planish/core/safe_length.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
+#include "planish/pipeline/written_distance.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -30,43 +29,6 @@ void note_file(WrittenOutput& written, const std::filesystem::path& file) {
   written.sha256 = digest.sha256;
 }
 
-// Of points that come as pairs, apart(i) of [0, count); infinite where one is not a number.
-template <class Apart>
-double largest_of(std::size_t count, const Apart& apart) {
-  double largest = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    largest = std::max(largest, safe_length(apart(i)));
-    if (std::isinf(largest)) break;
-  }
-  return largest;
-}
-
-// The same on all threads: of_piece(range) of the ranges of [0, count).
-template <class OfPiece>
-double largest_of_pieces(std::int64_t count, const OfPiece& of_piece) {
-  constexpr std::int64_t kPiece = 1 << 14;
-  const std::vector<RowRange> pieces = ranges_of(count, kPiece);
-  std::vector<double> largest(pieces.size(), 0);
-  parallel_each(pieces.size(), 1, [&](std::size_t i) { largest[i] = of_piece(pieces[i]); });
-  return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
-}
-
-// How far the surface's rows of given vertices are from these; write(rows, positions) gives them as
-// they are written. Nobody holds all of them.
-template <class Write>
-double largest_error(const SurfaceInfo& info, std::span<const glm::dvec3> given,
-                     const Write& write) {
-  const auto count = std::min(static_cast<std::int64_t>(info.base_vertices.size()), info.row_count);
-  return largest_of_pieces(count, [&](RowRange rows) {
-    thread_local std::vector<glm::dvec3> positions;
-    positions.resize(static_cast<std::size_t>(rows.count));
-    write(rows, positions);
-    const std::int32_t* vertices = info.base_vertices.data() + rows.first;
-    return largest_of(positions.size(),
-                      [&](std::size_t i) { return positions[i] - given[vertices[i]]; });
-  });
-}
-
 void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& target,
                    const SurfaceBlocks& surface, const SurfaceOutputOptions& options,
                    WrittenOutput& written, std::vector<std::byte>& stdout_bytes) {
@@ -83,12 +45,6 @@ void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& ta
     written.sha256 = digest.finish();
   }
   written.as_written_error = measured.distance / options.diagonal;
-}
-
-// As the format holds them.
-void round_for(FileFormat format, std::span<glm::dvec3> positions) {
-  if (info_of(format).keeps_doubles) return;
-  for (glm::dvec3& position : positions) position = glm::dvec3(glm::vec3(position));
 }
 
 // How USD is to draw the cage; it knows no Doo-Sabin.
@@ -113,10 +69,7 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
                   const SurfaceOutputOptions& options, MeasuredGltf& measured) {
   GltfOptions& gltf = measured.options = options.gltf;
   const SurfaceInfo& info = surface.info();
-  measured.distance =
-      largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> positions) {
-        written_positions(surface, gltf, rows, positions);
-      });
+  measured.distance = written_distance(surface, options.given, gltf);
   if (gltf.compression == GltfCompression::None) return;
   gltf.position_error =
       options.may_be_scaled
@@ -126,7 +79,7 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
   gltf.decoded_rows = static_cast<std::int64_t>(info.base_vertices.size());
   gltf.decoded = [&](std::span<const glm::dvec3> decoded) {
     measured.distance =
-        largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> some) {
+        largest_distance(info, options.given, [&](RowRange rows, std::span<glm::dvec3> some) {
           std::copy_n(decoded.begin() + rows.first, rows.count, some.begin());
         });
   };
@@ -155,15 +108,6 @@ WrittenOutput counted_output(const PlannedOutput& planned, const SurfaceInfo& in
   return written;
 }
 
-double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
-  const auto count = static_cast<std::int64_t>(std::min(a.size(), b.size()));
-  return largest_of_pieces(count, [&](RowRange rows) {
-    const auto first = static_cast<std::size_t>(rows.first);
-    return largest_of(static_cast<std::size_t>(rows.count),
-                      [&](std::size_t i) { return a[first + i] - b[first + i]; });
-  });
-}
-
 WrittenOutput write_surface_output(const PlannedOutput& planned,
                                    const std::filesystem::path& target, JobLevel& surface,
                                    const SurfaceOutputOptions& options,
@@ -189,14 +133,8 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   }
   written.bytes = write_surface(target, planned.format, surface.blocks(), polygons);
   written.sha256 = digest.finish();
-  written.as_written_error = largest_error(info, options.given,
-                                           [&](RowRange rows, std::span<glm::dvec3> positions) {
-                                             RowTarget to;
-                                             to.positions = positions;
-                                             (void)surface.blocks().rows(rows, to);
-                                             round_for(planned.format, positions);
-                                           }) /
-                             options.diagonal;
+  written.as_written_error =
+      written_distance(surface.blocks(), options.given, planned.format) / options.diagonal;
   return written;
 }
 

@@ -59,7 +59,4 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
                                               const MaterialLibrary& materials,
                                               const JobReport& report);
 
-/// max |a_i - b_i| over the shorter of both; infinite where one is not a number.
-[[nodiscard]] double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);
-
 }  // namespace planish::command
