@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L /* threads and their clocks, folders */
 #include <dirent.h>
 #include <math.h>
+#include <planish/c/editor.h>
 #include <planish/c/planish.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -495,6 +496,27 @@ static void test_named_files(void) {
   put_file("x.obj", "mtllib y.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n");
   EXPECT_REFUSED(planish_fit_file("x.obj", "y.obj", 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
                  "y.mtl is read with the input x.obj");
+  planish_mesh *mesh = NULL, *cage = NULL;
+  planish_fit* fit = NULL;
+  planish_editor* editor = NULL;
+  EXPECT(planish_mesh_read("x.obj", &mesh) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
+  EXPECT_REFUSED(planish_mesh_write(mesh, "x.obj"), PLANISH_INVALID_ARGUMENT, "the input itself");
+  EXPECT_REFUSED(planish_mesh_write(mesh, "y.obj"), PLANISH_INVALID_ARGUMENT, "y.mtl is read with");
+  EXPECT_REFUSED(planish_mesh_write(cage, "y.obj"), PLANISH_INVALID_ARGUMENT, "y.mtl is read with");
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "y.obj"), PLANISH_INVALID_ARGUMENT,
+                 "y.mtl is read with");
+  EXPECT(planish_editor_create(fit, 1, &editor) == PLANISH_OK);
+  planish_fit_free(fit);
+  EXPECT(planish_editor_fit(editor, &fit) == PLANISH_OK);
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "y.obj"), PLANISH_INVALID_ARGUMENT,
+                 "y.mtl is read with");
+  EXPECT(planish_mesh_write(mesh, "z.obj") == PLANISH_OK);
+  planish_editor_free(editor);
+  planish_fit_free(fit);
+  planish_mesh_free(cage);
+  planish_mesh_free(mesh);
   EXPECT(file_has("y.mtl", "# mine"));
   EXPECT_REFUSED(planish_fit_file("x.obj", "o.json", 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
                  "3D Tiles are written by the command");

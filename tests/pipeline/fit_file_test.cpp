@@ -14,6 +14,7 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/number_text.h"
 #include "planish/files/file_materials.h"
+#include "planish/files/input_files.h"
 #include "planish/files/mesh_file.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
@@ -99,6 +100,17 @@ TEST_F(FitFilePlaces, WhatTheInputNamesIsNeverWritten) {
   refused([&] {
     (void)write_fitted_surface(folder_ / "w.glb", fitted, "cube", *make_cpu_backend(),
                                {.materials = &materials});
+  });
+  InputFiles inputs;
+  inputs.add(folder_ / "s.gltf");
+  refused([&] {
+    (void)write_fitted_surface(folder_ / "b.gltf", fitted, "cube", *make_cpu_backend(),
+                               {.inputs = &inputs});
+  });
+  inputs.add(folder_ / "x.obj");
+  refused([&] {
+    write_mesh(folder_ / "y.obj", FileFormat::Obj, read_mesh(folder_ / "x.obj").mesh,
+               {.inputs = &inputs});
   });
   EXPECT_EQ(bytes_of(folder_ / "b.bin"), buffer);
   EXPECT_EQ(bytes_of(folder_ / "y.mtl"), library);

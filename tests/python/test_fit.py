@@ -276,7 +276,20 @@ def test_what_an_input_names_is_not_written(tmp_path):
                                ("x.obj", "z.ply", tmp_path / "y.obj")]:
         with pytest.raises(planish.InvalidArgument, match=f"is read with the input .*{name}"):
             planish.fit_file(tmp_path / name, tmp_path / output, 1, cage)
+    # What was made of a file knows of it.
+    for name, output in [("a.gltf", "b.gltf"), ("x.obj", "y.obj")]:
+        mesh = planish.read(tmp_path / name)
+        fit = planish.fit(mesh)
+        made = [fit, fit.evaluate(1), fit.tessellate(0.1, 10), fit.edit(1).fit()]
+        if output.endswith("obj"):
+            made += [mesh, fit.cage, fit.mesh]
+        for one in made:
+            with pytest.raises(planish.InvalidArgument, match=f"is read with the input .*{name}"):
+                planish.write(tmp_path / output, one)
+    with pytest.raises(planish.InvalidArgument, match="x.obj is the input itself"):
+        planish.write(tmp_path / "x.obj", planish.read(tmp_path / "x.obj"))
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    planish.write(tmp_path / "w.obj", planish.read(tmp_path / "x.obj"))
     with pytest.raises(planish.InvalidArgument, match="3D Tiles are written by the command"):
         planish.fit_file(tmp_path / "x.obj", tmp_path / "o.json")
 

@@ -10,6 +10,7 @@
 
 #include "options.h"
 #include "planish/edit/editor.h"
+#include "planish/files/input_files.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/surface_mesh.h"
@@ -19,11 +20,13 @@ namespace planish::python {
 /// planish.Mesh.
 struct PythonMesh {
   PolygonMesh mesh;
+  InputFiles inputs{};  ///< that were read for it; copies and pickles have none
 };
 
 /// planish.Surface.
 struct PythonSurface {
   SurfaceMesh surface;
+  InputFiles inputs{};  ///< of its fit
 };
 
 /// planish.Fit.
@@ -32,7 +35,8 @@ struct PythonFit {
   std::string name = "mesh";  ///< of the mesh in glTF
   int threads = 0;
   Precision precision = Precision::Float;
-  double seconds = 0;  ///< of fit()
+  double seconds = 0;   ///< of fit()
+  InputFiles inputs{};  ///< of its mesh
 };
 
 /// An editor with the fit that it reads: arrays and queries that it gave keep it, too.

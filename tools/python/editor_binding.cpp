@@ -156,6 +156,7 @@ FitHandle fit_now(PythonEditor& self) {
   made->threads = self.first().threads;
   made->precision = self.first().precision;
   made->seconds = self.first().seconds;
+  made->inputs = self.first().inputs;
   reading(self,
           [&](const Callbacks&) { made->fitted = edited(self.first().fitted, self.editor()); });
   return made;

@@ -29,9 +29,11 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
   const auto start = std::chrono::steady_clock::now();
   const FitArguments arguments = fit_arguments(keywords, "fit");
   PolygonMesh mesh;
+  InputFiles inputs;
   if (py::isinstance<PythonMesh>(vertices)) {
     if (!faces.is_none()) refuse("faces: a Mesh has its own; leave them out");
     mesh = vertices.cast<PythonMesh&>().mesh;
+    inputs = vertices.cast<PythonMesh&>().inputs;
   } else if (faces.is_none()) {
     refuse("faces: are missing; fit() takes vertices and faces, or a Mesh");
   } else {
@@ -39,6 +41,7 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
   }
   arguments.mesh.add_to(mesh);
   FitHandle made = new_fit(arguments);
+  made->inputs = std::move(inputs);
   const auto backend = arguments.make_backend();
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
     MeshFitOptions options = mesh_fit_options(arguments.settings);
@@ -83,6 +86,7 @@ FitHandle fit_files(const py::object& input, const py::object& output, const py:
     made->fitted = fit_file(from, to, options).fitted;
   });
   made->name = visible(from.stem());
+  made->inputs.add(from, {}, options.textures);
   made->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return made;
 }
@@ -99,6 +103,7 @@ SurfaceHandle evaluate_fit(const FitHandle& fit, const py::object& level,
         make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
     made->surface = evaluate(fit->fitted.mesh, fit->fitted.fit, *backend, options);
   });
+  made->inputs = fit->inputs;
   warn(warnings);
   return made;
 }
@@ -117,6 +122,7 @@ SurfaceHandle tessellate_fit(const FitHandle& fit, double chord_error, double an
                                                  .callbacks = collecting(callbacks, warnings)});
       },
       fit->threads);
+  made->inputs = fit->inputs;
   warn(warnings);
   return made;
 }
@@ -125,6 +131,7 @@ MeshHandle cage_of(const FitHandle& fit) {
   auto made = std::make_shared<PythonMesh>();
   const FittedMesh& fitted = fit->fitted;
   made->mesh = control_cage(fitted.mesh, fitted.fit, fitted.options.sharp);
+  made->inputs = fit->inputs;
   return made;
 }
 
@@ -199,6 +206,7 @@ void add_fit_class(py::module_& module) {
           [](const FitHandle& self) {
             auto made = std::make_shared<PythonMesh>();
             made->mesh = self->fitted.mesh;
+            made->inputs = self->inputs;
             return made;
           },
           "What was fitted: the given mesh, repaired and tagged.")

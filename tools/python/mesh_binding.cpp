@@ -33,12 +33,14 @@ FileFormat require_format(const std::string& path, FormatUse use) {
   return *format;
 }
 
-void write_the_mesh(const std::string& path, const PolygonMesh& mesh) {
-  write_mesh(path, require_format(path, FormatUse::WriteCage), mesh);
+void write_the_mesh(const std::string& path, const PolygonMesh& mesh, const InputFiles& inputs) {
+  write_mesh(path, require_format(path, FormatUse::WriteCage), mesh, {.inputs = &inputs});
 }
 
-void write_the_surface(const std::string& path, const SurfaceMesh& surface) {
+void write_the_surface(const std::string& path, const SurfaceMesh& surface,
+                       const InputFiles& inputs) {
   const FileFormat format = require_format(path, FormatUse::WriteSurfaceFile);
+  require_apart(inputs, path, format);
   GltfOptions options;
   const auto attributes = add_attributes(*blocks_of(surface, {}), options.fields, {});
   if (info_of(format).is_gltf) {
@@ -69,6 +71,7 @@ MeshHandle read_the_mesh(const py::object& path, bool split_normals, const std::
   });
   warn(read.warnings);
   made->mesh = std::move(read.mesh);
+  made->inputs.add(file, {}, reach);
   return made;
 }
 
@@ -278,16 +281,24 @@ void write(const std::string& path, const py::object& what, const py::object& le
     const int splits = level.is_none() ? fit->fitted.density.level() : level.cast<int>();
     const auto backend =
         make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
+    const InputFiles inputs = fit->inputs;
+    std::vector<Warning> warnings;
     run_released({}, [&](const Callbacks& callbacks) {
       write_fitted_surface(path, fit->fitted, fit->name, *backend,
-                           {.level = splits, .callbacks = callbacks, .step = step});
+                           {.level = splits,
+                            .callbacks = collecting(callbacks, warnings),
+                            .step = step,
+                            .inputs = &inputs});
     });
+    warn(warnings);
   } else if (py::isinstance<PythonSurface>(what)) {
     const auto surface = what.cast<SurfaceHandle>();
-    run_released({}, [&](const Callbacks&) { write_the_surface(path, surface->surface); });
+    const InputFiles inputs = surface->inputs;
+    run_released({}, [&](const Callbacks&) { write_the_surface(path, surface->surface, inputs); });
   } else if (py::isinstance<PythonMesh>(what)) {
     const auto mesh = what.cast<MeshHandle>();
-    run_released({}, [&](const Callbacks&) { write_the_mesh(path, mesh->mesh); });
+    const InputFiles inputs = mesh->inputs;
+    run_released({}, [&](const Callbacks&) { write_the_mesh(path, mesh->mesh, inputs); });
   } else {
     throw py::type_error("write() takes a Fit, a Surface or a Mesh");
   }
@@ -326,7 +337,8 @@ void add_mesh(py::module_& module) {
       "Writes the surface of a Fit (`level` splits; None: 2, of a dense mesh 1) or a Surface as "
       "glTF, GLB, OBJ, PLY, OFF, STL "
       "or USD text, a Fit also as STEP, or a Mesh as OBJ, PLY, OFF or USD text, by extension. An "
-      "old file stays until the new one is whole. Raises UnwritableOutput, InvalidArgument.\n" +
+      "old file stays until the new one is whole. Files that read() read for it are never written "
+      "over. Raises UnwritableOutput, InvalidArgument.\n" +
       keywords_text(is_step_keyword);
   module.def(
       "write",

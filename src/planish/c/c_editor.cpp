@@ -124,6 +124,7 @@ planish_status planish_editor_create(const planish_fit* fit, int32_t level,
     auto made = std::make_unique<planish_editor>();
     made->thread_count = fit->thread_count;
     made->precision = fit->precision;
+    made->inputs = fit->inputs;
     run_on(made->thread_count,
            [&] { made->edited = std::make_shared<EditedFit>(fit->whole, fit->settled(level)); });
     *editor = made.release();
@@ -248,6 +249,7 @@ planish_status planish_editor_fit(const planish_editor* editor, planish_fit** fi
     auto made = std::make_unique<planish_fit>();
     made->thread_count = editor->thread_count;
     made->precision = editor->precision;
+    made->inputs = editor->inputs;
     run_on(made->thread_count,
            [&] { made->fitted = planish::edited(*editor->edited->first, editor->edited->editor); });
     *fit = made.release();

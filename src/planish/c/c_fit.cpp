@@ -220,6 +220,7 @@ planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_op
     made->thread_count = own.thread_count;
     made->precision = solve_precision(settings);
     made->step = settings.step;
+    made->inputs = mesh->inputs;
     const auto backend = backend_of(made->precision, own.thread_count);
     made->fitted = planish::fit_mesh(mesh->mesh, "mesh", *backend, how);
     *fit = made.release();
@@ -260,6 +261,7 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage) {
     const planish::FittedMesh& fitted = fit->fitted;
     run_on(fit->thread_count, [&] {
       *cage = new_mesh(planish::control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
+      (*cage)->inputs = fit->inputs;
     });
     return PLANISH_OK;
   });
@@ -271,9 +273,12 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
     require(path, "path");
     const auto backend = backend_of(fit->precision, fit->thread_count);
     planish::StepFigures figures;
-    planish::write_fitted_surface(
-        path, fit->fitted, "surface", *backend,
-        {.level = fit->settled(level), .step = fit->step, .step_figures = &figures});
+    const planish::InputFiles inputs = fit->inputs;  // other threads may write the fit, too
+    planish::write_fitted_surface(path, fit->fitted, "surface", *backend,
+                                  {.level = fit->settled(level),
+                                   .step = fit->step,
+                                   .step_figures = &figures,
+                                   .inputs = &inputs});
     return written_status(fit->fitted, &figures);
   });
 }

@@ -186,6 +186,7 @@ planish_status planish_mesh_read(const char* path, planish_mesh** mesh) {
     planish::MeshFile file = planish::read_mesh(std::filesystem::path(path));
     *mesh = new_mesh(std::move(file.mesh));
     (*mesh)->warnings = std::move(file.warnings);
+    (*mesh)->inputs.add(path);
     return PLANISH_OK;
   });
 }
@@ -212,7 +213,8 @@ planish_status planish_mesh_write(const planish_mesh* mesh, const char* path) {
       refuse(planish::visible(std::string_view(path)) + ": meshes are written as " +
              planish::extensions_in_words(planish::FormatUse::WriteCage));
     }
-    planish::write_mesh(path, *format, mesh->mesh);
+    const planish::InputFiles inputs = mesh->inputs;  // other threads may write the mesh, too
+    planish::write_mesh(path, *format, mesh->mesh, {.inputs = &inputs});
     return PLANISH_OK;
   });
 }

@@ -9,6 +9,7 @@
 #include "planish/c/editor.h"
 #include "planish/c/planish.h"
 #include "planish/edit/editor.h"
+#include "planish/files/input_files.h"
 #include "planish/limit/limit_surface.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/polygon_mesh.h"
@@ -53,6 +54,7 @@ struct RiderViews {
 
 struct planish_mesh {
   planish::PolygonMesh mesh;
+  planish::InputFiles inputs;  ///< that were read for it
   planish::c::RiderViews riders;
   std::vector<std::int32_t> face_sizes;    ///< for views
   std::vector<planish::Warning> warnings;  ///< of the reader
@@ -64,6 +66,7 @@ struct planish_fit {
   int thread_count = 0;
   planish::Precision precision = planish::Precision::Float;
   planish::StepSettings step;
+  planish::InputFiles inputs;  ///< of its mesh
 
   /// Of planish_fit_write() and others; PLANISH_LEVEL_AUTO by the mesh's density.
   [[nodiscard]] int settled(std::int32_t level) const {
@@ -113,6 +116,7 @@ struct planish_editor {
   std::shared_ptr<planish::c::EditedFit> edited;
   std::vector<planish_row_range> rows;  ///< of the last change
   planish::Selection selection;         ///< the last one
+  planish::InputFiles inputs;           ///< of the fit
   int thread_count = 0;
   planish::Precision precision = planish::Precision::Float;
 };

@@ -164,7 +164,8 @@ planish_status planish_mesh_read(const char* path, planish_mesh** mesh);
 size_t planish_mesh_warning_count(const planish_mesh* mesh);
 planish_status planish_mesh_warning(const planish_mesh* mesh, size_t index, const char** code,
                                     const char** message);
-/** OBJ, PLY, OFF or USD text, by extension. */
+/** OBJ, PLY, OFF or USD text, by extension. PLANISH_INVALID_ARGUMENT for a file that
+ * planish_mesh_read() read for it. */
 planish_status planish_mesh_write(const planish_mesh* mesh, const char* path);
 /** Views of the mesh; set struct_size first (by the *_init()). face_sizes is set, whatever the
  * faces; creases and corners are left out. */
@@ -265,7 +266,8 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
 
 /** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL, USD text or STEP, which has
  * no level, by extension. `level`: 0 to 6 splits, or PLANISH_LEVEL_AUTO. PLANISH_NOT_CONVERGED also
- * where STEP does not keep limits that options set. */
+ * where STEP does not keep limits that options set. PLANISH_INVALID_ARGUMENT for a file that was
+ * read for the mesh. */
 planish_status planish_fit_write(const planish_fit* fit, int32_t level, const char* path);
 void planish_fit_free(planish_fit* fit);
 

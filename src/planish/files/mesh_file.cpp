@@ -2,6 +2,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/input_files.h"
 #include "planish/files/read_file.h"
 #include "planish/files/shared/read_counted.h"
 #include "planish/files/write_polygons.h"
@@ -46,6 +47,7 @@ MeshFile read_mesh(const std::filesystem::path& path, const MeshReadOptions& opt
 
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,
                 const MeshWriteOptions& options) {
+  if (options.inputs != nullptr) require_apart(*options.inputs, path, format);
   std::vector<NamedField> fields;
   for (const VertexAttribute& attribute : mesh.attributes)
     fields.push_back({attribute.name, attribute.values, attribute.width});

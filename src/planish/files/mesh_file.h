@@ -17,6 +17,8 @@
 
 namespace planish {
 
+class InputFiles;  // input_files.h
+
 /// A mesh as read, with what the reader had to do.
 struct MeshFile {
   PolygonMesh mesh;
@@ -64,6 +66,8 @@ struct MeshWriteOptions {
   CageSubdivision subdivision = {};  ///< for USD
   bool is_z_up = false;              ///< for USD
   GivenMaterials materials;          ///< for OBJ
+  /// What was read, of which nothing is written over; null: nothing that is known.
+  const InputFiles* inputs = nullptr;
 };
 
 /// Writes OBJ, PLY (binary little endian, double), OFF or USD text through OutputFile; n-gons are

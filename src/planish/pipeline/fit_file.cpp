@@ -279,6 +279,7 @@ std::uint64_t write_fitted_surface(const std::filesystem::path& path, const Fitt
                                    std::string_view name, Backend& backend,
                                    const SurfaceFileOptions& options) {
   const FileFormat format = output_format(path, FormatUse::WriteSurfaceFile);
+  if (options.inputs != nullptr) require_apart(*options.inputs, path, format);
   require_writable(path, format, fitted.options.scheme);  // before the work
   const HostScope host(options.callbacks);
   const SurfaceShares shares(options);

@@ -13,6 +13,8 @@
 
 namespace planish {
 
+class InputFiles;  // input_files.h
+
 struct FitFileOptions {
   MeshFitOptions mesh;
   /// 0 to kMaxLevel splits; empty: 2, but of each mesh that is dense (MeshDensity) and has no
@@ -69,6 +71,8 @@ struct SurfaceFileOptions {
   const FileMaterials* materials = nullptr;  ///< of the file that was read; null: plain ones
   StepSettings step{};
   StepFigures* step_figures = nullptr;  ///< set where a STEP file is written
+  /// What was read, of which nothing is written over; null: nothing that is known.
+  const InputFiles* inputs = nullptr;
 };
 
 /// Writes the surface of a fitted mesh. `name`: of mesh and node in a glTF. Returns the number of
