@@ -21,6 +21,14 @@ class CornerFinder {
     set_lines();
   }
 
+  // Inside the surface, where two sharp segments meet and their line jumps.
+  [[nodiscard]] std::vector<std::int32_t> find_bends() const {
+    std::vector<std::int32_t> bends;
+    for (std::int32_t v = 0; v < topology_.vertex_count(); ++v)
+      if (turns_[v] > 0 && !topology_.is_boundary_vertex(v) && jumps_at(v)) bends.push_back(v);
+    return bends;
+  }
+
   [[nodiscard]] std::vector<std::int32_t> find() const {
     std::vector<std::int32_t> corners;
     for (std::int32_t v = 0; v < topology_.vertex_count(); ++v)
@@ -203,6 +211,12 @@ class CornerFinder {
 };
 
 }  // namespace
+
+std::vector<std::int32_t> find_bends(const PolygonMesh& mesh, const MeshTopology& topology,
+                                     const RegionMap& map, std::span<const char> is_sharp,
+                                     const FeatureRules& rules) {
+  return CornerFinder(mesh, topology, map, is_sharp, rules).find_bends();
+}
 
 std::vector<std::int32_t> find_corners(const PolygonMesh& mesh, const MeshTopology& topology,
                                        const RegionMap& map, std::span<const char> is_sharp,

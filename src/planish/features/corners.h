@@ -19,4 +19,11 @@ namespace planish {
                                                      std::span<const char> is_sharp,
                                                      const FeatureRules& rules);
 
+/// Of these the vertices inside the surface where a line of two sharp segments jumps.
+[[nodiscard]] std::vector<std::int32_t> find_bends(const PolygonMesh& mesh,
+                                                   const MeshTopology& topology,
+                                                   const RegionMap& map,
+                                                   std::span<const char> is_sharp,
+                                                   const FeatureRules& rules);
+
 }  // namespace planish

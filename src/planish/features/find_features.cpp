@@ -26,6 +26,8 @@ namespace {
 constexpr double kRegions = 0.3, kAcross = 0.5, kMeasured = 0.7, kLabels = 0.9;
 // Sharp edges explain nothing, so that others become sharp: so often at most.
 constexpr int kPasses = 8;
+// Jumps that differ by less, relatively, are as large.
+constexpr double kSame = 1e-6;
 // Vertices with more lines have none that goes on.
 constexpr std::size_t kMostLines = 16;
 // Of a region on whose outline something has changed: those beyond it are marked, too.
@@ -33,8 +35,9 @@ constexpr char kLookedAround = 2;
 
 class Labeller {
  public:
-  Labeller(const MeshTopology& topology, const RegionMap& map, const FeatureRules& rules)
-      : topology_(topology), map_(map), rules_(rules) {
+  Labeller(const PolygonMesh& mesh, const MeshTopology& topology, const RegionMap& map,
+           const FeatureRules& rules)
+      : mesh_(mesh), topology_(topology), map_(map), rules_(rules) {
     const std::size_t count = map.segments.size();
     labels_.assign(count, 0);
     for (std::size_t s = 0; s < count; ++s) labels_[s] = map.segments[s].is_tagged ? 1 : 0;
@@ -57,7 +60,7 @@ class Labeller {
     for (int pass = 0; pass < kPasses; ++pass) {
       measure(is_near);
       if (pass == 0) tell(kMeasured);
-      if (!cut(is_near)) return;
+      if (!cut(is_near) && !end_bends(is_near)) return;
     }
   }
 
@@ -65,6 +68,7 @@ class Labeller {
   [[nodiscard]] SegmentJumps::Jump jump(std::int32_t segment) const { return jump_[segment]; }
 
  private:
+  const PolygonMesh& mesh_;
   const MeshTopology& topology_;
   const RegionMap& map_;
   const FeatureRules& rules_;
@@ -72,6 +76,10 @@ class Labeller {
   std::vector<char> labels_;
   std::vector<SegmentJumps::Jump> jump_;
   std::vector<LabelLink> links_;
+  struct SegmentEnd {
+    std::int32_t vertex, segment;
+  };
+  std::vector<SegmentEnd> ends_;  // by vertex, inside the surface
 
   // A jump is at most its turn, and its scale at least FeatureRules::jump but between large planes:
   // where each label alone is cheapest smooth, so are all together, and nothing is to be measured.
@@ -112,6 +120,26 @@ class Labeller {
       for (std::size_t i = 0; i < lines.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
           link(lines[i] / 2, lines[j] / 2, (lines[i] ^ lines[j]) & 1);
+      if (topology_.is_boundary_vertex(v)) continue;
+      for (const std::int32_t line : lines)
+        if (std::ranges::count(lines, line / 2, [](std::int32_t l) { return l / 2; }) == 1)
+          ends_.push_back({v, line / 2});
+    }
+  }
+
+  // A line that ends inside the surface where nothing else jumps costs as much as one that does not
+  // go on.
+  void add_ends(std::vector<LabelCost>& costs) const {
+    for (std::size_t first = 0, last = 0; first < ends_.size(); first = last) {
+      while (last < ends_.size() && ends_[last].vertex == ends_[first].vertex) ++last;
+      const auto jumps = [&](const SegmentEnd& end) {
+        const SegmentJumps::Jump& jump = jump_[end.segment];
+        return labels_[end.segment] || jump.jump >= jump.scale;
+      };
+      const auto at = std::span(ends_).subspan(first, last - first);
+      if (std::ranges::count_if(at, jumps) != 1) continue;
+      const std::int32_t alone = std::ranges::find_if(at, jumps)->segment;
+      costs[alone].sharp += rules_.line / 2 * map_.segments[alone].length;
     }
   }
 
@@ -133,6 +161,25 @@ class Labeller {
       links_.push_back({s, t, rules_.line / 2 * std::min(a.length, b.length) * cosine});
   }
 
+  // Two smooth surfaces meet in a smooth line: where it jumps one of them is not smooth, and what
+  // jumps most there is sharp. Whether there are more sharp segments now.
+  bool end_bends(std::vector<char>& is_near) {
+    std::vector<std::int32_t> lines, ends;
+    for (const std::int32_t v : find_bends(mesh_, topology_, map_, labels_, rules_)) {
+      lines.clear();
+      for (const std::int32_t corner : topology_.corners_at(v))
+        add_line(topology_.edge_of(corner), v, lines);
+      double most = 0;
+      for (const std::int32_t line : lines)
+        if (!labels_[line / 2]) most = std::max(most, jump_[line / 2].jump);
+      for (const std::int32_t line : lines)
+        if (!labels_[line / 2] && jump_[line / 2].jump >= most * (1 - kSame))
+          ends.push_back(line / 2);
+    }
+    for (const std::int32_t s : ends) sharpen(s, is_near);
+    return !ends.empty();
+  }
+
   // Whether there are more sharp segments now, and which regions look at one. What is sharp stays
   // so.
   bool cut(std::vector<char>& is_near) {
@@ -144,22 +191,27 @@ class Labeller {
       if (labels_[s]) costs[s].smooth = 1e6 * length;
       if (map_.segments[s].regions[1] < 0) costs[s] = {0, length};
     }
+    add_ends(costs);
     const std::vector<char> cheapest = cheapest_labels(costs, links_);
     bool has_more = false;
     std::ranges::fill(is_near, 0);
     for (std::size_t s = 0; s < cheapest.size(); ++s) {
       if (!cheapest[s] || labels_[s]) continue;
-      labels_[s] = 1;
+      sharpen(s, is_near);
       has_more = true;
-      for (const std::int32_t region : map_.segments[s].regions) {
-        if (is_near[region] == kLookedAround) continue;
-        is_near[region] = kLookedAround;
-        for (const std::int32_t other : map_.outlines.of(region))
-          if (const std::int32_t near = map_.beyond(other, region); near >= 0 && is_near[near] == 0)
-            is_near[near] = 1;
-      }
     }
     return has_more;
+  }
+
+  void sharpen(std::size_t s, std::vector<char>& is_near) {
+    labels_[s] = 1;
+    for (const std::int32_t region : map_.segments[s].regions) {
+      if (is_near[region] == kLookedAround) continue;
+      is_near[region] = kLookedAround;
+      for (const std::int32_t other : map_.outlines.of(region))
+        if (const std::int32_t near = map_.beyond(other, region); near >= 0 && is_near[near] == 0)
+          is_near[near] = 1;
+    }
   }
 };
 
@@ -226,7 +278,7 @@ Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
   if (!has_any_turn(mesh, topology, rules.flat)) return {};
   const RegionMap map = make_regions(mesh, topology, rules);
   tell(kRegions);
-  Labeller labeller(topology, map, rules);
+  Labeller labeller(mesh, topology, map, rules);
   labeller.run(tell);
   tell(kLabels);
   Features features;

@@ -41,7 +41,7 @@ enum class FeatureReason {
   Tagged,     ///< the mesh says that it is sharp
   Turn,       ///< sharp: it turns by more than FeatureRules::every
   Jump,       ///< sharp: the surfaces of both sides disagree
-  Line,       ///< sharp: continues lines that are
+  Line,       ///< sharp: continues lines that are, or such a line has a corner there
   Explained,  ///< smooth: the surfaces of both sides agree, or nearly
   Ended       ///< smooth although they disagree: no line goes on there
 };

@@ -214,10 +214,13 @@ Explained SegmentJumps::explained_by_far(std::int32_t segment, int side,
   const std::int32_t region = map_.segments[segment].regions[side];
   const Across& across = across_[segment][side];
   const Segment& far = map_.segments[across.segment];
-  if (is_sharp[across.segment] || far.turn * map_.segments[segment].turn <= 0) return {};
+  if (is_sharp[across.segment]) return {};
   const int behind = 1 - side_of(across.segment, region);
-  return explained_by(std::abs(far.turn), across.width, across_[across.segment][behind].width,
-                      across_[segment][1 - side].width, rules_);
+  Explained result =
+      explained_by(std::abs(far.turn), across.width, across_[across.segment][behind].width,
+                   across_[segment][1 - side].width, rules_);
+  if (far.turn * map_.segments[segment].turn <= 0) result.turn = 0;
+  return result;
 }
 
 // The rate at which planes around a region turn about the segment, as one goes away from it: the
@@ -261,9 +264,24 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
   Explained result;
   for (const Sample& sample : samples)
     result.spread += sample.weight / weights * std::abs(sample.turn - rate * sample.distance);
-  result.whole = std::max(0.0, rate * reach);
-  result.turn = std::min(rules_.cap, result.whole);
+  result.whole = std::abs(rate * reach);
+  result.turn = std::clamp(rate * reach, 0.0, rules_.cap);
   return result;
+}
+
+// Of a facet of a smooth surface the most by which it bends at another of its lines; less where
+// what is beyond is far smaller: there the surface changes, as where a plane ends in a fillet.
+double SegmentJumps::bend_of(std::int32_t segment, std::int32_t region,
+                             std::span<const char> is_sharp) const {
+  double most = 0;
+  for (const std::int32_t s : map_.outlines.of(region)) {
+    const std::int32_t beyond = map_.beyond(s, region);
+    if (s == segment || beyond < 0 || is_sharp[s]) continue;
+    const double even =
+        std::min(1.0, rules_.uneven * map_.regions[beyond].share / map_.regions[region].share);
+    most = std::max(most, std::abs(map_.segments[s].turn) / 2 * even * even);
+  }
+  return most;
 }
 
 SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char> is_sharp) const {
@@ -274,7 +292,10 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
   if (!right.is_known) right = left;
   Jump result{jump_of(line.turn, left, right), rules_.jump};
   if (is_plane(line.regions[0], 4) && is_plane(line.regions[1], 4)) {
-    const double share = (left.whole + right.whole) / std::max(std::abs(line.turn), 1e-9);
+    const double bend =
+        bend_of(segment, line.regions[0], is_sharp) + bend_of(segment, line.regions[1], is_sharp);
+    const double share =
+        std::max(left.whole + right.whole, bend) / std::max(std::abs(line.turn), 1e-9);
     result.scale = std::clamp(2 * share * rules_.jump, rules_.flat, rules_.jump);
   } else if (!is_plane(line.regions[0], 5) && !is_plane(line.regions[1], 5)) {
     result.scale = std::hypot(rules_.jump, rules_.spread * (left.spread + right.spread));

@@ -12,7 +12,7 @@ namespace planish {
 /// What the smooth surface on one side of a turn leads one to expect there, in degrees.
 struct Explained {
   double turn = 0;       ///< 0 to the rules' cap
-  double whole = 0;      ///< without the cap
+  double whole = 0;      ///< how far the surface bends there, either way, without the cap
   double spread = 0;     ///< how far the surface itself is from what was fitted
   bool is_known = true;  ///< false: nothing is there to tell; then the other side speaks for both
 };
@@ -59,6 +59,8 @@ class SegmentJumps {
                                            std::span<const char> is_sharp) const;
   [[nodiscard]] Explained fitted(std::int32_t segment, std::int32_t region,
                                  std::span<const char> is_sharp) const;
+  [[nodiscard]] double bend_of(std::int32_t segment, std::int32_t region,
+                               std::span<const char> is_sharp) const;
   [[nodiscard]] bool is_plane(std::int32_t region, std::size_t corners) const;
 };
 
