@@ -42,6 +42,7 @@ class CornerFinder {
   const RegionMap& map_;
   std::span<const char> is_sharp_;
   const FeatureRules& rules_;
+  double cosine_ = std::cos(glm::radians(rules_.jump) / 2);
   // By vertex: how many sharp edges and boundaries it has; the far ends of two of them; of a vertex
   // with two how the line turns there, in degrees, and about what.
   std::vector<std::int32_t> count_;
@@ -176,6 +177,12 @@ class CornerFinder {
   [[nodiscard]] bool is_tip(std::int32_t v) const {
     const std::span<const std::int32_t> corners = topology_.corners_at(v);
     if (corners.size() < 3 || topology_.is_boundary_vertex(v)) return false;
+    // Where all are near to one of them, so is their mean.
+    const glm::dvec3& first = map_.regions[region_of(corners.front())].normal;
+    if (std::ranges::all_of(corners, [&](std::int32_t corner) {
+          return glm::dot(map_.regions[region_of(corner)].normal, first) >= cosine_;
+        }))
+      return false;
     glm::dvec3 axis(0.0);
     for (const std::int32_t corner : corners) {
       const glm::dvec3 a = unit_or_zero(at(topology_.vertex_of(topology_.next(corner))) - at(v));

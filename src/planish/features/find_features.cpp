@@ -1,10 +1,8 @@
 #include "planish/features/find_features.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
 #include <optional>
 
 #include "planish/core/error.h"
@@ -15,9 +13,7 @@
 #include "planish/features/jumps.h"
 #include "planish/features/line_cut.h"
 #include "planish/features/regions.h"
-#include "planish/mesh/angle_between.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/face_areas.h"
 
 namespace planish {
 namespace {
@@ -27,7 +23,7 @@ constexpr double kRegions = 0.3, kAcross = 0.5, kMeasured = 0.7, kLabels = 0.9;
 // Sharp edges explain nothing, so that others become sharp: so often at most.
 constexpr int kPasses = 8;
 // Jumps that differ by less, relatively, are as large.
-constexpr double kSame = 1e-6;
+constexpr double kAsLarge = 1e-6;
 // Vertices with more lines have none that goes on.
 constexpr std::size_t kMostLines = 16;
 // Of a region on whose outline something has changed: those beyond it are marked, too.
@@ -173,7 +169,7 @@ class Labeller {
       for (const std::int32_t line : lines)
         if (!labels_[line / 2]) most = std::max(most, jump_[line / 2].jump);
       for (const std::int32_t line : lines)
-        if (!labels_[line / 2] && jump_[line / 2].jump >= most * (1 - kSame))
+        if (!labels_[line / 2] && jump_[line / 2].jump >= most * (1 - kAsLarge))
           ends.push_back(line / 2);
     }
     for (const std::int32_t s : ends) sharpen(s, is_near);
@@ -234,21 +230,6 @@ void require_rules(const FeatureRules& rules) {
   require("every", rules.every.value_or(0), 0, 180);
 }
 
-// A closed mesh without tags whose edges all turn by less has nothing to look at.
-bool has_any_turn(const PolygonMesh& mesh, const MeshTopology& topology, double flat) {
-  if (!mesh.creases.empty() || !mesh.corners.empty()) return true;
-  const std::vector<glm::dvec3> areas = face_areas(mesh);
-  std::atomic<bool> has = false;
-  parallel_each(static_cast<std::size_t>(topology.edge_count()), 4096, [&](std::size_t e) {
-    const std::int32_t corner = topology.corner_of(static_cast<std::int32_t>(e));
-    const std::int32_t twin = topology.twin(corner);
-    if (twin < 0 || angle_between(areas[topology.face_of(corner)], areas[topology.face_of(twin)]) >=
-                        glm::radians(flat))
-      has.store(true, std::memory_order_relaxed);
-  });
-  return has;
-}
-
 FeatureReason reason_of(const Segment& segment, const SegmentJumps::Jump& jump, bool is_sharp,
                         const FeatureRules& rules) {
   if (segment.is_tagged) return FeatureReason::Tagged;
@@ -275,13 +256,15 @@ Features find_features(const PolygonMesh& mesh, const MeshTopology& topology,
   };
   FeatureRules rules = given;
   if (rules.every) rules.flat = std::min(rules.flat, *rules.every);
-  if (!has_any_turn(mesh, topology, rules.flat)) return {};
   const RegionMap map = make_regions(mesh, topology, rules);
+  if (map.regions.empty()) return {};
   tell(kRegions);
   Labeller labeller(mesh, topology, map, rules);
   labeller.run(tell);
   tell(kLabels);
   Features features;
+  features.edges.reserve(static_cast<std::size_t>(
+      std::ranges::count_if(map.segment_of_edge, [](std::int32_t s) { return s >= 0; })));
   for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
     const std::int32_t s = map.segment_of_edge[e];
     if (s < 0 || map.segments[s].regions[1] < 0) continue;

@@ -135,13 +135,14 @@ struct Sample {
   double ratio, weight, distance, turn;
 };
 
-// Of the ratios: what half of the weights are at or below.
+// Of the ratios: half of the weights are at or below, half at or above.
 double weighted_median(std::vector<Sample>& samples, double weights) {
   std::ranges::sort(samples, {}, &Sample::ratio);
   double sum = 0;
-  for (const Sample& sample : samples) {
-    sum += sample.weight;
-    if (sum >= weights / 2) return sample.ratio;
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    sum += samples[i].weight;
+    if (sum >= weights / 2 * (1 + kSame)) return samples[i].ratio;
+    if (sum >= weights / 2 * (1 - kSame)) return (samples[i].ratio + samples[i + 1].ratio) / 2;
   }
   return samples.back().ratio;
 }
@@ -193,8 +194,7 @@ void SegmentJumps::look_across(std::int32_t region) {
   }
 }
 
-bool SegmentJumps::is_plane(std::int32_t region, std::size_t corners) const {
-  if (map_.outlines.of(region).size() < corners) return false;
+bool SegmentJumps::is_plane(std::int32_t region) const {
   const Region& plane = map_.regions[region];
   return plane.warp <= rules_.flat / 8 && plane.share >= rules_.large;
 }
@@ -263,25 +263,30 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
   const double rate = weighted_median(samples, weights);
   Explained result;
   for (const Sample& sample : samples)
-    result.spread += sample.weight / weights * std::abs(sample.turn - rate * sample.distance);
+    result.spread += sample.weight / weights *
+                     std::min(rules_.cap, std::abs(sample.turn - rate * sample.distance));
+  result.spread *= own.facet;
   result.whole = std::abs(rate * reach);
   result.turn = std::clamp(rate * reach, 0.0, rules_.cap);
   return result;
 }
 
-// Of a facet of a smooth surface the most by which it bends at another of its lines; less where
-// what is beyond is far smaller: there the surface changes, as where a plane ends in a fillet.
-double SegmentJumps::bend_of(std::int32_t segment, std::int32_t region,
-                             std::span<const char> is_sharp) const {
+// Of a facet of a smooth surface the most by which it bends at another of its lines; less where the
+// way to that is far longer, or what is beyond far smaller: there the surface changes.
+double SegmentJumps::bend_of(std::int32_t segment, int side, std::span<const char> is_sharp) const {
+  const std::int32_t region = map_.segments[segment].regions[side];
+  const double width = across_[segment][side].width;
   double most = 0;
   for (const std::int32_t s : map_.outlines.of(region)) {
     const std::int32_t beyond = map_.beyond(s, region);
-    if (s == segment || beyond < 0 || is_sharp[s]) continue;
-    const double even =
-        std::min(1.0, rules_.uneven * map_.regions[beyond].share / map_.regions[region].share);
+    if (s == segment || s == across_[segment][side].segment || beyond < 0 || is_sharp[s]) continue;
+    const double way = glm::distance(map_.segments[s].middle, map_.segments[segment].middle);
+    const double size =
+        std::min(map_.regions[beyond].share / map_.regions[region].share, width / way);
+    const double even = std::min(1.0, rules_.uneven * size);
     most = std::max(most, std::abs(map_.segments[s].turn) / 2 * even * even);
   }
-  return most;
+  return most * map_.regions[region].facet;
 }
 
 SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char> is_sharp) const {
@@ -291,15 +296,25 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
   if (!left.is_known) left = right;
   if (!right.is_known) right = left;
   Jump result{jump_of(line.turn, left, right), rules_.jump};
-  if (is_plane(line.regions[0], 4) && is_plane(line.regions[1], 4)) {
-    const double bend =
-        bend_of(segment, line.regions[0], is_sharp) + bend_of(segment, line.regions[1], is_sharp);
-    const double share =
-        std::max(left.whole + right.whole, bend) / std::max(std::abs(line.turn), 1e-9);
-    result.scale = std::clamp(2 * share * rules_.jump, rules_.flat, rules_.jump);
-  } else if (!is_plane(line.regions[0], 5) && !is_plane(line.regions[1], 5)) {
-    result.scale = std::hypot(rules_.jump, rules_.spread * (left.spread + right.spread));
+  const auto& [a, b] = line.regions;
+  if (is_plane(a) && is_plane(b)) {
+    const double bend_a = bend_of(segment, 0, is_sharp), bend_b = bend_of(segment, 1, is_sharp);
+    // Any three places lie in a plane: triangles are one where all their other lines are sharp.
+    const auto tells = [&](std::int32_t region, double bend) {
+      return bend == 0 || map_.outlines.of(region).size() > 3;
+    };
+    if (tells(a, bend_a) && tells(b, bend_b)) {
+      const double share =
+          std::max(left.whole + right.whole, bend_a + bend_b) / std::max(std::abs(line.turn), 1e-9);
+      result.scale = std::clamp(2 * share * rules_.jump, rules_.flat, rules_.jump);
+      return result;
+    }
   }
+  const auto is_whole = [&](std::int32_t region) {
+    return is_plane(region) && map_.outlines.of(region).size() > 4;
+  };
+  if (!is_whole(a) && !is_whole(b))
+    result.scale = std::hypot(rules_.jump, rules_.spread * (left.spread + right.spread));
   return result;
 }
 

@@ -59,9 +59,9 @@ class SegmentJumps {
                                            std::span<const char> is_sharp) const;
   [[nodiscard]] Explained fitted(std::int32_t segment, std::int32_t region,
                                  std::span<const char> is_sharp) const;
-  [[nodiscard]] double bend_of(std::int32_t segment, std::int32_t region,
+  [[nodiscard]] double bend_of(std::int32_t segment, int side,
                                std::span<const char> is_sharp) const;
-  [[nodiscard]] bool is_plane(std::int32_t region, std::size_t corners) const;
+  [[nodiscard]] bool is_plane(std::int32_t region) const;
 };
 
 }  // namespace planish

@@ -24,6 +24,9 @@ struct Region {
   double area = 0;
   double warp = 0;   ///< degrees by which it is bent, as its vertices are off its plane
   double share = 0;  ///< of its connected part's size: the root of the areas' ratio
+  /// 1 to 0: how much it may be a facet of a smooth surface; 0 where so few as large as it make the
+  /// whole part that those would be a polyhedron.
+  double facet = 1;
 };
 
 /// A straight line between two regions, of one edge or several.
@@ -51,6 +54,7 @@ struct RegionMap {
   }
 };
 
+/// Without regions where the mesh is closed, has no tags, and no edge of it turns.
 [[nodiscard]] RegionMap make_regions(const PolygonMesh& mesh, const MeshTopology& topology,
                                      const FeatureRules& rules);
 
