@@ -1,8 +1,4 @@
-// Based on: C. Berge, "Two Theorems in Graph Theory", 1957 (a matching grows along a path that
-// leaves and enters its pairs in turn).
 #include "planish/mesh/pair_triangles.h"
-
-#include <oneapi/tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/group_by.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/mesh/angle_between.h"
@@ -20,6 +17,7 @@
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/quad_rule.h"
 #include "planish/mesh/triangle_edges.h"
+#include "planish/mesh/triangle_pairing.h"
 
 namespace planish {
 namespace {
@@ -30,7 +28,6 @@ constexpr double kDegree = std::numbers::pi / 180;
 // 130 degrees the progressive surface folds on a third more of its area.
 constexpr int kMostExchanges = 2;
 constexpr double kWorstExchanged = 40 * kDegree;
-constexpr double kNoPair = -1;
 // Of vertices that tell of halved quads: most that are looked at, and a turn that is none.
 constexpr std::int32_t kMostLookedAt = 1000;
 constexpr double kFlat = 1e-3;
@@ -43,87 +40,10 @@ std::array<std::int32_t, 4> quad_of(std::span<const Triangle> triangles, std::in
           start(previous_half_edge(half_edge))};
 }
 
-// Grows a set of pairs, each a half-edge and its twin.
-class Pairing {
- public:
-  // `badness` by half-edge, kNoPair where there may be no pair.
-  Pairing(std::span<const std::int32_t> twins, std::vector<double> badness)
-      : twins_(twins), badness_(std::move(badness)), chosen_(twins.size() / 3, -1) {}
-
-  // A triangle's half-edge to its partner; -1: none.
-  [[nodiscard]] std::span<const std::int32_t> chosen() const { return chosen_; }
-
-  void pair_greedily() {
-    const auto leads = [&](std::int32_t h) { return badness_[h] != kNoPair && h < twins_[h]; };
-    const SelectedBlocks blocks = count_selected(twins_.size(), leads);
-    std::vector<std::pair<double, std::int32_t>> order(static_cast<std::size_t>(blocks.total));
-    for_selected(twins_.size(), blocks, leads, [&](std::size_t h, std::int32_t number) {
-      order[number] = {badness_[h], static_cast<std::int32_t>(h)};
-    });
-    oneapi::tbb::parallel_sort(order.begin(), order.end());
-    for (const auto& [badness, h] : order)
-      if (chosen_[h / 3] < 0 && chosen_[twins_[h] / 3] < 0) join(h);
-  }
-
-  // For each triangle left alone, the least bad way to another with at most so many exchanges.
-  void exchange(int most) {
-    bool found = true;
-    while (found) {
-      found = false;
-      for (std::int32_t t = 0; t < static_cast<std::int32_t>(chosen_.size()); ++t) {
-        if (chosen_[t] >= 0) continue;
-        best_.clear();
-        best_cost_ = std::numeric_limits<double>::infinity();
-        search(t, most, 0);
-        for (const std::int32_t h : best_) join(h);
-        found = found || !best_.empty();
-      }
-    }
-  }
-
- private:
-  void join(std::int32_t half_edge) {
-    chosen_[half_edge / 3] = half_edge;
-    chosen_[twins_[half_edge] / 3] = twins_[half_edge];
-  }
-
-  // Continues path_ from a triangle that has lost its partner, or has none.
-  void search(std::int32_t triangle, int exchanges, double cost) {
-    passed_.push_back(triangle);
-    for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
-      if (badness_[h] == kNoPair || badness_[h] > kWorstExchanged || h == chosen_[triangle])
-        continue;
-      const std::int32_t next = twins_[h] / 3;
-      if (std::ranges::find(passed_, next) != passed_.end()) continue;
-      path_.push_back(h);
-      const std::int32_t left = chosen_[next];
-      if (left < 0) {
-        if (cost + badness_[h] < best_cost_) {
-          best_cost_ = cost + badness_[h];
-          best_ = path_;
-        }
-      } else if (exchanges > 0) {
-        passed_.push_back(next);
-        search(twins_[left] / 3, exchanges - 1, cost + badness_[h] - badness_[left]);
-        passed_.pop_back();
-      }
-      path_.pop_back();
-    }
-    passed_.pop_back();
-  }
-
-  std::span<const std::int32_t> twins_;
-  std::vector<double> badness_;
-  std::vector<std::int32_t> chosen_;
-  std::vector<std::int32_t> path_, passed_, best_;  // half-edges to join; triangles; half-edges
-  double best_cost_ = 0;
-};
-
-// For each triangle the half-edge that it loses; -1: none. `twins`: -1 where none may be lost.
-std::vector<std::int32_t> lost_half_edges(std::span<const glm::dvec3> positions,
-                                          std::span<const Triangle> triangles,
-                                          std::span<const std::int32_t> twins,
-                                          const PairOptions& options) {
+// For each half-edge how bad the quad is that loses it. `twins`: -1 where none may be lost.
+std::vector<double> badness_of(std::span<const glm::dvec3> positions,
+                               std::span<const Triangle> triangles,
+                               std::span<const std::int32_t> twins, const PairOptions& options) {
   const QuadRule rule(options);
   std::vector<double> badness(twins.size(), kNoPair);
   parallel_each(twins.size(), [&](std::int32_t h) {
@@ -131,9 +51,15 @@ std::vector<std::int32_t> lost_half_edges(std::span<const glm::dvec3> positions,
     const auto found = rule.badness_of(positions, quad_of(triangles, h, twins[h]));
     if (found) badness[h] = badness[twins[h]] = *found;
   });
-  Pairing pairing(twins, std::move(badness));
+  return badness;
+}
+
+// For each triangle the half-edge that it loses; -1: none.
+std::vector<std::int32_t> lost_half_edges(std::span<const std::int32_t> twins,
+                                          const std::vector<double>& badness) {
+  TrianglePairing pairing(twins, badness);
   pairing.pair_greedily();
-  for (int most = 1; most <= kMostExchanges; ++most) pairing.exchange(most);
+  for (int most = 1; most <= kMostExchanges; ++most) pairing.exchange(most, kWorstExchanged);
   return {pairing.chosen().begin(), pairing.chosen().end()};
 }
 
@@ -214,26 +140,31 @@ TrianglesOf triangles_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
 }
 
 // Takes pairs back that would leave a vertex inside the mesh with two faces, which lie on each
-// other.
+// other: the worst of its pairs, and those that are as good.
 void keep_three_faces(const TrianglesOf& own, const PolygonMesh& mesh, const PreparedMesh& prepared,
-                      std::vector<std::int32_t>& lost) {
+                      std::span<const double> badness, std::vector<std::int32_t>& lost) {
   const MeshTopology& topology = *prepared.topology;
-  std::vector<std::int32_t> spare(mesh.positions.size(), 0);
-  for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
-    const auto faces = static_cast<std::int32_t>(topology.corners_at(v).size());
-    spare[prepared.vertices[v]] = faces - (topology.is_boundary_vertex(v) ? 1 : 3);
-  }
-  for (std::size_t t = 0; t < lost.size(); ++t) {
-    const std::int32_t half_edge = lost[t];
-    if (half_edge < 0 || own.twins[half_edge] < half_edge) continue;
-    std::int32_t& a = spare[own.triangles[t][half_edge % 3]];
-    std::int32_t& b = spare[own.triangles[t][next_half_edge(half_edge) % 3]];
-    if (a > 0 && b > 0) {
-      --a, --b;
-    } else {
-      lost[own.twins[half_edge] / 3] = -1;
-      lost[t] = -1;
+  const auto pairs_at = group_by<std::int32_t>(mesh.positions.size(), [&](const auto& take) {
+    for (std::size_t t = 0; t < lost.size(); ++t) {
+      const std::int32_t h = lost[t];
+      if (h < 0 || own.twins[h] < h) continue;
+      take(own.triangles[t][h % 3], h);
+      take(own.triangles[t][next_half_edge(h) % 3], h);
     }
+  });
+  std::vector<std::int32_t> pairs;
+  for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
+    const std::int32_t vertex = prepared.vertices[v];
+    const auto faces = static_cast<std::int32_t>(topology.corners_at(v).size());
+    const auto spare =
+        static_cast<std::size_t>(std::max(0, faces - (topology.is_boundary_vertex(v) ? 1 : 3)));
+    const std::span<const std::int32_t> at = pairs_at.of(vertex);
+    if (at.size() <= spare) continue;
+    pairs.assign(at.begin(), at.end());
+    std::ranges::sort(pairs, {}, [&](std::int32_t h) { return badness[h]; });
+    const double bar = badness[pairs[spare]] - kAsGood;
+    for (const std::int32_t h : pairs)
+      if (badness[h] > bar) lost[h / 3] = lost[own.twins[h] / 3] = -1;
   }
 }
 
@@ -248,21 +179,19 @@ void add_corners(const PolygonMesh& source, std::span<const std::int32_t> corner
   mesh.face_offsets.push_back(static_cast<std::int32_t>(mesh.face_vertices.size()));
 }
 
-// The half-edge that a triangle would lose first; -1: none.
+// The half-edge that a triangle would lose first; -1: none, or two are as good.
 std::int32_t first_choice(const TrianglesOf& own, std::span<const glm::dvec3> positions,
                           const QuadRule& rule, std::int32_t triangle) {
   std::int32_t best = -1;
-  double least = 0;
+  double least = std::numeric_limits<double>::infinity();
   for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
     const std::int32_t twin = own.twins[h];
     if (twin < 0) continue;
     const auto badness =
         rule.badness_of(positions, quad_of(own.triangles, std::min(h, twin), std::max(h, twin)));
-    const bool is_first = best < 0 || badness < least ||
-                          (badness == least && std::min(h, twin) < std::min(best, own.twins[best]));
-    if (!badness || !is_first) continue;
-    best = h;
-    least = *badness;
+    if (!badness || *badness > least + kAsGood) continue;
+    best = *badness < least - kAsGood ? h : -1;
+    least = std::min(least, *badness);
   }
   return best;
 }
@@ -320,7 +249,8 @@ HalvedVertices halved_vertices(const PolygonMesh& mesh, const PreparedMesh& prep
 PolygonMesh pair_triangles(std::span<const glm::dvec3> positions,
                            std::span<const Triangle> triangles, const PairOptions& options) {
   const std::vector<std::int32_t> twins = twins_of(triangles, positions.size());
-  const std::vector<std::int32_t> lost = lost_half_edges(positions, triangles, twins, options);
+  const std::vector<std::int32_t> lost =
+      lost_half_edges(twins, badness_of(positions, triangles, twins, options));
   PolygonMesh mesh;
   mesh.positions.assign(positions.begin(), positions.end());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -336,9 +266,9 @@ PolygonMesh pair_triangles(std::span<const glm::dvec3> positions,
 PairedMesh with_paired_triangles(const PolygonMesh& mesh, const PreparedMesh& prepared,
                                  const PairOptions& options) {
   const TrianglesOf own = triangles_of(mesh, prepared, options.may_join);
-  std::vector<std::int32_t> lost =
-      lost_half_edges(mesh.positions, own.triangles, own.twins, options);
-  keep_three_faces(own, mesh, prepared, lost);
+  const std::vector<double> badness = badness_of(mesh.positions, own.triangles, own.twins, options);
+  std::vector<std::int32_t> lost = lost_half_edges(own.twins, badness);
+  keep_three_faces(own, mesh, prepared, badness, lost);
   PairedMesh result;
   PolygonMesh& paired = result.mesh;
   paired = mesh;

@@ -22,8 +22,9 @@ struct PairOptions {
 };
 
 /// Joins neighbouring triangles to quads: greedily by how near the quad's corners come to right
-/// angles, then pairs are exchanged where that leaves two triangles fewer alone. Triangles without
-/// a partner stay. Each quad begins at an end of the edge that it lost:
+/// angles, then pairs are exchanged where that leaves two triangles fewer alone. Of quads that are
+/// as good, within rounding, all are joined or none, as in fans: neither order nor place nor size
+/// decide. Triangles without a partner stay. Each quad begins at an end of the edge that it lost:
 /// cut into a fan it is the two triangles again. Positions are copied, unused ones too; the
 /// triangles must be an oriented manifold.
 [[nodiscard]] PolygonMesh pair_triangles(std::span<const glm::dvec3> positions,

@@ -8,8 +8,8 @@
 namespace planish {
 
 QuadRule::QuadRule(const PairOptions& options)
-    : least_cosine_(std::cos(options.largest_turn * (std::numbers::pi / 180))),
-      largest_angle_(options.largest_angle * (std::numbers::pi / 180)),
+    : least_cosine_(std::cos(options.largest_turn * (std::numbers::pi / 180) + kAsGood)),
+      largest_angle_(options.largest_angle * (std::numbers::pi / 180) + kAsGood),
       widest_(std::tan(largest_angle_ - std::numbers::pi / 2)) {}
 
 // Tangents tell the corners whose angle counts.

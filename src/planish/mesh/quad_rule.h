@@ -10,6 +10,9 @@
 
 namespace planish {
 
+/// Radians: angles that differ by less are the same; rounding does not decide between them.
+inline constexpr double kAsGood = 1e-6;
+
 /// What makes a good quad of two triangles.
 class QuadRule {
  public:
