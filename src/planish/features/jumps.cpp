@@ -299,9 +299,10 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
   const auto& [a, b] = line.regions;
   if (is_plane(a) && is_plane(b)) {
     const double bend_a = bend_of(segment, 0, is_sharp), bend_b = bend_of(segment, 1, is_sharp);
-    // Any three places lie in a plane: triangles are one where all their other lines are sharp.
+    // Any three places lie in a plane: triangles are one where all their other lines are sharp, or
+    // few as large make the part.
     const auto tells = [&](std::int32_t region, double bend) {
-      return bend == 0 || map_.outlines.of(region).size() > 3;
+      return bend == 0 || map_.outlines.of(region).size() > 3 || map_.regions[region].facet < 0.5;
     };
     if (tells(a, bend_a) && tells(b, bend_b)) {
       const double share =
