@@ -158,19 +158,20 @@ class Labeller {
   }
 
   // Two smooth surfaces meet in a smooth line: where it jumps one of them is not smooth, and what
-  // jumps most there is sharp. Whether there are more sharp segments now.
+  // jumps most there, of edges between planes, is sharp. Whether there are more sharp segments now.
   bool end_bends(std::vector<char>& is_near) {
     std::vector<std::int32_t> lines, ends;
     for (const std::int32_t v : find_bends(mesh_, topology_, map_, labels_, rules_)) {
       lines.clear();
       for (const std::int32_t corner : topology_.corners_at(v))
         add_line(topology_.edge_of(corner), v, lines);
+      std::erase_if(lines, [&](std::int32_t line) {
+        return labels_[line / 2] || !jumps_->is_between_planes(line / 2);
+      });
       double most = 0;
+      for (const std::int32_t line : lines) most = std::max(most, jump_[line / 2].jump);
       for (const std::int32_t line : lines)
-        if (!labels_[line / 2]) most = std::max(most, jump_[line / 2].jump);
-      for (const std::int32_t line : lines)
-        if (!labels_[line / 2] && jump_[line / 2].jump >= most * (1 - kAsLarge))
-          ends.push_back(line / 2);
+        if (jump_[line / 2].jump >= most * (1 - kAsLarge)) ends.push_back(line / 2);
     }
     for (const std::int32_t s : ends) sharpen(s, is_near);
     return !ends.empty();

@@ -14,8 +14,8 @@ namespace planish {
 struct FeatureRules {
   /// Faces that turn by less are one plane; three times the noise of normals where it is known.
   double flat = 1;
-  /// So much of a turn at most is explained by the smooth surface on one side, or by its noise:
-  /// prisms of seven sides are round, of six not.
+  /// So much of a turn at most is explained by the smooth surface on one side: prisms of seven
+  /// sides are round, of six not.
   double cap = 14;
   /// A jump from here on is a feature where nothing else speaks.
   double jump = 30;

@@ -199,6 +199,16 @@ bool SegmentJumps::is_plane(std::int32_t region) const {
   return plane.warp <= rules_.flat / 8 && plane.share >= rules_.large;
 }
 
+bool SegmentJumps::is_told(std::int32_t region) const {
+  return is_plane(region) &&
+         (map_.outlines.of(region).size() > 3 || map_.regions[region].facet < 0.5);
+}
+
+bool SegmentJumps::is_between_planes(std::int32_t segment) const {
+  const auto& [a, b] = map_.segments[segment].regions;
+  return is_told(a) && b >= 0 && is_told(b);
+}
+
 Explained SegmentJumps::explained(std::int32_t segment, int side,
                                   std::span<const char> is_sharp) const {
   const std::int32_t region = map_.segments[segment].regions[side];
@@ -263,8 +273,7 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
   const double rate = weighted_median(samples, weights);
   Explained result;
   for (const Sample& sample : samples)
-    result.spread += sample.weight / weights *
-                     std::min(rules_.cap, std::abs(sample.turn - rate * sample.distance));
+    result.spread += sample.weight / weights * std::abs(sample.turn - rate * sample.distance);
   result.spread *= own.facet;
   result.whole = std::abs(rate * reach);
   result.turn = std::clamp(rate * reach, 0.0, rules_.cap);
@@ -299,12 +308,7 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
   const auto& [a, b] = line.regions;
   if (is_plane(a) && is_plane(b)) {
     const double bend_a = bend_of(segment, 0, is_sharp), bend_b = bend_of(segment, 1, is_sharp);
-    // Any three places lie in a plane: triangles are one where all their other lines are sharp, or
-    // few as large make the part.
-    const auto tells = [&](std::int32_t region, double bend) {
-      return bend == 0 || map_.outlines.of(region).size() > 3 || map_.regions[region].facet < 0.5;
-    };
-    if (tells(a, bend_a) && tells(b, bend_b)) {
+    if ((bend_a == 0 || is_told(a)) && (bend_b == 0 || is_told(b))) {
       const double share =
           std::max(left.whole + right.whole, bend_a + bend_b) / std::max(std::abs(line.turn), 1e-9);
       result.scale = std::clamp(2 * share * rules_.jump, rules_.flat, rules_.jump);

@@ -39,6 +39,9 @@ class SegmentJumps {
   /// Segments that are `is_sharp` belong to no smooth surface, and explain nothing.
   [[nodiscard]] Jump jump(std::int32_t segment, std::span<const char> is_sharp) const;
 
+  /// Whether both regions are large planes as they stand, whatever is sharp around them.
+  [[nodiscard]] bool is_between_planes(std::int32_t segment) const;
+
  private:
   // What lies across a region from a segment.
   struct Across {
@@ -62,6 +65,8 @@ class SegmentJumps {
   [[nodiscard]] double bend_of(std::int32_t segment, int side,
                                std::span<const char> is_sharp) const;
   [[nodiscard]] bool is_plane(std::int32_t region) const;
+  // Any three places lie in a plane: triangles are told to be one where few as large make the part.
+  [[nodiscard]] bool is_told(std::int32_t region) const;
 };
 
 }  // namespace planish
