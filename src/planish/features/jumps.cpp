@@ -306,14 +306,12 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
   if (!right.is_known) right = left;
   Jump result{jump_of(line.turn, left, right), rules_.jump};
   const auto& [a, b] = line.regions;
-  if (is_plane(a) && is_plane(b)) {
-    const double bend_a = bend_of(segment, 0, is_sharp), bend_b = bend_of(segment, 1, is_sharp);
-    if ((bend_a == 0 || is_told(a)) && (bend_b == 0 || is_told(b))) {
-      const double share =
-          std::max(left.whole + right.whole, bend_a + bend_b) / std::max(std::abs(line.turn), 1e-9);
-      result.scale = std::clamp(2 * share * rules_.jump, rules_.flat, rules_.jump);
-      return result;
-    }
+  if (is_between_planes(segment)) {
+    const double bend = bend_of(segment, 0, is_sharp) + bend_of(segment, 1, is_sharp);
+    const double share =
+        std::max(left.whole + right.whole, bend) / std::max(std::abs(line.turn), 1e-9);
+    result.scale = std::clamp(2 * share * rules_.jump, rules_.flat, rules_.jump);
+    return result;
   }
   const auto is_whole = [&](std::int32_t region) {
     return is_plane(region) && map_.outlines.of(region).size() > 4;
