@@ -8,7 +8,6 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "features/shapes.h"
