@@ -14,6 +14,8 @@
 #include "quality/crease_table.h"
 #include "quality/default_table.h"
 #include "quality/figures.h"
+#include "quality/irregular_cases.h"
+#include "quality/irregular_table.h"
 #include "quality/verdict.h"
 #include "quality/wild_cases.h"
 #include "quality/wild_table.h"
@@ -27,7 +29,9 @@ struct Arguments {
   std::vector<std::string> only, except;
   std::string folder;  // where meshes are written instead of being measured
   bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
-       defaults = false, creases = false, refine = false;
+       defaults = false, creases = false, refine = false, irregular = false;
+  IrregularOptions of_irregular;
+  std::vector<std::string> files;
 };
 
 void print_head() {
@@ -68,7 +72,15 @@ std::vector<std::string> run_case(const NamedCase& named) {
   return shortfalls(made, figures);
 }
 
+std::vector<NamedCase> all_irregular(const Arguments& arguments) {
+  if (arguments.files.empty()) return irregular_cases();
+  std::vector<NamedCase> cases;
+  for (const std::string& file : arguments.files) cases.push_back(simplified_file(file));
+  return cases;
+}
+
 std::vector<NamedCase> all_cases(const Arguments& arguments) {
+  if (arguments.irregular) return all_irregular(arguments);
   if (arguments.wild) return wild_cases();
   std::vector<NamedCase> cases = analytic_cases();
   for (NamedCase& held_out : second_held_out_cases()) cases.push_back(std::move(held_out));
@@ -101,6 +113,7 @@ std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
                                       const Arguments& arguments) {
   if (cases.empty()) return {};
   if (arguments.wild) return print_wild_table(cases);
+  if (arguments.irregular) return print_irregular_table(cases, arguments.of_irregular);
   if (arguments.choice) return print_choice_table(cases);
   if (arguments.defaults) {
     const auto program = find_mesher_program();
@@ -157,6 +170,18 @@ int main(int argc, char** argv) {
   app.add_flag(
       "--refine", arguments.refine,
       "with --defaults: vertices are added to uneven triangles (planish fit --refine auto)");
+  CLI::Option* irregular = app.add_flag(
+      "--irregular", arguments.irregular,
+      "facets of meshes of uneven triangles, against their shapes and those of manifold-3d");
+  app.add_option("--manifold", arguments.of_irregular.manifold,
+                 "where npm installed manifold-3d; without, no peer is measured")
+      ->needs(irregular);
+  app.add_option("--more-levels", arguments.of_irregular.more_levels,
+                 "with --irregular: finer by so many levels than by default")
+      ->needs(irregular);
+  app.add_option("--file", arguments.files,
+                 "with --irregular: these meshes, simplified, instead of the cases")
+      ->needs(irregular);
   app.add_flag("--creases", arguments.creases, "which edges are found to be sharp");
   app.add_option("--write", arguments.folder, "write the cases' meshes into this folder instead");
   app.add_flag("--check", arguments.check, "exit code 1 where the fair method falls short");

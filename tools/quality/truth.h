@@ -5,6 +5,7 @@
 
 #include "make_scenes/implicit.h"
 #include "make_scenes/surface_nets.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish::quality {
 
@@ -23,5 +24,7 @@ using Truth = std::function<Foot(const glm::dvec3&)>;
 [[nodiscard]] Truth true_torus(double radius, double tube_radius);
 /// The zero set of a field; the foot along its gradient.
 [[nodiscard]] Truth true_zero_set(shapes::Field field);
+/// A dense mesh; between its vertices' normals, by angle, the others are interpolated.
+[[nodiscard]] Truth true_mesh(const PolygonMesh& mesh);
 
 }  // namespace planish::quality
