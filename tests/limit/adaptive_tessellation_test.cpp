@@ -282,7 +282,8 @@ TEST(AdaptiveTessellation, AttributesAreThoseOfLevels) {
   };
   const auto [area, red, groups, all] = figures(surface.mesh);
   const auto [wanted_area, wanted_red, wanted_groups, wanted_all] = figures(level);
-  EXPECT_NEAR(area, wanted_area, 1e-12);
+  // Borders of charts are curves, which both have by other chords.
+  EXPECT_NEAR(area, wanted_area, 2e-4);
   EXPECT_NEAR(red, wanted_red, 1e-6);
   EXPECT_EQ(groups, wanted_groups);
   EXPECT_EQ(all, wanted_all);

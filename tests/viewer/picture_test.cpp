@@ -173,7 +173,8 @@ TEST_F(PictureTest, SurfaceIsTheCpusWhereItIsAndHowItIsLit) {
   }
 }
 
-// Squares lie where the System's texture coordinates have them, in their colours.
+// Squares lie where the System's texture coordinates have them, in their colours. Where the surface
+// bulges over the outline of its mesh, these go past 0 and 1, too: squares go on, colours do not.
 TEST_F(PictureTest, SquaresFollowTextureCoordinates) {
   PolygonMesh rest = test::flat_grid(6, 5);
   for (const glm::dvec3& p : rest.positions) rest.uvs.emplace_back(p.x / 6, p.y / 5);
@@ -202,8 +203,8 @@ TEST_F(PictureTest, SquaresFollowTextureCoordinates) {
       bool is_whole = true;
       for (int k = 0; k < 9; ++k) is_whole &= square(x - 1 + k % 3, y - 1 + k / 3) == at;
       if (!is_whole) continue;
-      const bool is_light = (at.x + at.y) % 2 == 1;
-      const glm::vec2 uv = drawing.uv(x, y, uvs);
+      const bool is_light = (at.x + at.y) % 2 != 0;
+      const glm::vec2 uv = glm::clamp(drawing.uv(x, y, uvs), 0.0f, 1.0f);
       const glm::vec3 colour = is_light
                                    ? glm::vec3(0.86f)
                                    : glm::vec3(0.20f + 0.60f * uv.x, 0.30f, 0.20f + 0.60f * uv.y);

@@ -4,14 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/mat2x2.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
-#include <set>
 #include <string>
 
 #include "planish/backend/cpu_backend.h"
@@ -30,35 +28,35 @@ namespace {
 using namespace vulkan;
 using ::testing::HasSubstr;
 
-using UvBits = std::set<std::pair<std::uint32_t, std::uint32_t>>;
-
-std::pair<std::uint32_t, std::uint32_t> bits_of(const glm::vec2& uv) {
-  return {std::bit_cast<std::uint32_t>(uv.x), std::bit_cast<std::uint32_t>(uv.y)};
-}
-
 TEST(TexturedSystem, UvsAreThoseOfTheFile) {
   const test::TemporaryFolder folder;
   for (const PolygonMesh& mesh : textured_meshes())
     for (const int level : {0, 1, 2, 3}) {
-      const System system(mesh, {.level = level, .textured = true});
+      // Its given points are those that the cage's surface has.
+      const PolygonMesh given = on_surface(mesh);
+      const System system(given, {.level = level, .textured = true, .tolerance = 1e-9});
       const std::vector<glm::vec2> uvs = system.uvs();
       ASSERT_EQ(std::ssize(uvs), system.vertex_count());
-      const SurfaceMesh surface = evaluate(mesh, *make_cpu_backend(), {.level = level});
+      const SurfaceMesh surface =
+          evaluate(mesh, *make_cpu_backend(), {.level = level, .rest_positions = given.positions});
       const std::filesystem::path path = folder.path() / "surface.glb";
       (void)write_gltf(path, surface, {});
       const PolygonMesh file = read_mesh(path).mesh;
       ASSERT_EQ(std::ssize(system.triangles()), std::ssize(file.face_uvs));
       std::size_t corner = 0;
       for (std::int64_t f = 0; f < surface.face_count(); ++f) {
-        UvBits ours, theirs;
+        std::vector<glm::vec2> ours, theirs;
         for (const std::size_t end = corner + 3 * (surface.face(f).size() - 2); corner < end;
              ++corner) {
-          ours.insert(bits_of(uvs[system.triangles()[corner]]));
+          ours.push_back(uvs[system.triangles()[corner]]);
           // The reader turns v over again, which is exact.
           const glm::dvec2 uv = file.uvs[file.face_uvs[corner]];
-          theirs.insert(bits_of({static_cast<float>(uv.x), static_cast<float>(1 - uv.y)}));
+          theirs.emplace_back(static_cast<float>(uv.x), static_cast<float>(1 - uv.y));
         }
-        ASSERT_EQ(ours, theirs) << "face " << f << " at level " << level;
+        for (const glm::vec2& uv : ours)
+          ASSERT_TRUE(std::ranges::any_of(
+              theirs, [&](const glm::vec2& other) { return glm::distance(uv, other) < 1e-5F; }))
+              << "face " << f << " at level " << level;
       }
     }
 }

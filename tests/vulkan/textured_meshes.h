@@ -6,11 +6,24 @@
 #include <utility>
 #include <vector>
 
+#include "planish/backend/cpu_backend.h"
+#include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/random_kinds.h"
 
 namespace planish::testing {
+
+/// The mesh with its vertices where the surface that it is the cage of has them: what a System has
+/// to be given for that surface.
+[[nodiscard]] inline PolygonMesh on_surface(PolygonMesh cage) {
+  PolygonMesh whole = cage;
+  whole.hole_faces.clear();  // their vertices have no rows
+  const SurfaceMesh surface = evaluate(whole, *make_cpu_backend(), {.level = 0});
+  for (std::size_t row = 0; row < surface.base_vertices.size(); ++row)
+    cage.positions[surface.base_vertices[row]] = surface.positions[row];
+  return cage;
+}
 
 /// Faces in charts, each with an affine map of its own from space to the texture; every other one
 /// is turned over.

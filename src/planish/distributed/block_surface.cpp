@@ -1,5 +1,7 @@
 #include "planish/distributed/block_surface.h"
 
+#include <utility>
+
 #include "planish/distributed/part_fair.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/prepared_mesh.h"
@@ -7,7 +9,8 @@
 namespace planish {
 
 BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage,
-                           const SubMesh& sub, const PartTilesOptions& options)
+                           const SubMesh& sub, const PartTilesOptions& options,
+                           std::span<const glm::dvec3> limits)
     : cage_(sub.mesh) {
   for (std::size_t v = 0; v < sub.vertices.size(); ++v) cage_.positions[v] = cage[sub.vertices[v]];
   EvaluateOptions evaluate;
@@ -18,10 +21,14 @@ BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cag
       find_sharp_features(sub.mesh, topology, sub.mesh.positions, options.sharp));
   if (options.fair == nullptr) {
     surface_.emplace(cage_, options.placement, evaluate);
-    return;
+  } else {
+    level_one_ = level_one_of(part, *options.fair, sub, topology, *evaluate.features);
+    surface_.emplace(cage_, level_one_, evaluate);
   }
-  level_one_ = level_one_of(part, *options.fair, sub, topology, *evaluate.features);
-  surface_.emplace(cage_, level_one_, evaluate);
+  if (limits.empty()) return;
+  RawVector<glm::dvec3> of_sub(sub.vertices.size());
+  for (std::size_t v = 0; v < of_sub.size(); ++v) of_sub[v] = limits[sub.vertices[v]];
+  surface_->take_vertex_limits(std::move(of_sub));
 }
 
 }  // namespace planish

@@ -17,9 +17,10 @@ namespace planish {
 /// local vertex of the part, or of the control points that the options name.
 class BlockSurface {
  public:
-  /// The faces have been found sound.
+  /// The faces have been found sound. `limits`: where the whole surface has the part's vertices, by
+  /// local vertex; none without texture coordinates.
   BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage, const SubMesh& sub,
-               const PartTilesOptions& options);
+               const PartTilesOptions& options, std::span<const glm::dvec3> limits = {});
   BlockSurface(const BlockSurface&) = delete;
   BlockSurface& operator=(const BlockSurface&) = delete;
 

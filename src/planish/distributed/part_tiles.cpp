@@ -71,6 +71,7 @@ class PartTilesWriter {
     reach_.reach = max_over(ranks_, reach_.reach);
     reach_.largest = max_over(ranks_, reach_.largest);
     key_ = tiles_key(ranks_, part_, cage_, options_);
+    find_limits();
     agree(ranks_, [&] {
       require_some();
       if (ranks_.rank != 0) return;
@@ -137,6 +138,31 @@ class PartTilesWriter {
       block.tiles = plan_of(block, std::move(places[b])).tiles;
     }
     written_.resize(blocks_.size());
+  }
+
+  // Texture coordinates around a vertex go by where the surface has the vertices of its faces, and
+  // around those a block does not have all faces.
+  void find_limits() {
+    // Of a rank without faces too.
+    if (max_over(ranks_, std::int64_t{!part_.attributes.face_uvs.empty()}) == 0) return;
+    const std::int32_t owned = part_.owned_count();
+    agree(ranks_, [&] {
+      limits_.resize(static_cast<std::size_t>(part_.vertex_count()));
+      const auto size = static_cast<std::int32_t>(options_.tiles.tile_vertices / 4);
+      for (std::int32_t begin = 0; begin < owned; begin += std::min(size, owned - begin)) {
+        const std::int32_t end = begin + std::min(size, owned - begin);
+        const SubMesh sub = maker_.make(begin, end, Rings::TwoTagged);
+        if (sub.faces.empty()) continue;
+        const BlockSurface block(part_, cage_, sub, options_);
+        const auto limits = vertex_limits(block.surface().patches(), block.surface().state());
+        for (std::size_t v = 0; v < limits.size(); ++v)
+          if (sub.vertices[v] >= begin && sub.vertices[v] < end)
+            limits_[sub.vertices[v]] = limits[v];
+      }
+    });
+    const auto of_ghosts = fetch<glm::dvec3>(ranks_, part_.ghosts, part_.layout,
+                                             [&](std::int64_t place) { return limits_[place]; });
+    std::ranges::copy(of_ghosts, limits_.begin() + owned);
   }
 
   // With the block's number in the set.
@@ -241,7 +267,7 @@ class PartTilesWriter {
 
   bool write_levels(std::size_t index, const SubMesh& sub, const TileGrid& grid) {
     const PlannedBlock& block = blocks_[index];
-    const BlockSurface block_surface(part_, cage_, sub, options_);
+    const BlockSurface block_surface(part_, cage_, sub, options_, limits_);
     const DooSabinSurface& surface = block_surface.surface();
     const TilePlan plan = plan_of(block, places_of(block, sub));
     TilesOptions tiles = options_.tiles;
@@ -341,6 +367,7 @@ class PartTilesWriter {
   std::vector<PlannedBlock> blocks_;
   std::vector<WrittenBlock> written_;
   std::vector<glm::dvec3> origins_;
+  std::vector<glm::dvec3> limits_;  // with texture coordinates: of the vertices here
   TileReach reach_;
   TilesKey key_{};
   std::int64_t total_ = 0, block_total_ = 0;

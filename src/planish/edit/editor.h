@@ -141,7 +141,9 @@ class Editor {
   /// Error{UnusableMesh} where all faces are holes.
   [[nodiscard]] const SurfaceQueries& queries();
   /// The surface as it is now, for writers, of any level; the editor must outlive it, and moves
-  /// change it.
+  /// change it. Its texture coordinates are those of a surface of mesh() and fit(): they go by
+  /// where the control points are now. A host that deforms what it shows keeps those that it has:
+  /// moves change no row of them in what the editor itself keeps.
   [[nodiscard]] std::unique_ptr<SurfaceBlocks> blocks(int level) const;
 
  private:

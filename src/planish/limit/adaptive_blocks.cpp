@@ -5,6 +5,7 @@
 
 #include "planish/core/stop.h"
 #include "planish/limit/bilinear_at.h"
+#include "planish/limit/field_at.h"
 #include "planish/surface/doo_sabin_blocks.h"
 
 namespace planish {
@@ -19,13 +20,8 @@ std::span<const AdaptivePlace> part_of(const RawVector<AdaptivePlace>& places, R
 
 bool AdaptiveBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
                             std::span<glm::dvec2> values) const {
-  const CornerUvs corners(lies_on_.surface().mesh());
-  const auto at = [&](std::int32_t corner) {
-    const auto uv = static_cast<std::size_t>(corners.indices[corner]);
-    return uv < given.size() ? given[uv] : glm::dvec2(0.0);
-  };
-  bilinear_at<glm::dvec2>(lies_on_.topology(), part_of(adaptive_.uv_places, uvs), at,
-                          [&](std::size_t i, const glm::dvec2& uv) { values[i] = uv; });
+  field_at(lies_on_, lies_on_.surface().uv_field_of(given), part_of(adaptive_.uv_places, uvs),
+           [&](std::size_t i, const glm::dvec2& uv) { values[i] = uv; });
   // Those of the mesh come first, also where no corner names them.
   const auto own = static_cast<std::int64_t>(given.size());
   for (std::int64_t row = uvs.first; row < std::min(uvs.first + uvs.count, own); ++row)

@@ -17,6 +17,7 @@
 #include "planish/limit/adaptive_faces.h"
 #include "planish/limit/adaptive_rows.h"
 #include "planish/limit/bilinear_at.h"
+#include "planish/limit/field_at.h"
 #include "planish/limit/triangle_turns.h"
 #include "planish/limit/used_rows.h"
 #include "planish/surface/doo_sabin_blocks.h"
@@ -58,8 +59,8 @@ class Tessellation {
         faces_(topology_, cells_, sides_),
         numbering_(base_.patches(), 1, base_.hidden()) {
     if (base_.mesh().face_uvs.empty()) return;
-    uvs_.emplace(base_.mesh());
-    uv_numbering_.emplace(topology_, uvs_->indices, uvs_->count, 1, base_.hidden());
+    const CornerUvs& uvs = base_.corner_uvs();
+    uv_numbering_.emplace(topology_, uvs.indices, uvs.count, 1, base_.hidden());
   }
 
   [[nodiscard]] AdaptiveSurface run() {
@@ -138,7 +139,6 @@ class Tessellation {
   SidePlaces sides_;
   AdaptiveFaces faces_;
   PatchNumbering numbering_;
-  std::optional<CornerUvs> uvs_;
   std::optional<PatchNumbering> uv_numbering_;
   std::vector<std::int32_t> inside_;          // places within each corner
   std::vector<std::int64_t> first_triangle_;  // corner_count + 1
@@ -287,12 +287,8 @@ void Tessellation::carry(const AdaptiveSurface& surface, SurfaceMesh& result) co
   if (!uv_numbering_) return;
   const auto uvs = static_cast<std::size_t>(uv_numbering_->row_count());
   result.uvs.resize(surface.uv_places.size());
-  const auto uv_at = [&](std::int32_t c) {
-    const auto uv = static_cast<std::size_t>(uvs_->indices[c]);
-    return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
-  };
-  bilinear_at<glm::dvec2>(topology_, std::span(surface.uv_places).subspan(uvs), uv_at,
-                          [&](std::size_t i, const glm::dvec2& uv) { result.uvs[uvs + i] = uv; });
+  field_at(surface_, base_.uv_field(), std::span(surface.uv_places).subspan(uvs),
+           [&](std::size_t i, const glm::dvec2& uv) { result.uvs[uvs + i] = uv; });
 }
 
 void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows,

@@ -88,7 +88,7 @@ const LargeRing& PatchMesh::ring_of_sum(std::int32_t point) const {
 
 void PatchMesh::ring_points(const LargeRing& ring, std::vector<std::int32_t>& points) const {
   points.clear();
-  const bool is_face = &ring >= rings_.data() + vertex_ring_count_;
+  const bool is_face = is_face_ring(ring);
   std::int32_t c = ring.start, last = c;
   for (std::int32_t i = 0; i < ring.size; ++i) {
     points.push_back(c);

@@ -56,6 +56,10 @@ class PatchMesh {
   void ring_points(const LargeRing& ring, std::vector<std::int32_t>& points) const;
   /// The ring that a sum is of.
   [[nodiscard]] const LargeRing& ring_of_sum(std::int32_t point) const;
+  /// Whether one of large_rings() is of a face's corners, not around a vertex.
+  [[nodiscard]] bool is_face_ring(const LargeRing& ring) const {
+    return &ring >= rings_.data() + vertex_ring_count_;
+  }
 
   [[nodiscard]] bool is_sharp_edge(std::int32_t edge) const {
     return !features_.sharp_of_edge.empty() && features_.sharp_of_edge[edge] >= 0;

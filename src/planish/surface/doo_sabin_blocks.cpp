@@ -224,20 +224,22 @@ void DooSabinBlocks::corners_from_device(RowRange faces, std::span<glm::dvec3> p
 
 bool DooSabinBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange range,
                             std::span<glm::dvec2> values) const {
-  const auto value = [&](std::size_t uv) {
-    return uv < given.size() ? given[uv] : glm::dvec2(0.0);
-  };
-  const auto at = [&](std::int32_t corner) {
-    return value(static_cast<std::size_t>(uvs_->indices[corner]));
-  };
-  for (std::int64_t row = range.first;
-       row < std::min(range.first + range.count, std::int64_t{uvs_->count}); ++row) {
-    values[row - range.first] = value(static_cast<std::size_t>(row));
+  write_uvs(base_.uv_field_of(given), given, range, values);
+  return true;
+}
+
+void DooSabinBlocks::write_uvs(const ChartField<glm::dvec2>& field,
+                               std::span<const glm::dvec2> given, RowRange range,
+                               std::span<glm::dvec2> values) const {
+  const std::int64_t end =
+      std::min(range.first + range.count, std::int64_t{base_.corner_uvs().count});
+  for (std::int64_t row = range.first; row < end; ++row) {
+    const auto uv = static_cast<std::size_t>(row);
+    values[row - range.first] = uv < given.size() ? given[uv] : glm::dvec2(0.0);
   }
-  BilinearRows<glm::dvec2, decltype(at)>(topology_, *uv_numbering_, at)
+  ChartRows<glm::dvec2>(field, *uv_numbering_, surface_.classes())
       .write(range,
              [&](std::int64_t row, const glm::dvec2& uv) { values[row - range.first] = uv; });
-  return true;
 }
 
 void DooSabinBlocks::write_faces(const PatchNumbering& numbering, RowRange faces,

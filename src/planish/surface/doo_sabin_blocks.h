@@ -42,8 +42,8 @@ class DooSabinBlocks final : public SurfaceBlocks {
       evaluator->evaluate_patches(surface_, base.state(), device_rows_);
     }
     if (mesh.face_uvs.empty()) return;
-    uvs_.emplace(mesh);
-    uv_numbering_.emplace(topology_, uvs_->indices, uvs_->count, level, base.hidden());
+    const CornerUvs& uvs = base.corner_uvs();
+    uv_numbering_.emplace(topology_, uvs.indices, uvs.count, level, base.hidden());
     info_.uv_count = uv_numbering_->row_count();
   }
 
@@ -76,7 +76,7 @@ class DooSabinBlocks final : public SurfaceBlocks {
   }
   void attribute(std::size_t index, RowRange rows, std::span<float> values) const override;
   void uvs(RowRange range, std::span<glm::dvec2> values) const override {
-    (void)uvs_of(base_.mesh().uvs, range, values);
+    write_uvs(base_.uv_field(), base_.mesh().uvs, range, values);
   }
   bool uvs_of(std::span<const glm::dvec2> given, RowRange range,
               std::span<glm::dvec2> values) const override;
@@ -113,6 +113,8 @@ class DooSabinBlocks final : public SurfaceBlocks {
  private:
   template <class OfVertex>
   void linear_rows(RowRange range, std::span<glm::vec4> values, const OfVertex& of_vertex) const;
+  void write_uvs(const ChartField<glm::dvec2>& field, std::span<const glm::dvec2> given,
+                 RowRange range, std::span<glm::dvec2> values) const;
   void point_corners(RowRange faces, std::span<glm::dvec3> positions,
                      std::span<glm::vec3> normals) const;
   DegenerateRows quad_corners(RowRange faces, std::span<glm::dvec3> positions,
@@ -146,7 +148,6 @@ class DooSabinBlocks final : public SurfaceBlocks {
   PatchCells cells_;
   std::vector<std::int32_t> sample_of_place_;
   std::vector<std::int32_t> visible_;  // level 0: faces, else corners; empty: all
-  std::optional<CornerUvs> uvs_;
   std::optional<PatchNumbering> uv_numbering_;
   RawVector<PatchEvaluator::Row> device_rows_;  // all of them, or none
 };

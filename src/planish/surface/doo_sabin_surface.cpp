@@ -1,5 +1,7 @@
 #include "planish/surface/doo_sabin_surface.h"
 
+#include <oneapi/tbb/task_arena.h>
+
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/hole_flags.h"
@@ -73,6 +75,27 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const Placement& place
   own_state_ =
       state.empty() ? first_step(patches_, weights_, unit_cage) : patches_.with_sums(state);
   state_ = own_state_;
+}
+
+const CornerUvs& DooSabinSurface::corner_uvs() const {
+  std::call_once(has_corner_uvs_,
+                 [&] { corner_uvs_ = std::make_unique<const CornerUvs>(used_.mesh); });
+  return *corner_uvs_;
+}
+
+ChartField<glm::dvec2> DooSabinSurface::uv_field_of(std::span<const glm::dvec2> values) const {
+  return {patches_, state_, corner_uvs().indices, values, vertex_limits_};
+}
+
+const ChartField<glm::dvec2>& DooSabinSurface::uv_field() const {
+  const std::lock_guard lock(uv_mutex_);
+  // A thread that waits in here must not begin other work, which may ask for the field.
+  if (!uv_field_) {
+    oneapi::tbb::this_task_arena::isolate([&] {
+      uv_field_ = std::make_unique<const ChartField<glm::dvec2>>(uv_field_of(used_.mesh.uvs));
+    });
+  }
+  return *uv_field_;
 }
 
 void DooSabinSurface::require(LastLevel what, int level, std::uint64_t limit_bytes,

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "planish/core/raw_vector.h"
@@ -9,6 +11,8 @@
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/prepared_mesh.h"
+#include "planish/patches/chart_field.h"
+#include "planish/patches/patch_attributes.h"
 #include "planish/patches/patch_evaluator.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/surface/evaluate.h"
@@ -61,7 +65,20 @@ class DooSabinSurface {
   /// The control points of level 1, and behind them the sums of large rings.
   [[nodiscard]] std::span<const glm::dvec3> state() const { return state_; }
   /// The same where the surface keeps them itself, to be changed while nobody reads.
-  [[nodiscard]] std::span<glm::dvec3> own_state() { return own_state_; }
+  [[nodiscard]] std::span<glm::dvec3> own_state() {
+    uv_field_.reset();
+    return own_state_;
+  }
+  /// The mesh's texture coordinates on the surface, made when first asked for, from any thread,
+  /// also after own_state() was. The mesh must have them.
+  [[nodiscard]] const ChartField<glm::dvec2>& uv_field() const;
+  /// The same of other values, by the indices that the mesh has.
+  [[nodiscard]] ChartField<glm::dvec2> uv_field_of(std::span<const glm::dvec2> values) const;
+  /// Of a part of a larger surface: where that has the vertices (vertex_limits()), as the part does
+  /// not have all faces around its rim's. Before a field is asked for.
+  void take_vertex_limits(RawVector<glm::dvec3> limits) { vertex_limits_ = std::move(limits); }
+  /// What each corner has of them.
+  [[nodiscard]] const CornerUvs& corner_uvs() const;
   [[nodiscard]] const Placement& placement() const { return placement_; }
   [[nodiscard]] Weights weights() const { return weights_; }
   /// One flag a face where the mesh has holes, else nothing.
@@ -81,6 +98,11 @@ class DooSabinSurface {
   Placement placement_;
   RawVector<glm::dvec3> own_state_;
   std::span<const glm::dvec3> state_;
+  RawVector<glm::dvec3> vertex_limits_;  // of a part
+  mutable std::once_flag has_corner_uvs_;
+  mutable std::mutex uv_mutex_;
+  mutable std::unique_ptr<const CornerUvs> corner_uvs_;
+  mutable std::unique_ptr<const ChartField<glm::dvec2>> uv_field_;
 };
 
 }  // namespace planish

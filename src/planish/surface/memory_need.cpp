@@ -52,6 +52,8 @@ constexpr std::uint64_t kFixedBytes = 256u << 20;
 // without unused vertices, connectivity, the control point of level 1), and the tiles of all
 // threads.
 constexpr std::uint64_t kPatchCornerBytes = 100;
+// Of a field of texture coordinates while it is made.
+constexpr std::uint64_t kFieldCornerBytes = 100;
 constexpr std::uint64_t kPatchFixedBytes = 32u << 20;
 // What is kept of a surface while it is written (kept_rows.h): rows up to a bound, the cut of each
 // quad; texture coordinates and groups make a vertex of each corner beside the values.
@@ -85,6 +87,7 @@ std::uint64_t patch_bytes(std::span<const LevelCounts> levels, LastLevel last,
   const auto faces = static_cast<std::uint64_t>(levels.back().faces);
   const auto vertices = static_cast<std::uint64_t>(levels.back().vertices);
   std::uint64_t bytes = kPatchFixedBytes + kPatchCornerBytes * corners;
+  if (attributes.uvs) bytes += kFieldCornerBytes * corners;
   if (attributes.device_rows) bytes += kDeviceRowBytes * vertices;
   bytes += kNumberBytes * attributes.numbers * vertices;
   if (last == LastLevel::Blocks) {

@@ -175,10 +175,10 @@ class System {
   /// Where each vertex lies on the mesh's faces, to bake or look up what is given there; copies lie
   /// on their own side. Made anew for each call.
   [[nodiscard]] std::vector<SurfacePlace> places() const;
-  /// Texture coordinates of each vertex, for a stream of the host's own: bit by bit those that
-  /// `planish fit`'s glTF has at file_vertices(). Their v counts from the image's first row as
-  /// Vulkan samples it (1 - v of the mesh's). Empty unless SystemOptions::textured. Made anew for
-  /// each call.
+  /// Texture coordinates of each vertex, for a stream of the host's own: those that `planish fit`'s
+  /// glTF of the rest pose has at file_vertices(), as exactly as tolerance() has its surface, and
+  /// the same in all poses. Their v counts from the image's first row as Vulkan samples it (1 - v
+  /// of the mesh's). Empty unless SystemOptions::textured. Made anew for each call.
   [[nodiscard]] std::vector<glm::vec2> uvs() const;
   /// Which vertex of `planish fit`'s glTF each vertex is, to index what was baked for that file:
   /// its vertices on seams stand in another order, and several here may be one there. It is the

@@ -360,17 +360,15 @@ std::vector<SurfacePlace> row_places(const PatchSurface& surface) {
   return places;
 }
 
-std::vector<glm::vec2> row_uvs(const PatchSurface& surface, const CornerValues& corners) {
+std::vector<glm::vec2> row_uvs(const PatchSurface& surface, const ChartField<glm::dvec2>& field) {
   const PatchNumbering& numbering = surface.numbering();
   std::vector<glm::vec2> uvs(static_cast<std::size_t>(numbering.row_count()));
-  const auto at = [&](std::int32_t corner) { return corners.at(corner); };
   const auto put = [&](std::int64_t row, const glm::dvec2& uv) {
     uvs[row] = {static_cast<float>(uv.x), static_cast<float>(1 - uv.y)};
   };
   for (std::int64_t v = 0; v < numbering.item_count(Part::Vertices); ++v)
-    put(v, at(numbering.item_corner(Part::Vertices, v)));
-  BilinearRows<glm::dvec2, decltype(at)>(surface.mesh().topology(), numbering, at)
-      .write({0, numbering.row_count()}, put);
+    put(v, field.given(numbering.item_corner(Part::Vertices, v)));
+  ChartRows<glm::dvec2>(field, numbering, surface.classes()).write({0, numbering.row_count()}, put);
   return uvs;
 }
 

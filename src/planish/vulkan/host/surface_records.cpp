@@ -27,6 +27,10 @@ const PatchSurface& SurfaceRecords::at_level(int level) const {
                         level, patches.numbering().level()));
 }
 
+void SurfaceRecords::take_uv_field(std::span<const glm::dvec3> rest) {
+  if (uvs) uv_field.emplace(patch_mesh, rest, corner_uvs(), std::span<const glm::dvec2>(uv_values));
+}
+
 void SurfaceRecords::take_sharp_rows(const Subdivision& subdivision) {
   const std::int32_t first = subdivision.first_sharp();
   sharp_rows.emplace(first_step_table(subdivision, {first, subdivision.state_size() - first}));

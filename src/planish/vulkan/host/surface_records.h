@@ -30,6 +30,9 @@ struct SurfaceRecords {
   /// corner vertices.
   void take_sharp_rows(const Subdivision& subdivision);
 
+  /// Where it is textured, by the control points of level 1 of the rest pose, with their sums.
+  void take_uv_field(std::span<const glm::dvec3> rest);
+
   [[nodiscard]] PatchSurfaceOptions patch_options(int level) const {
     return {.level = level, .weights = weights, .corner_uvs = corner_uvs()};
   }
@@ -46,6 +49,7 @@ struct SurfaceRecords {
   Weights weights;
   std::optional<CornerUvs> uvs;  // where it is textured
   std::vector<glm::dvec2> uv_values;
+  std::optional<ChartField<glm::dvec2>> uv_field;
   FileFaces file_faces;
   PatchSurface patches;
   std::vector<RowFrame> frames;  // of textured rows

@@ -219,6 +219,7 @@ void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& sub
 void System::Parts::build_faces(const PolygonMesh& mesh, const RestPoints& rest,
                                 const Placement& placement, std::span<const int> levels) {
   const PosedSurface pose{rest.state, placement};
+  surface->take_uv_field(rest.state);
   KeptFaces faces = kept_faces(mesh, surface->patches, pose);
   triangles = std::move(faces.triangles);
   quads = std::move(faces.quads);
@@ -289,7 +290,7 @@ std::vector<glm::vec2> System::uvs(int level) const {
   const SurfaceRecords& surface = *parts_->surface;
   const PatchSurface& patches = surface.at_level(level);
   if (!surface.uvs) return {};
-  return row_uvs(patches, surface.corner_values());
+  return row_uvs(patches, *surface.uv_field);
 }
 std::vector<std::int32_t> System::file_vertices() const { return file_vertices(level()); }
 std::vector<std::int32_t> System::file_vertices(int level) const {

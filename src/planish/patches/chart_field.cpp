@@ -1,0 +1,544 @@
+// Fields on a surface by affine maps around its vertices, a derivation of our own. The gradient of
+// a face's values is that of Gauss's theorem, and weights of faces around a vertex are those of N.
+// Max, "Weights for Computing Vertex Normals from Facet Normals", Journal of Graphics Tools 4(2),
+// 1999: inverse to the squares of both edges.
+#include "planish/patches/chart_field.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+
+namespace {
+
+constexpr std::size_t kVertexGrain = 1024;
+// 1 + the cosine between two planes, below which nothing is turned further.
+constexpr double kLeastTurn = 0.1;
+// Of a triangle, of the squares of its sides, above which it has two sides.
+constexpr double kLeastArea = 1e-9;
+
+// A direction of the plane, as long as it was.
+glm::dvec3 laid_flat(const glm::dvec3& edge, const glm::dvec3& normal) {
+  const glm::dvec3 flat = edge - glm::dot(edge, normal) * normal;
+  const double length = glm::length(flat);
+  return length > 0 ? flat * (glm::length(edge) / length) : flat;
+}
+
+// How far towards a line a step leads from a triangle's corner at the origin: 1 on the line through
+// its other two corners. 0 where the triangle is as good as a line, and says nothing.
+double reach(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& step) {
+  const auto cross = [](const glm::dvec2& p, const glm::dvec2& q) { return p.x * q.y - p.y * q.x; };
+  const double area = cross(a, b), size = glm::dot(a, a) + glm::dot(b, b);
+  return std::abs(area) > kLeastArea * size ? cross(step, b - a) / area : 0.0;
+}
+
+// The same seen along a normal.
+double reach(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& step,
+             const glm::dvec3& normal) {
+  const double area = glm::dot(glm::cross(a, b), normal), size = glm::dot(a, a) + glm::dot(b, b);
+  return std::abs(area) > kLeastArea * size ? glm::dot(glm::cross(step, b - a), normal) / area
+                                            : 0.0;
+}
+
+// The curve's control point at the vertex towards the other end of a sharp edge.
+std::int32_t curve_point(const PatchMesh& mesh, std::int32_t vertex, std::int32_t edge) {
+  const MeshTopology& topology = mesh.topology();
+  const std::int32_t end = topology.vertex_of(topology.corner_of(edge)) == vertex ? 0 : 1;
+  return mesh.first_sharp() + 2 * mesh.features().sharp_of_edge[edge] + end;
+}
+
+glm::dvec3 limit_of(const PatchMesh& mesh, std::int32_t vertex,
+                    std::span<const glm::dvec3> points) {
+  const MeshTopology& topology = mesh.topology();
+  const auto corners = topology.corners_at(vertex);
+  if (corners.empty()) return glm::dvec3(0.0);
+  const VertexKind kind = mesh.features().vertex_kinds[vertex];
+  if (kind == VertexKind::Corner)
+    return points[mesh.first_corner_vertex() + mesh.features().corner_of_vertex[vertex]];
+  glm::dvec3 sum(0.0);
+  std::int32_t count = 0;
+  const glm::dvec3 origin = points[corners.front()];
+  const auto add = [&](std::int32_t point) { sum += points[point] - origin, ++count; };
+  for (const std::int32_t c : corners) {
+    if (kind != VertexKind::Crease) {
+      add(c);
+      continue;
+    }
+    if (mesh.is_sharp(c)) add(curve_point(mesh, vertex, topology.edge_of(c)));
+    if (topology.ccw(c) < 0) add(curve_point(mesh, vertex, topology.edge_of(topology.prev(c))));
+  }
+  return origin + sum / static_cast<double>(std::max(count, 1));
+}
+
+}  // namespace
+
+RawVector<glm::dvec3> vertex_limits(const PatchMesh& mesh, std::span<const glm::dvec3> points) {
+  RawVector<glm::dvec3> limits(static_cast<std::size_t>(mesh.topology().vertex_count()));
+  parallel_each(limits.size(), kVertexGrain, [&](std::size_t v) {
+    limits[v] = limit_of(mesh, static_cast<std::int32_t>(v), points);
+  });
+  return limits;
+}
+
+// The corners at a vertex and their pieces.
+template <class Vector>
+struct ChartField<Vector>::Around {
+  std::span<const std::int32_t> corners;
+  std::size_t first = 0;             // the corner behind a cut, where there is one
+  std::vector<std::int32_t> piece;   // of each corner in the order of `corners`
+  std::vector<std::int32_t> sector;  // likewise
+  std::int32_t sector_count = 1, fan_count = 1;
+  std::vector<Piece> pieces;
+  std::vector<glm::dvec3> normals;  // of sectors
+
+  // Scratch.
+  std::vector<std::uint8_t> is_seam, is_sharp;
+  std::vector<double> weights, shares;  // of pieces
+  std::vector<double> face_shares;      // of corners
+
+  [[nodiscard]] std::size_t place_of(std::int32_t corner) const {
+    return static_cast<std::size_t>(std::ranges::find(corners, corner) - corners.begin());
+  }
+  [[nodiscard]] std::int32_t fan_of(std::int32_t corner) const {
+    return pieces[piece[place_of(corner)]].fan;
+  }
+};
+
+// Between a corner and the one behind it around their vertex.
+template <class Vector>
+bool ChartField<Vector>::is_seam(std::int32_t corner, std::int32_t next) const {
+  return given(corner) != given(next) ||
+         given(topology_.prev(corner)) != given(topology_.next(next));
+}
+
+template <class Vector>
+auto ChartField<Vector>::integral_over(std::int32_t face) const -> Integral {
+  Integral made;
+  const std::int32_t first = topology_.first_corner(face), size = topology_.face_size(face);
+  const auto at = [&](std::int32_t i) {
+    return limits_[topology_.vertex_of(first + (i == size ? 0 : i))];
+  };
+  const glm::dvec3 origin = at(0);
+  for (std::int32_t i = 1; i + 1 < size; ++i)
+    made.normal += 0.5 * glm::cross(at(i) - origin, at(i + 1) - origin);
+  made.area = glm::length(made.normal);
+  if (!(made.area > 0)) return {};
+  made.normal /= made.area;
+  const Vector value = given(first);
+  for (std::int32_t i = 0; i < size; ++i) {
+    const Vector mean =
+        0.5 * ((given(first + i) - value) + (given(first + (i + 1 == size ? 0 : i + 1)) - value));
+    const glm::dvec3 outward = glm::cross(at(i + 1) - at(i), made.normal);
+    for (int k = 0; k < 3; ++k) made.gradient[static_cast<std::size_t>(k)] += outward[k] * mean;
+  }
+  return made;
+}
+
+// Of what a face has at its corners, seen from an origin.
+template <class Vector>
+template <class Value, class At>
+Value ChartField<Vector>::face_mean(std::int32_t face, const Value& origin, const At& at) const {
+  const std::int32_t first = topology_.first_corner(face), size = topology_.face_size(face);
+  Value sum(0.0);
+  for (std::int32_t k = first; k < first + size; ++k) sum += at(k) - origin;
+  return sum / static_cast<double>(size);
+}
+
+template <class Vector>
+std::int32_t ChartField<Vector>::curve_at(std::int32_t vertex, std::int32_t edge) const {
+  return curve_point(mesh_, vertex, edge);
+}
+
+template <class Vector>
+void ChartField<Vector>::cut(std::int32_t vertex, Around& around) const {
+  const auto corners = around.corners = topology_.corners_at(vertex);
+  const std::size_t n = corners.size();
+  const VertexKind kind = mesh_.features().vertex_kinds[vertex];
+  const bool has_sectors = kind == VertexKind::Crease || kind == VertexKind::Corner;
+  around.is_seam.assign(n, 0);
+  around.is_sharp.assign(n, 0);
+  around.piece.assign(n, 0);
+  around.sector.assign(n, 0);
+  around.pieces.clear();
+  std::int32_t seams = 0, sharps = 0;
+  std::size_t first = 0;
+  bool begins_at_seam = false;
+  for (std::size_t i = 0; i < n; ++i) {  // between i and the corner behind it
+    const std::size_t next = i + 1 < n ? i + 1 : 0;
+    const bool joined = topology_.ccw(corners[i]) == corners[next] && n > 1;
+    if (!joined || is_seam(corners[i], corners[next])) {
+      around.is_seam[next] = 1, ++seams;
+      if (!begins_at_seam) first = next, begins_at_seam = true;
+    }
+    if (!joined || (has_sectors && mesh_.is_sharp(corners[next]))) {
+      around.is_sharp[next] = 1, ++sharps;
+      if (!begins_at_seam) first = next;
+    }
+  }
+  around.first = first;
+  around.fan_count = std::max(seams, 1);
+  around.sector_count = std::max(sharps, 1);
+  std::int32_t sector = 0, fan = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = (first + k) % n;
+    const bool is_seam = around.is_seam[i] != 0, is_sharp = around.is_sharp[i] != 0;
+    if (k > 0 && is_sharp) sector = (sector + 1) % around.sector_count;
+    if (k == 0 || is_seam) fan = static_cast<std::int32_t>(around.pieces.size());
+    if (k == 0 || is_seam || is_sharp) {
+      Piece& piece = around.pieces.emplace_back();
+      piece.vertex = vertex;
+      piece.fan = fan;
+      piece.at = limits_[vertex];
+      piece.value = given(corners[i]);
+    }
+    around.piece[i] = static_cast<std::int32_t>(around.pieces.size()) - 1;
+    around.sector[i] = sector;
+  }
+}
+
+// The gradients of pieces: those of their faces, turned into the plane of the sector.
+template <class Vector>
+void ChartField<Vector>::fit(std::span<const Integral> faces, Around& around) const {
+  const std::size_t n = around.corners.size();
+  around.face_shares.resize(n);
+  around.normals.assign(static_cast<std::size_t>(around.sector_count), glm::dvec3(0.0));
+  around.weights.assign(around.pieces.size(), 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t c = around.corners[i];
+    const Integral& face = faces[topology_.face_of(c)];
+    const glm::dvec3& at = around.pieces.front().at;
+    const glm::dvec3 next = limits_[topology_.vertex_of(topology_.next(c))] - at;
+    const glm::dvec3 prev = limits_[topology_.vertex_of(topology_.prev(c))] - at;
+    const double square = glm::dot(next, next) * glm::dot(prev, prev);
+    // Areas, but of large polygons no more than beside the vertex.
+    const double share =
+        face.area > 0 && square > 0 ? std::min(1.0, std::sqrt(square) / face.area) / square : 0.0;
+    around.face_shares[i] = share;
+    around.weights[around.piece[i]] += share * face.area;
+    around.normals[around.sector[i]] += share * face.area * face.normal;
+  }
+  for (glm::dvec3& normal : around.normals) {
+    const double length = glm::length(normal);
+    if (length > 0) normal /= length;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Integral& face = faces[topology_.face_of(around.corners[i])];
+    const glm::dvec3& normal = around.normals[around.sector[i]];
+    const double weight = around.weights[around.piece[i]];
+    const double share = weight > 0 ? around.face_shares[i] / weight : 0.0;
+    const Vector turn =
+        times(face.gradient, normal) / std::max(1 + glm::dot(face.normal, normal), kLeastTurn);
+    Gradient& gradient = around.pieces[around.piece[i]].gradient;
+    for (int k = 0; k < 3; ++k)
+      gradient[static_cast<std::size_t>(k)] +=
+          share * (face.gradient[static_cast<std::size_t>(k)] - (face.normal + normal)[k] * turn);
+  }
+  // The mean of those of a fan, whose pieces follow each other.
+  for (std::size_t first = 0, end = 0; first < around.pieces.size(); first = end) {
+    Gradient sum{};
+    for (; end < around.pieces.size() && around.pieces[end].fan == around.pieces[first].fan; ++end)
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += around.pieces[end].gradient[k];
+    for (Vector& of_axis : sum) of_axis /= static_cast<double>(end - first);
+    for (std::size_t p = first; p < end; ++p) around.pieces[p].of_fan = sum;
+  }
+}
+
+// Of crease vertices: what a chart has at the curve points, by its values along the curve.
+template <class Vector>
+void ChartField<Vector>::find_handles(std::int32_t vertex, std::span<const glm::dvec3> points,
+                                      Around& around) const {
+  // The curve's two edges, with corners at the vertex that they belong to, and at the other end.
+  struct Side {
+    std::int32_t corner, other;
+  };
+  struct Arm {
+    std::int32_t curve = -1;
+    glm::dvec3 edge{0.0};
+    std::vector<Side> sides;
+  };
+  std::vector<Arm> arms;
+  const auto add = [&](std::int32_t edge, std::int32_t other) -> Arm& {
+    arms.push_back(
+        {curve_at(vertex, edge), limits_[topology_.vertex_of(other)] - limits_[vertex], {}});
+    return arms.back();
+  };
+  for (const std::int32_t c : around.corners) {
+    if (mesh_.is_sharp(c)) {
+      Arm& arm = add(topology_.edge_of(c), topology_.next(c));
+      arm.sides.push_back({c, topology_.next(c)});
+      if (const std::int32_t before = topology_.cw(c); before >= 0)
+        arm.sides.push_back({before, topology_.prev(before)});
+    }
+    if (topology_.ccw(c) < 0)
+      add(topology_.edge_of(topology_.prev(c)), topology_.prev(c))
+          .sides.push_back({c, topology_.prev(c)});
+  }
+  if (arms.size() != 2) return;
+  const glm::dvec3 handle = points[arms[0].curve] - limits_[vertex];
+  std::vector<Vector> sums(around.pieces.size(), Vector(0.0));
+  std::vector<std::int32_t> count(around.pieces.size(), 0);
+  for (std::size_t i = 0; i < around.corners.size(); ++i) {
+    const std::size_t p = static_cast<std::size_t>(around.piece[i]);
+    if (i != around.first &&
+        around.piece[(i + around.corners.size() - 1) % around.corners.size()] == around.piece[i])
+      continue;  // once a piece
+    const Piece& piece = around.pieces[p];
+    const glm::dvec3& normal = around.normals[around.sector[i]];
+    glm::dvec3 along(0.0);
+    Vector change(0.0);
+    for (std::size_t a = 0; a < 2; ++a) {
+      for (const Side& side : arms[a].sides) {
+        if (around.fan_of(side.corner) != piece.fan) continue;
+        const double sign = a == 0 ? 1 : -1;
+        along += sign * laid_flat(arms[a].edge, normal);
+        change += sign * (given(side.other) - piece.value);
+        break;
+      }
+    }
+    const glm::dvec3 flat = handle - glm::dot(handle, normal) * normal;
+    const double square = glm::dot(along, along);
+    const double share = square > 0 ? glm::dot(flat, along) / square : 0.0;
+    sums[piece.fan] += share * change + times(piece.gradient, flat - share * along);
+    ++count[piece.fan];
+  }
+  for (Piece& piece : around.pieces) {
+    piece.curve0 = arms[0].curve;
+    piece.handle = sums[piece.fan] / static_cast<double>(std::max(count[piece.fan], 1));
+  }
+}
+
+// Each control value reaches no further than the line from the middle of its face to that of an
+// edge, as it does by far on regular meshes; one share for all that a chart has here, so that it
+// stays one map.
+template <class Vector>
+void ChartField<Vector>::shrink(std::span<const glm::dvec3> points, std::span<const Integral> faces,
+                                Around& around) const {
+  around.shares.assign(around.pieces.size(), 1.0);
+  bool shrinks = false;
+  for (std::size_t i = 0; i < around.corners.size(); ++i) {
+    const std::int32_t c = around.corners[i], face = topology_.face_of(c);
+    const Piece& piece = around.pieces[around.piece[i]];
+    const glm::dvec3 step = points[c] - piece.at;
+    const Vector change = times(piece.gradient, step);
+    const Vector middle =
+        face_mean<Vector>(face, piece.value, [&](std::int32_t k) { return given(k); });
+    for (const std::int32_t other : {topology_.next(c), topology_.prev(c)}) {
+      const double reached = reach(0.5 * (given(other) - piece.value), middle, change);
+      if (reached <= 1) continue;
+      const auto limit_at = [&](std::int32_t k) { return limits_[topology_.vertex_of(k)]; };
+      const double of_point =
+          reach(0.5 * (limit_at(other) - piece.at), face_mean<glm::dvec3>(face, piece.at, limit_at),
+                step, faces[face].normal);
+      double& share = around.shares[piece.fan];
+      share = std::min(share, std::max(1.0, of_point) / reached);
+      shrinks = true;
+    }
+  }
+  if (!shrinks) return;
+  for (Piece& piece : around.pieces) {
+    const double share = around.shares[piece.fan];
+    for (Vector& of_axis : piece.gradient) of_axis *= share;
+    for (Vector& of_axis : piece.of_fan) of_axis *= share;
+    piece.handle *= share;
+  }
+}
+
+// At corner vertices by the value at the edge's other end, where the chart has it.
+template <class Vector>
+template <class FanOf>
+Vector ChartField<Vector>::curve_value(const Piece& piece, std::int32_t curve,
+                                       const glm::dvec3& point, const FanOf& fan_of) const {
+  const VertexKind kind = mesh_.features().vertex_kinds[piece.vertex];
+  if (kind == VertexKind::Crease)
+    return piece.value + (curve == piece.curve0 ? piece.handle : -piece.handle);
+  const glm::dvec3 offset = point - piece.at;
+  const auto by_edge = [&](std::int32_t corner, std::int32_t other, Vector& value) {
+    if (fan_of(corner) != piece.fan) return false;
+    const glm::dvec3 edge = limits_[topology_.vertex_of(other)] - piece.at;
+    const double square = glm::dot(edge, edge);
+    const double share = square > 0 ? glm::dot(offset, edge) / square : 0.0;
+    value = piece.value + share * (given(other) - piece.value) +
+            times(piece.of_fan, offset - share * edge);
+    return true;
+  };
+  if (kind == VertexKind::Corner) {
+    const std::int32_t place = curve - mesh_.first_sharp();
+    const std::int32_t tail = topology_.corner_of(edge_of_sharp_[place / 2]),
+                       head = topology_.next(tail), twin = topology_.twin(tail);
+    const bool at_tail = place % 2 == 0;
+    Vector value(0.0);
+    if (by_edge(at_tail ? tail : head, at_tail ? head : tail, value)) return value;
+    if (twin >= 0) {
+      const std::int32_t across = topology_.next(twin);
+      if (by_edge(at_tail ? across : twin, at_tail ? twin : across, value)) return value;
+    }
+  }
+  return piece.value + times(piece.of_fan, offset);
+}
+
+// Control values as they are seen from where there is no seam.
+template <class Vector>
+void ChartField<Vector>::write_own(std::int32_t vertex, std::span<const glm::dvec3> points,
+                                   const Around& around) {
+  for (std::size_t i = 0; i < around.corners.size(); ++i) {
+    const std::int32_t c = around.corners[i];
+    const Piece& piece = around.pieces[around.piece[i]];
+    own_[c] = piece.map(points[c]);
+    const auto write = [&](std::int32_t edge) {
+      const std::int32_t curve = curve_at(vertex, edge);
+      own_[curve] = curve_value(piece, curve, points[curve],
+                                [&](std::int32_t corner) { return around.fan_of(corner); });
+    };
+    if (mesh_.is_sharp(c)) write(topology_.edge_of(c));
+    if (topology_.ccw(c) < 0) write(topology_.edge_of(topology_.prev(c)));
+  }
+  if (mesh_.features().vertex_kinds[vertex] == VertexKind::Corner)
+    own_[mesh_.first_corner_vertex() + mesh_.features().corner_of_vertex[vertex]] =
+        around.pieces.front().value;
+}
+
+template <class Vector>
+ChartField<Vector>::ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
+                               std::span<const std::int32_t> indices,
+                               std::span<const Vector> values, std::span<const glm::dvec3> limits)
+    : mesh_(mesh), topology_(mesh.topology()), indices_(indices), values_(values) {
+  edge_of_sharp_.resize(static_cast<std::size_t>(mesh.features().sharp_edge_count));
+  for (std::size_t e = 0; e < mesh.features().sharp_of_edge.size(); ++e)
+    if (const std::int32_t sharp = mesh.features().sharp_of_edge[e]; sharp >= 0)
+      edge_of_sharp_[sharp] = static_cast<std::int32_t>(e);
+  const auto vertices = static_cast<std::size_t>(topology_.vertex_count());
+  if (limits.empty()) {
+    limits_ = vertex_limits(mesh, points);
+  } else {
+    limits_.resize(vertices);
+    std::ranges::copy(limits, limits_.begin());
+  }
+  RawVector<Integral> faces(static_cast<std::size_t>(topology_.face_count()));
+  parallel_each(faces.size(), kVertexGrain,
+                [&](std::size_t f) { faces[f] = integral_over(static_cast<std::int32_t>(f)); });
+  own_.resize(static_cast<std::size_t>(mesh.point_count()));
+  RawVector<std::int32_t> first_piece(vertices + 1);
+  std::ranges::fill(first_piece, 0);
+  // Their pieces are made again, where there are any to be kept.
+  const auto around_all = [&](const auto& is_wanted, const auto& visit) {
+    parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end) {
+      Around around;
+      for (auto v = static_cast<std::int32_t>(begin); v < static_cast<std::int32_t>(end); ++v) {
+        if (topology_.corners_at(v).empty() || !is_wanted(v)) continue;
+        cut(v, around);
+        fit(faces, around);
+        if (mesh_.features().vertex_kinds[v] == VertexKind::Crease) find_handles(v, points, around);
+        shrink(points, faces, around);
+        visit(v, around);
+      }
+    });
+  };
+  around_all([](std::int32_t) { return true; },
+             [&](std::int32_t v, const Around& around) {
+               write_own(v, points, around);
+               if (around.fan_count > 1)
+                 first_piece[v + 1] = static_cast<std::int32_t>(around.pieces.size());
+             });
+  for (std::size_t v = 0; v < vertices; ++v) first_piece[v + 1] += first_piece[v];
+  if (first_piece[vertices] > 0) {
+    pieces_.resize(static_cast<std::size_t>(first_piece[vertices]));
+    piece_of_corner_.resize(static_cast<std::size_t>(topology_.corner_count()));
+    std::ranges::fill(piece_of_corner_, -1);
+    points_.resize(points.size());
+    std::ranges::copy(points, points_.begin());
+    around_all([&](std::int32_t v) { return first_piece[v + 1] > first_piece[v]; },
+               [&](std::int32_t v, const Around& around) {
+                 for (std::size_t p = 0; p < around.pieces.size(); ++p) {
+                   Piece& piece = pieces_[first_piece[v] + static_cast<std::int32_t>(p)];
+                   piece = around.pieces[p];
+                   piece.fan += first_piece[v];
+                 }
+                 for (std::size_t i = 0; i < around.corners.size(); ++i)
+                   piece_of_corner_[around.corners[i]] = first_piece[v] + around.piece[i];
+               });
+  } else {
+    limits_ = {};
+  }
+  if (mesh_.has_sums()) add_sums();
+}
+
+template <class Vector>
+void ChartField<Vector>::add_sums() {
+  RawVector<glm::dvec3> three(own_.size());
+  for (int first = 0; first < Vector::length(); first += 3) {
+    const int count = std::min(3, Vector::length() - first);
+    for (std::size_t i = 0; i < three.size(); ++i)
+      for (int k = 0; k < 3; ++k) three[i][k] = k < count ? own_[i][first + k] : 0.0;
+    mesh_.update_sums(three);
+    for (auto i = static_cast<std::size_t>(mesh_.state_size()); i < three.size(); ++i)
+      for (int k = 0; k < count; ++k) own_[i][first + k] = three[i][k];
+  }
+}
+
+template <class Vector>
+Vector ChartField<Vector>::on_piece(std::int32_t piece, std::int32_t point) const {
+  const Piece& of = pieces_[piece];
+  if (point < topology_.corner_count()) return of.map(points_[point]);
+  if (point < mesh_.first_corner_vertex())
+    return curve_value(of, point, points_[point],
+                       [&](std::int32_t corner) { return pieces_[piece_of_corner_[corner]].fan; });
+  if (point < mesh_.state_size()) return of.value;
+  return sum_on_piece(piece, point);
+}
+
+template <class Vector>
+Vector ChartField<Vector>::sum_on_piece(std::int32_t piece, std::int32_t sum) const {
+  const LargeRing& ring = mesh_.ring_of_sum(sum);
+  // Weights of a sum add up to 1.
+  if (!ring.is_sector()) return pieces_[piece].map(points_[sum]);
+  std::vector<std::int32_t> points;
+  mesh_.ring_points(ring, points);
+  const std::vector<double> weights = sum_weights(ring, sum - ring.first_sum);
+  Vector value(0.0);
+  for (std::size_t k = 0; k < points.size(); ++k) value += weights[k] * on_piece(piece, points[k]);
+  return value;
+}
+
+// Of a point that the face of a corner asks for, whose patch it is or whose edge's.
+template <class Vector>
+Vector ChartField<Vector>::column(std::int32_t point, std::int32_t corner) const {
+  std::int32_t vertex = topology_.vertex_of(corner);
+  if (point < topology_.corner_count()) {
+    vertex = topology_.vertex_of(point);
+  } else if (point < mesh_.first_corner_vertex()) {
+    const std::int32_t place = point - mesh_.first_sharp();
+    const std::int32_t tail = topology_.corner_of(edge_of_sharp_[place / 2]);
+    vertex = topology_.vertex_of(place % 2 == 0 ? tail : topology_.next(tail));
+  } else if (point >= mesh_.state_size() && mesh_.is_face_ring(mesh_.ring_of_sum(point))) {
+    return own_[point];
+  }
+  for (const std::int32_t seen : {corner, topology_.next(corner), topology_.prev(corner)}) {
+    if (topology_.vertex_of(seen) != vertex) continue;
+    const std::int32_t piece = piece_of_corner_[seen];
+    const bool is_own =
+        piece < 0 || (point < topology_.corner_count() && piece_of_corner_[point] == piece);
+    return is_own ? own_[point] : on_piece(piece, point);
+  }
+  return own_[point];
+}
+
+template <class Vector>
+void ChartField<Vector>::columns(const PatchPlace& place, std::int32_t corner,
+                                 std::vector<std::int32_t>& indices,
+                                 std::vector<Vector>& values) const {
+  indices.resize(static_cast<std::size_t>(place.patch.column_count()));
+  values.resize(indices.size());
+  mesh_.gather(place, indices.data(), 1);
+  const bool at_seam =
+      !piece_of_corner_.empty() &&
+      (piece_of_corner_[corner] >= 0 || piece_of_corner_[topology_.next(corner)] >= 0 ||
+       piece_of_corner_[topology_.prev(corner)] >= 0);
+  for (std::size_t k = 0; k < indices.size(); ++k)
+    values[k] = at_seam ? column(indices[k], corner) : own_[indices[k]];
+}
+
+template class ChartField<glm::dvec2>;
+
+}  // namespace planish

@@ -1,0 +1,198 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/core/range.h"
+#include "planish/core/raw_vector.h"
+#include "planish/patches/patch_mesh.h"
+#include "planish/patches/patch_numbering.h"
+#include "planish/patches/patch_plan.h"
+
+namespace planish {
+
+/// Where a surface has the vertices of its mesh, by its control points of level 1; of vertices
+/// without faces 0.
+[[nodiscard]] RawVector<glm::dvec3> vertex_limits(const PatchMesh& mesh,
+                                                  std::span<const glm::dvec3> points);
+
+/// What is given at the corners of a mesh, such as texture coordinates, as a field on its surface.
+/// The field has control values where the surface has control points, and its rows are the
+/// surface's, so that it lies on the surface where it lay on the mesh: where it is an affine
+/// function of the place on flat faces, it is the same function on their flat surface. Given
+/// vertices keep their values.
+///
+/// A chart is made of faces whose values agree along the edges between them. Control values are
+/// those of an affine map of the control points around a vertex, one for all faces of a chart that
+/// lie between sharp edges there; past the chart's border its map goes on, so that on both sides of
+/// a seam the border is the same curve on the surface. Curve points go by the chart's values along
+/// the curve: a straight border stays straight.
+///
+/// The field must not fold where the values at the corners do not: the map of a chart around a
+/// vertex is shrunk towards the vertex's value until each control value lies in its own quarter of
+/// the face, or no further past it than its control point. Affine functions are never shrunk.
+template <class Vector>
+class ChartField {
+ public:
+  /// `points`: the state of level 1 with the sums of large rings (PatchMesh::point_count()); they
+  /// need not outlive the field, all else must. `indices` names one of the values at each corner;
+  /// those behind them are 0. `limits`: vertex_limits(), where some of the vertices' faces are
+  /// missing here.
+  ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
+             std::span<const std::int32_t> indices, std::span<const Vector> values,
+             std::span<const glm::dvec3> limits = {});
+
+  [[nodiscard]] const PatchMesh& mesh() const { return mesh_; }
+  [[nodiscard]] Vector given(std::int32_t corner) const {
+    const auto index = static_cast<std::size_t>(indices_[corner]);
+    return index < values_.size() ? values_[index] : Vector(0.0);
+  }
+  /// Control values of a place, in the order of its class's columns, as the corner's face sees
+  /// them.
+  void columns(const PatchPlace& place, std::int32_t corner, std::vector<std::int32_t>& indices,
+               std::vector<Vector>& values) const;
+
+ private:
+  // The affine map of a piece: the corners of a chart at a vertex between two sharp edges.
+  using Gradient = std::array<Vector, 3>;
+  struct Piece {
+    std::int32_t vertex = 0;
+    std::int32_t fan = 0;  // the first piece at the vertex of the same chart
+    glm::dvec3 at{0.0};
+    Vector value{0.0};
+    Gradient gradient{}, of_fan{};
+    std::int32_t curve0 = -1;  // of a crease: the curve point that has value + handle
+    Vector handle{0.0};
+    [[nodiscard]] Vector map(const glm::dvec3& point) const {
+      return value + times(gradient, point - at);
+    }
+  };
+  struct Integral {
+    glm::dvec3 normal{0.0};
+    double area = 0;
+    Gradient gradient{};
+  };
+  struct Around;
+
+  static Vector times(const Gradient& gradient, const glm::dvec3& d) {
+    return d.x * gradient[0] + d.y * gradient[1] + d.z * gradient[2];
+  }
+  [[nodiscard]] bool is_seam(std::int32_t corner, std::int32_t next) const;
+  [[nodiscard]] Integral integral_over(std::int32_t face) const;
+  void cut(std::int32_t vertex, Around& around) const;
+  void fit(std::span<const Integral> faces, Around& around) const;
+  template <class Value, class At>
+  [[nodiscard]] Value face_mean(std::int32_t face, const Value& origin, const At& at) const;
+  void find_handles(std::int32_t vertex, std::span<const glm::dvec3> points, Around& around) const;
+  void shrink(std::span<const glm::dvec3> points, std::span<const Integral> faces,
+              Around& around) const;
+  void write_own(std::int32_t vertex, std::span<const glm::dvec3> points, const Around& around);
+  [[nodiscard]] std::int32_t curve_at(std::int32_t vertex, std::int32_t edge) const;
+  template <class FanOf>
+  [[nodiscard]] Vector curve_value(const Piece& piece, std::int32_t curve, const glm::dvec3& point,
+                                   const FanOf& fan_of) const;
+  [[nodiscard]] Vector on_piece(std::int32_t piece, std::int32_t point) const;
+  [[nodiscard]] Vector sum_on_piece(std::int32_t piece, std::int32_t sum) const;
+  [[nodiscard]] Vector column(std::int32_t point, std::int32_t corner) const;
+  void add_sums();
+
+  const PatchMesh& mesh_;
+  const MeshTopology& topology_;
+  std::span<const std::int32_t> indices_;
+  std::span<const Vector> values_;
+  std::vector<std::int32_t> edge_of_sharp_;
+  RawVector<Vector> own_;
+  // Of vertices at seams; empty where there is none.
+  RawVector<std::int32_t> piece_of_corner_;  // -1: no seam at the vertex
+  std::vector<Piece> pieces_;
+  RawVector<glm::dvec3> limits_, points_;
+};
+
+/// Rows of a field at a level, as BilinearRows has those of what is linear.
+template <class Vector>
+class ChartRows {
+ public:
+  ChartRows(const ChartField<Vector>& field, const PatchNumbering& numbering,
+            const PatchClasses& classes)
+      : field_(field), numbering_(numbering), classes_(classes) {}
+
+  /// result(row, value) for each row of the range that lies behind those of the vertices.
+  template <class Result>
+  void write(RowRange range, const Result& result) {
+    using Part = PatchNumbering::Part;
+    for (const Part part :
+         {Part::Faces, Part::Edges, Part::Corners, Part::Trailing, Part::Further}) {
+      const std::int64_t begin = std::max(range.first, numbering_.first_row(part));
+      const std::int64_t end = std::min(range.first + range.count, numbering_.end_row(part));
+      if (begin >= end) continue;
+      if (part == Part::Corners) {
+        write_corners(begin, end, result);
+      } else {
+        for (std::int64_t row = begin; row < end; ++row) result(row, value(part, row));
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] Vector value(PatchNumbering::Part part, std::int64_t row) {
+    using Part = PatchNumbering::Part;
+    const PatchMesh& mesh = field_.mesh();
+    const std::int64_t item = row - numbering_.first_row(part);
+    if (part == Part::Trailing) {
+      const std::int32_t count = numbering_.samples().trailing_count();
+      take_corner(numbering_.item_corner(part, item / count));
+      return at(numbering_.samples().first_trailing() + static_cast<std::int32_t>(item % count));
+    }
+    const std::int32_t corner = numbering_.item_corner(part, item);
+    if (part == Part::Faces)
+      take(mesh.face_point(mesh.topology().face_of(corner)), corner);
+    else if (part == Part::Edges || numbering_.is_further_edge(item))
+      take(mesh.edge_point(corner), corner);
+    else
+      return field_.given(corner);
+    return at(0);
+  }
+
+  template <class Result>
+  void write_corners(std::int64_t begin, std::int64_t end, const Result& result) {
+    for (std::int32_t c = numbering_.corner_of_row(begin); begin < end; ++c) {
+      const std::int64_t first = numbering_.corner_row(c);
+      const std::int64_t last = std::min(end, first + numbering_.corner_row_count(c));
+      if (begin >= last) continue;
+      take_corner(c);
+      for (; begin < last; ++begin) result(begin, at(static_cast<std::int32_t>(begin - first)));
+    }
+  }
+
+  void take_corner(std::int32_t corner) { take(field_.mesh().corner_patch(corner), corner); }
+  void take(const PatchPlace& place, std::int32_t corner) {
+    const PatchClass& patch = place.patch;
+    const bool is_even =
+        patch.kind == PatchKind::Smooth && !patch.has_ring_sums && !patch.has_face_sums;
+    std::int32_t index = is_even ? classes_.smooth_index(patch.ring_size, patch.face_size) : -1;
+    if (index < 0) index = classes_.index_of(patch);
+    weights_ = &classes_.weights(index);
+    field_.columns(place, corner, indices_, values_);
+    for (std::size_t k = 1; k < values_.size(); ++k) values_[k] -= values_[0];
+  }
+  [[nodiscard]] Vector at(std::int32_t sample) const {
+    const std::span<const double> weights = weights_->rows(sample);
+    Vector sum = values_[0];
+    for (std::size_t k = 1; k < values_.size(); ++k) sum += weights[k - 1] * values_[k];
+    return sum;
+  }
+
+  const ChartField<Vector>& field_;
+  const PatchNumbering& numbering_;
+  const PatchClasses& classes_;
+  const PatchTemplate* weights_ = nullptr;
+  std::vector<std::int32_t> indices_;
+  std::vector<Vector> values_;
+};
+
+}  // namespace planish

@@ -1,0 +1,224 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/surface/evaluate.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish {
+namespace {
+
+constexpr double kApart = 10;
+
+SurfaceMesh cage_surface(const PolygonMesh& mesh, int level) {
+  return evaluate(mesh, *make_cpu_backend(), {.level = level});
+}
+
+// Where the surface has the vertices of its cage.
+std::vector<glm::dvec3> given_points(const PolygonMesh& mesh) {
+  const SurfaceMesh surface = cage_surface(mesh, 0);
+  std::vector<glm::dvec3> points = mesh.positions;
+  for (std::size_t row = 0; row < surface.base_vertices.size(); ++row)
+    points[surface.base_vertices[row]] = surface.positions[row];
+  return points;
+}
+
+glm::dvec2 mapped(const glm::dvec3& p) {
+  return {0.3 + 2 * p.x - 0.7 * p.y, 0.1 + p.x + 1.5 * p.y};
+}
+
+// Coordinates that are affine in the place; those of every chart lie apart.
+PolygonMesh textured(PolygonMesh mesh, std::int32_t charts) {
+  const std::vector<glm::dvec3> points = given_points(mesh);
+  for (std::int32_t chart = 0; chart < charts; ++chart)
+    for (const glm::dvec3& p : points)
+      mesh.uvs.push_back(mapped(p) + glm::dvec2(kApart * chart, 0));
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    for (const std::int32_t v : mesh.face(f))
+      mesh.face_uvs.push_back(v + (7 * f / 3 % charts) * mesh.vertex_count());
+  return mesh;
+}
+
+PolygonMesh uneven_triangles(std::uint32_t seed) {
+  const PolygonMesh grid = test::flat_grid(6, 5);
+  PolygonMesh cut;
+  cut.positions = grid.positions;
+  for (std::int32_t f = 0; f < grid.face_count(); ++f) {
+    const auto quad = grid.face(f);
+    const std::size_t from = f % 3 == 0 ? 1 : 0;
+    cut.add_face(std::array{quad[from], quad[from + 1], quad[from + 2]});
+    cut.add_face(std::array{quad[from], quad[from + 2], quad[(from + 3) % 4]});
+  }
+  PolygonMesh mesh = test::jittered(cut, 0.2, seed);
+  for (glm::dvec3& p : mesh.positions) p.z = 0;
+  return mesh;
+}
+
+std::vector<test::NamedMesh> flat_meshes() {
+  std::vector<test::NamedMesh> meshes = {
+      {"triangles", uneven_triangles(1)},          {"other triangles", uneven_triangles(2)},
+      {"hole", test::plate_with_hole(5)},          {"polygon", test::single_polygon(7)},
+      {"large polygon", test::single_polygon(40)}, {"L", test::l_shaped_plate(2)}};
+  PolygonMesh creased = uneven_triangles(3);
+  creased = test::with_random_creases(creased, 0.2, 3);
+  meshes.push_back({"creased", creased});
+  // Around one vertex, so many that their rings go by sums.
+  PolygonMesh fan;
+  constexpr int kSides = 40;
+  fan.positions.emplace_back(0.1, 0.05, 0);
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * M_PI * i / kSides, radius = 1 + 0.3 * std::sin(3 * angle);
+    fan.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  for (int i = 0; i < kSides; ++i)
+    fan.add_face(std::vector<std::int32_t>{0, 1 + i, 1 + (i + 1) % kSides});
+  meshes.push_back({"large fan", fan});
+  return meshes;
+}
+
+TEST(UvCharts, StayWhereTheyWereOnFlatSurfaces) {
+  for (const auto& [name, plain] : flat_meshes()) {
+    for (const std::int32_t charts : {1, 3}) {
+      const PolygonMesh mesh = textured(plain, charts);
+      for (int level = 0; level <= 3; ++level) {
+        const SurfaceMesh surface = cage_surface(mesh, level);
+        ASSERT_EQ(surface.face_uvs.size(), surface.face_vertices.size());
+        double worst = 0;
+        std::size_t corner = 0;
+        for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+          const auto face = surface.face(f);
+          const double chart = std::round(
+              (surface.uvs[surface.face_uvs[corner]].x - mapped(surface.positions[face[0]]).x) /
+              kApart);
+          for (const std::int32_t v : face) {
+            const glm::dvec2 uv = surface.uvs[surface.face_uvs[corner++]];
+            const glm::dvec2 wanted = mapped(surface.positions[v]) + glm::dvec2(kApart * chart, 0);
+            worst = std::max(worst, glm::distance(uv, wanted));
+          }
+        }
+        EXPECT_LT(worst, 1e-12) << name << ", charts " << charts << ", level " << level;
+      }
+    }
+  }
+}
+
+TEST(UvCharts, GivenVerticesKeepTheirs) {
+  PolygonMesh mesh = test::jittered(test::icosphere(2), 0.1, 5);
+  for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c) {
+    mesh.uvs.emplace_back(std::sin(3.0 * static_cast<double>(c / 5)), 1.0 / (1.0 + c % 7));
+    mesh.face_uvs.push_back(static_cast<std::int32_t>(c));
+  }
+  const SurfaceMesh surface = cage_surface(mesh, 2);
+  for (std::size_t i = 0; i < mesh.uvs.size(); ++i) EXPECT_EQ(surface.uvs[i], mesh.uvs[i]);
+}
+
+// The straight border of a flat mesh is one of its charts, however uneven the values along it are.
+TEST(UvCharts, StraightBordersStayStraight) {
+  PolygonMesh mesh = test::flat_grid(5, 4);
+  for (const glm::dvec3& p : mesh.positions)
+    mesh.uvs.emplace_back(p.x * p.x, p.y + 0.3 * p.y * (4 - p.y) * p.x);
+  mesh.face_uvs = mesh.face_vertices;
+  const SurfaceMesh surface = evaluate(
+      mesh, *make_cpu_backend(), {.level = 3, .sharp = {.boundary = BoundaryRule::EdgeAndCorner}});
+  for (std::size_t c = 0; c < surface.face_uvs.size(); ++c) {
+    const glm::dvec3& p = surface.positions[surface.face_vertices[c]];
+    const glm::dvec2& uv = surface.uvs[surface.face_uvs[c]];
+    if (p.x == 0) {
+      EXPECT_NEAR(uv.x, 0, 1e-14);
+    }
+    if (p.x == 5) {
+      EXPECT_NEAR(uv.x, 25, 1e-13);
+    }
+    if (p.y == 0) {
+      EXPECT_NEAR(uv.y, 0, 1e-14);
+    }
+    if (p.y == 4) {
+      EXPECT_NEAR(uv.y, 4, 1e-13);
+    }
+  }
+}
+
+// The least area in the texture of a surface's quads, in shares of their mean.
+double least_share(const SurfaceMesh& surface) {
+  std::vector<double> areas;
+  double sum = 0;
+  for (std::size_t c = 0; c < surface.face_uvs.size(); c += 4) {
+    double area = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const glm::dvec2& p = surface.uvs[surface.face_uvs[c + i]];
+      const glm::dvec2& q = surface.uvs[surface.face_uvs[c + (i + 1) % 4]];
+      area += p.x * q.y - p.y * q.x;
+    }
+    areas.push_back(area);
+    sum += area;
+  }
+  double least = 1;
+  for (const double area : areas)
+    least = std::min(least, area / sum * static_cast<double>(areas.size()));
+  return least;
+}
+
+// Steps of very unlike sizes, one behind the other, along both sides.
+TEST(UvCharts, DoNotFoldWhereStepsAreUneven) {
+  const auto least_of = [](const std::vector<double>& steps, bool turned_over) {
+    PolygonMesh mesh = test::flat_grid(8, 8);
+    for (const glm::dvec3& p : mesh.positions) {
+      const glm::dvec2 uv(steps[static_cast<std::size_t>(p.x)],
+                          steps[static_cast<std::size_t>(p.y)]);
+      mesh.uvs.push_back(turned_over ? glm::dvec2(uv.y, uv.x) : uv);
+    }
+    mesh.face_uvs = mesh.face_vertices;
+    return least_share(cage_surface(mesh, 4));
+  };
+  for (const std::vector<double>& steps :
+       {std::vector<double>{0, 1, 1.01, 2, 2.5, 2.51, 2.52, 7, 7.1},
+        std::vector<double>{0, 1e-6, 1, 1 + 1e-6, 3, 3.001, 3.002, 9, 10}}) {
+    EXPECT_GT(least_of(steps, false), -1e-12);
+    EXPECT_GT(least_of(steps, true), -1e-12);
+  }
+}
+
+// A sphere by longitude and latitude: on a fine mesh the texture is nearly that of the sphere.
+TEST(UvCharts, GoAroundASphere) {
+  const int around = 32, across = 16;
+  PolygonMesh mesh;
+  for (int j = 0; j <= across; ++j)
+    for (int i = 0; i < around; ++i) {
+      const double u = 2 * M_PI * (i + 0.3 * (j % 2)) / around, v = M_PI * (j + 1) / (across + 2);
+      mesh.positions.emplace_back(std::cos(u) * std::sin(v), std::sin(u) * std::sin(v),
+                                  -std::cos(v));
+    }
+  for (int j = 0; j <= across; ++j)
+    for (int i = 0; i <= around; ++i)
+      mesh.uvs.emplace_back((i + 0.3 * (j % 2)) / around, (j + 1.0) / (across + 2));
+  for (int j = 0; j < across; ++j)
+    for (int i = 0; i < around; ++i) {
+      const int next = (i + 1) % around;
+      for (const auto& tri :
+           {std::array{j * around + i, j * around + next, (j + 1) * around + i},
+            std::array{j * around + next, (j + 1) * around + next, (j + 1) * around + i}}) {
+        mesh.add_face(tri);
+        for (const int v : tri) {
+          const int column = next == 0 && v % around == 0 ? around : v % around;
+          mesh.face_uvs.push_back(v / around * (around + 1) + column);
+        }
+      }
+    }
+  const SurfaceMesh surface = cage_surface(mesh, 2);
+  double worst = 0;
+  for (std::size_t c = 0; c < surface.face_uvs.size(); ++c) {
+    const glm::dvec3& p = surface.positions[surface.face_vertices[c]];
+    const glm::dvec2& uv = surface.uvs[surface.face_uvs[c]];
+    const double turn = std::remainder(std::atan2(p.y, p.x) / (2 * M_PI) - uv.x, 1.0);
+    const double radius = std::hypot(p.x, p.y);
+    if (std::abs(p.z) < 0.8) worst = std::max(worst, std::abs(turn) * radius);
+  }
+  EXPECT_LT(worst, 2.5e-3);  // a cell is 1 / 32 wide
+}
+
+}  // namespace
+}  // namespace planish
