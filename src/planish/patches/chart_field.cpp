@@ -34,7 +34,16 @@ double reach(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& step) {
   return std::abs(area) > kLeastArea * size ? cross(step, b - a) / area : 0.0;
 }
 
-// The same seen along a normal.
+// Whether that is farther than the line.
+bool is_past(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& step) {
+  const auto cross = [](const glm::dvec2& p, const glm::dvec2& q) { return p.x * q.y - p.y * q.x; };
+  const double area = cross(a, b), size = glm::dot(a, a) + glm::dot(b, b);
+  if (std::abs(area) <= kLeastArea * size) return false;
+  const double reached = cross(step, b - a);
+  return area > 0 ? reached > area : reached < area;
+}
+
+// How far, seen along a normal.
 double reach(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& step,
              const glm::dvec3& normal) {
   const double area = glm::dot(glm::cross(a, b), normal), size = glm::dot(a, a) + glm::dot(b, b);
@@ -109,8 +118,10 @@ struct ChartField<Vector>::Around {
 // Between a corner and the one behind it around their vertex.
 template <class Vector>
 bool ChartField<Vector>::is_seam(std::int32_t corner, std::int32_t next) const {
-  return given(corner) != given(next) ||
-         given(topology_.prev(corner)) != given(topology_.next(next));
+  const auto differs = [&](std::int32_t a, std::int32_t b) {
+    return indices_[a] != indices_[b] && given(a) != given(b);
+  };
+  return differs(corner, next) || differs(topology_.prev(corner), topology_.next(next));
 }
 
 template <class Vector>
@@ -325,8 +336,9 @@ void ChartField<Vector>::shrink(std::span<const glm::dvec3> points, std::span<co
     const Vector middle =
         face_mean<Vector>(face, piece.value, [&](std::int32_t k) { return given(k); });
     for (const std::int32_t other : {topology_.next(c), topology_.prev(c)}) {
-      const double reached = reach(0.5 * (given(other) - piece.value), middle, change);
-      if (reached <= 1) continue;
+      const Vector half = 0.5 * (given(other) - piece.value);
+      if (!is_past(half, middle, change)) continue;
+      const double reached = reach(half, middle, change);
       const auto limit_at = [&](std::int32_t k) { return limits_[topology_.vertex_of(k)]; };
       const double of_point =
           reach(0.5 * (limit_at(other) - piece.at), face_mean<glm::dvec3>(face, piece.at, limit_at),

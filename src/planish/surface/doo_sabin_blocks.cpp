@@ -222,21 +222,28 @@ void DooSabinBlocks::corners_from_device(RowRange faces, std::span<glm::dvec3> p
   }
 }
 
+void DooSabinBlocks::uvs(RowRange range, std::span<glm::dvec2> values) const {
+  if (write_given_uvs(base_.mesh().uvs, range, values)) write_uvs(base_.uv_field(), range, values);
+}
+
 bool DooSabinBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange range,
                             std::span<glm::dvec2> values) const {
-  write_uvs(base_.uv_field_of(given), given, range, values);
+  if (write_given_uvs(given, range, values)) write_uvs(base_.uv_field_of(given), range, values);
   return true;
 }
 
-void DooSabinBlocks::write_uvs(const ChartField<glm::dvec2>& field,
-                               std::span<const glm::dvec2> given, RowRange range,
-                               std::span<glm::dvec2> values) const {
-  const std::int64_t end =
-      std::min(range.first + range.count, std::int64_t{base_.corner_uvs().count});
-  for (std::int64_t row = range.first; row < end; ++row) {
+bool DooSabinBlocks::write_given_uvs(std::span<const glm::dvec2> given, RowRange range,
+                                     std::span<glm::dvec2> values) const {
+  const std::int64_t count = base_.corner_uvs().count, last = range.first + range.count;
+  for (std::int64_t row = range.first; row < std::min(last, count); ++row) {
     const auto uv = static_cast<std::size_t>(row);
     values[row - range.first] = uv < given.size() ? given[uv] : glm::dvec2(0.0);
   }
+  return last > count;
+}
+
+void DooSabinBlocks::write_uvs(const ChartField<glm::dvec2>& field, RowRange range,
+                               std::span<glm::dvec2> values) const {
   ChartRows<glm::dvec2>(field, *uv_numbering_, surface_.classes())
       .write(range,
              [&](std::int64_t row, const glm::dvec2& uv) { values[row - range.first] = uv; });

@@ -75,9 +75,7 @@ class DooSabinBlocks final : public SurfaceBlocks {
     for (std::int64_t i = 0; i < faces.count; ++i) mesh_faces[i] = mesh_face(faces.first + i);
   }
   void attribute(std::size_t index, RowRange rows, std::span<float> values) const override;
-  void uvs(RowRange range, std::span<glm::dvec2> values) const override {
-    write_uvs(base_.uv_field(), base_.mesh().uvs, range, values);
-  }
+  void uvs(RowRange range, std::span<glm::dvec2> values) const override;
   bool uvs_of(std::span<const glm::dvec2> given, RowRange range,
               std::span<glm::dvec2> values) const override;
   bool rows_of(std::span<const glm::vec4> given, RowRange range,
@@ -113,8 +111,11 @@ class DooSabinBlocks final : public SurfaceBlocks {
  private:
   template <class OfVertex>
   void linear_rows(RowRange range, std::span<glm::vec4> values, const OfVertex& of_vertex) const;
-  void write_uvs(const ChartField<glm::dvec2>& field, std::span<const glm::dvec2> given,
-                 RowRange range, std::span<glm::dvec2> values) const;
+  // Those of the mesh come first; whether others follow in the range.
+  bool write_given_uvs(std::span<const glm::dvec2> given, RowRange range,
+                       std::span<glm::dvec2> values) const;
+  void write_uvs(const ChartField<glm::dvec2>& field, RowRange range,
+                 std::span<glm::dvec2> values) const;
   void point_corners(RowRange faces, std::span<glm::dvec3> positions,
                      std::span<glm::vec3> normals) const;
   DegenerateRows quad_corners(RowRange faces, std::span<glm::dvec3> positions,
