@@ -6,7 +6,6 @@
 #include <array>
 #include <cstring>
 #include <functional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -204,56 +203,6 @@ TEST_F(AssetThings, NumbersOfThingsAreTheNearestVertexs) {
     EXPECT_EQ(written_json()["meshes"][1]["primitives"][0]["extensions"],
               sample_.json["meshes"][1]["primitives"][0]["extensions"]);
   }
-}
-
-// No vertex of the surface can have two; what names the attribute goes with it.
-TEST_F(AssetThings, NumbersThatDifferAtOnePlaceAreLeftOut) {
-  (void)add_ids([](std::size_t v) { return static_cast<int>(v); }, 5126);
-  json& ball = sample_.json["meshes"][1]["primitives"][0];
-  // The same triangles again, by vertices of other numbers.
-  json other = ball;
-  std::string ids;
-  const auto count =
-      sample_.json["accessors"][ball["attributes"]["POSITION"].get<std::size_t>()]["count"]
-          .get<std::size_t>();
-  for (std::size_t v = 0; v < count; ++v) append<float>(ids, v == 7 ? 1.0f : static_cast<float>(v));
-  sample_.json["bufferViews"].push_back(
-      {{"buffer", 0}, {"byteOffset", sample_.bytes.size()}, {"byteLength", ids.size()}});
-  sample_.bytes += ids;
-  json accessor = sample_.json["accessors"].back();
-  accessor["bufferView"] = sample_.json["bufferViews"].size() - 1;
-  sample_.json["accessors"].push_back(accessor);
-  other["attributes"]["_FEATURE_ID_0"] = sample_.json["accessors"].size() - 1;
-  sample_.json["meshes"][1]["primitives"].push_back(other);
-  FitFileOptions options;
-  options.level = 1;
-  // The mesh numbers its vertices as triangles first name them.
-  const json& faces = sample_.json["accessors"][other["indices"].get<std::size_t>()];
-  const std::size_t at =
-      sample_.json["bufferViews"][faces["bufferView"].get<std::size_t>()]["byteOffset"]
-          .get<std::size_t>();
-  std::set<std::uint16_t> before;
-  for (std::size_t i = 0; !before.contains(7); ++i) {
-    std::uint16_t vertex = 0;
-    std::memcpy(&vertex, sample_.bytes.data() + at + 2 * i, sizeof(vertex));
-    before.insert(vertex);
-  }
-  std::vector<std::string> codes;
-  options.mesh.fit.callbacks.warning = [&](const Warning& one) {
-    codes.push_back(one.code);
-    if (one.code != "left-out-attributes") return;
-    EXPECT_EQ(one.count, 1);
-    EXPECT_EQ(one.first, std::ssize(before) - 1);
-  };
-  pass(options);
-  EXPECT_THAT(codes, Contains("left-out-attributes"));
-  EXPECT_THAT(codes, Contains("left-out-extensions"));
-  const json made = written_json();
-  for (const json& primitive : made["meshes"][1]["primitives"]) {
-    EXPECT_FALSE(primitive["attributes"].contains("_FEATURE_ID_0"));
-    EXPECT_FALSE(primitive.contains("extensions"));
-  }
-  EXPECT_THAT(made["extensionsUsed"], Not(Contains("EXT_mesh_features")));
 }
 
 // What describes the triangles that give way goes with them, known or not; other things stay.

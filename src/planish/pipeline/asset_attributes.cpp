@@ -3,9 +3,11 @@
 #include "planish/pipeline/asset_attributes.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
 #include <mutex>
+#include <ranges>
 #include <string>
 
 #include "planish/core/error.h"
@@ -56,8 +58,10 @@ class AssetAttributes::Maker {
       std::vector<float>& values = made_.values_.emplace_back();
       for (const glm::dvec2& move : uvs_of(moves.values))
         for (int k = 0; k < 2; ++k) values.push_back(static_cast<float>(move[k]));
-      made_.attributes_.push_back(
-          {.name = moves.name, .width = 2, .values = values, .of_uvs = true});
+      GltfAttribute& made = made_.attributes_.emplace_back(
+          GltfAttribute{.name = moves.name, .width = 2, .values = values, .of_uvs = true});
+      for (const AssetGroup& group : given_.groups)
+        made.in_groups.push_back(group.uv_sets > 0 ? 1 : 0);
     }
   }
 
@@ -66,6 +70,8 @@ class AssetAttributes::Maker {
     for (const AssetArray& array : given_.arrays) {
       if (array.is_of_things) {
         add_array(array, nearest_rows(array));
+      } else if (array.of_corners) {
+        add_array(array, uv_rows(array));
       } else if (is_doo_sabin()) {
         add_array(array, rows_of_vertices(array.values, array.width, fitted_, surface_));
       } else {
@@ -174,9 +180,11 @@ class AssetAttributes::Maker {
     made_.attributes_.push_back({.name = array.name,
                                  .width = array.width,
                                  .is_integer = array.is_integer,
-                                 .values = values});
+                                 .values = values,
+                                 .of_uvs = array.of_corners});
   }
   [[nodiscard]] std::vector<float> nearest_rows(const AssetArray& array) const;
+  [[nodiscard]] std::vector<float> uv_rows(const AssetArray& array) const;
   // Other values in the place of texture coordinates.
   [[nodiscard]] std::vector<glm::dvec2> uvs_of(const std::vector<glm::dvec2>& given) const {
     std::vector<glm::dvec2> values;
@@ -227,19 +235,43 @@ class AssetAttributes::Maker {
   std::unique_ptr<const LinearSurface> linear_;
 };
 
+// Of what corners have, two numbers at a time, as texture coordinates are; within those given.
+std::vector<float> AssetAttributes::Maker::uv_rows(const AssetArray& array) const {
+  const auto width = static_cast<std::size_t>(array.width);
+  const std::size_t given_count = array.values.size() / width;
+  std::vector<float> rows(width * static_cast<std::size_t>(surface_.info().uv_count));
+  for (std::size_t first = 0; first < width; first += 2) {
+    const std::size_t count = std::min(width - first, std::size_t{2});
+    std::vector<glm::dvec2> given(given_count, glm::dvec2(0.0));
+    for (std::size_t i = 0; i < given_count; ++i)
+      for (std::size_t k = 0; k < count; ++k)
+        given[i][static_cast<int>(k)] = array.values[width * i + first + k];
+    glm::dvec2 low(0.0), high(0.0);
+    if (!given.empty()) low = high = given.front();
+    for (const glm::dvec2& value : given) low = glm::min(low, value), high = glm::max(high, value);
+    const std::vector<glm::dvec2> made = uvs_of(given);
+    for (std::size_t row = 0; row < made.size(); ++row)
+      for (std::size_t k = 0; k < count; ++k)
+        rows[width * row + first + k] =
+            static_cast<float>(glm::clamp(made[row], low, high)[static_cast<int>(k)]);
+  }
+  return rows;
+}
+
 // Each row has the numbers of a corner of a face that it lies on, the nearest one: the surface
 // passes through them.
 std::vector<float> AssetAttributes::Maker::nearest_rows(const AssetArray& array) const {
   const PolygonMesh& mesh = fitted_.mesh;
   const auto width = static_cast<std::size_t>(array.width);
-  std::vector<float> values(width * static_cast<std::size_t>(surface_.info().row_count), 0.0f);
+  const SurfaceInfo& info = surface_.info();
+  const std::int64_t row_count = array.of_corners ? info.uv_count : info.row_count;
+  std::vector<float> values(width * static_cast<std::size_t>(row_count), 0.0f);
   struct Piece {
     RawVector<std::int32_t> rows, faces;
     RawVector<glm::dvec3> positions;
     RawVector<glm::vec3> normals;
-    std::vector<std::int32_t> nearest;  // vertices, by corner
+    std::vector<std::int32_t> nearest;  // corners of the mesh, by corner
   };
-  const SurfaceInfo& info = surface_.info();
   const auto corner_count = [&](RowRange faces) {
     return static_cast<std::size_t>(info.first_corner(faces.first + faces.count) -
                                     info.first_corner(faces.first));
@@ -252,28 +284,37 @@ std::vector<float> AssetAttributes::Maker::nearest_rows(const AssetArray& array)
         piece.normals.resize(piece.rows.size());
         piece.nearest.resize(piece.rows.size());
         piece.faces.resize(static_cast<std::size_t>(faces.count));
-        surface_.face_vertices(faces, piece.rows);
+        if (array.of_corners) {
+          surface_.face_uvs(faces, piece.rows);
+        } else {
+          surface_.face_vertices(faces, piece.rows);
+        }
         surface_.corners(faces, piece.positions, piece.normals);
         surface_.ancestors(faces, piece.faces);
         for (std::int64_t f = 0; f < faces.count; ++f) {
           const auto begin = static_cast<std::size_t>(mesh.face_offsets[piece.faces[f]]);
           const auto end = static_cast<std::size_t>(mesh.face_offsets[piece.faces[f] + 1]);
-          const auto of = std::span(mesh.face_vertices).subspan(begin, end - begin);
+          const auto of = std::views::iota(begin, end);
           const std::int64_t first = info.first_corner(faces.first);
           for (std::int64_t c = info.first_corner(faces.first + f) - first;
                c < info.first_corner(faces.first + f + 1) - first; ++c)
-            piece.nearest[c] = *std::ranges::min_element(of, {}, [&](std::int32_t vertex) {
-              const glm::dvec3 apart = mesh.positions[vertex] - piece.positions[c];
-              return glm::dot(apart, apart);
-            });
+            piece.nearest[c] = static_cast<std::int32_t>(
+                *std::ranges::min_element(of, {}, [&](std::size_t corner) {
+                  const glm::dvec3 apart =
+                      mesh.positions[mesh.face_vertices[corner]] - piece.positions[c];
+                  return glm::dot(apart, apart);
+                }));
         }
       },
       [&](RowRange, const Piece& piece) {
-        for (std::size_t c = 0; c < piece.rows.size(); ++c)
-          std::copy_n(array.values.begin() +
-                          static_cast<std::int64_t>(
-                              width * source(static_cast<std::size_t>(piece.nearest[c]))),
-                      width, values.begin() + static_cast<std::int64_t>(width) * piece.rows[c]);
+        for (std::size_t c = 0; c < piece.rows.size(); ++c) {
+          const std::int32_t corner = piece.nearest[c];
+          const auto from = array.of_corners
+                                ? static_cast<std::size_t>(mesh.face_uvs[corner])
+                                : source(static_cast<std::size_t>(mesh.face_vertices[corner]));
+          std::copy_n(array.values.begin() + static_cast<std::int64_t>(width * from), width,
+                      values.begin() + static_cast<std::int64_t>(width) * piece.rows[c]);
+        }
       });
   return values;
 }

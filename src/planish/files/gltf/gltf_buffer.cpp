@@ -142,10 +142,7 @@ void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribut
   const auto width = static_cast<std::size_t>(attribute.width);
   const std::size_t stride = attribute_bytes(attribute) / sizeof(Number);
   stream(
-      pieces_of(vertices,
-                [&](const GltfPart& part) {
-                  return attribute.is_in(part.group) && (!attribute.of_uvs || part.uv_sets > 0);
-                }),
+      pieces_of(vertices, [&](const GltfPart& part) { return attribute.is_in(part.group); }),
       [&](RowRange range, RawVector<std::byte>& bytes) {
         const auto values =
             values_of<Number>(bytes, stride * static_cast<std::size_t>(range.count));

@@ -45,7 +45,6 @@ std::vector<Attribute> attributes_of(const GltfLayout& layout) {
          .type = type_name(attribute.width),
          .bytes = attribute_bytes(attribute),
          .component = attribute.is_integer ? GltfComponent::UnsignedShort : GltfComponent::Float,
-         .uv_sets = attribute.of_uvs ? 1 : 0,
          .place = static_cast<int>(i),
          .given = &attribute});
   }

@@ -104,7 +104,7 @@ MeshFile SceneReader::read(FileFormat format, std::span<const GltfInstance> inst
     file_.dropped_element_count += point_primitive_count_;
   }
   if (creases_from_normals_) mark_split_normals(file_.mesh, normals_);
-  if (shared_count_ > 0)
+  if (shared_count_ > 0 && asset_ == nullptr)
     file_.warnings.push_back(
         {.code = "shared-attributes",
          .message = formatted("{} of {} {} another colour at a place they share: there the first "
@@ -227,9 +227,8 @@ void SceneReader::name_group(const JsonPlace& place) {
 // Appended for the whole primitive; OBJ's v runs upwards, glTF's down.
 void SceneReader::read_uvs(const JsonPlace& place, const SourcePrimitive& primitive) {
   first_uv_ = -1;
-  if (asset_ != nullptr && asset_->uv_set_count() > 0) {
-    first_uv_ = static_cast<std::int64_t>(uvs_.size());
-    asset_->read_uvs(uvs_);
+  if (asset_ != nullptr) {
+    first_uv_ = asset_->number_vertices(primitive.positions().count(), uvs_);
     return;
   }
   const auto uvs = primitive.attribute("TEXCOORD_0", GltfAccessor::Use::TextureCoordinates);

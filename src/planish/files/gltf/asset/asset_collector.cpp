@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <span>
 #include <utility>
 
-#include "planish/core/counted.h"
 #include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
@@ -18,15 +19,6 @@ constexpr int kNumbersOfSet = 8;  // four joints and their weights
 bool is_vertex_color(std::string_view name) { return name.starts_with("COLOR_"); }
 // What a primitive without the attribute has, and the fourth number of a colour of three.
 float missing(std::string_view name) { return is_vertex_color(name) ? 1.0f : 0.0f; }
-
-// "COLOR_0", "COLOR_0 of morph target 1".
-std::string shown_name(const std::string& name) {
-  constexpr std::string_view kTarget = "target/";
-  if (!name.starts_with(kTarget)) return name;
-  const std::size_t slash = name.rfind('/');
-  return name.substr(slash + 1) + " of morph target " +
-         name.substr(kTarget.size(), slash - kTarget.size());
-}
 
 }  // namespace
 
@@ -64,9 +56,12 @@ void AssetCollector::find_uvs(const JsonPlace& attributes, const SourcePrimitive
   }
 }
 
-void AssetCollector::read_uvs(std::vector<glm::dvec2>& first) {
-  const std::size_t before = first.size();
-  made_.further_uvs.resize(std::max(made_.further_uvs.size(), uvs_.size() - 1));
+std::int64_t AssetCollector::number_vertices(std::int64_t count, std::vector<glm::dvec2>& first) {
+  const std::int64_t begin = number_count_;
+  number_count_ += count;
+  numbered_.push_back({begin, count, !uvs_.empty(), arrays_});
+  const auto before = static_cast<std::size_t>(begin);
+  if (!uvs_.empty()) made_.further_uvs.resize(std::max(made_.further_uvs.size(), uvs_.size() - 1));
   for (std::size_t set = 0; set < uvs_.size(); ++set) {
     std::vector<glm::dvec2>& to = set == 0 ? first : made_.further_uvs[set - 1];
     to.resize(before, glm::dvec2(0.0));
@@ -78,7 +73,6 @@ void AssetCollector::read_uvs(std::vector<glm::dvec2>& first) {
       to.emplace_back(uv.x, 1.0 - uv.y);
     }
   }
-  for (std::vector<glm::dvec2>& set : made_.further_uvs) set.resize(first.size(), glm::dvec2(0.0));
   for (const UvSource& source : uv_moves_) {
     std::vector<glm::dvec2>& to = made_.uv_moves[source.of].values;
     to.resize(before, glm::dvec2(0.0));
@@ -89,18 +83,18 @@ void AssetCollector::read_uvs(std::vector<glm::dvec2>& first) {
       to.push_back(move);
     }
   }
-  for (AssetUvMoves& moves : made_.uv_moves) moves.values.resize(first.size(), glm::dvec2(0.0));
+  return begin;
 }
 
 void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimitive& primitive,
                                  GltfBudget& budget) {
   for (const std::string& name : attributes.keys()) {
-    const bool is_further_color = is_vertex_color(name) && name != "COLOR_0";
-    if (!is_further_color && !name.starts_with("_")) continue;
+    const bool is_color = is_vertex_color(name);
+    if (!is_color && !name.starts_with("_")) continue;
     const auto values = primitive.attribute(name, GltfAccessor::Use::Vectors);
     add_array(attributes[name], *values,
               {.name = name,
-               .width = is_further_color ? 4 : static_cast<int>(values->number_count()),
+               .width = is_color ? 4 : static_cast<int>(values->number_count()),
                .values = {},
                .is_of_things = values->is_integer() || name.starts_with("_FEATURE_ID_"),
                .is_integer = values->is_short()},
@@ -114,7 +108,7 @@ void AssetCollector::add_array(const JsonPlace& place, const GltfAccessor& value
   auto known = std::ranges::find(made_.arrays, kind.name, &AssetArray::name);
   if (known == made_.arrays.end()) {
     made_.arrays.push_back(kind);
-    differing_.emplace_back();
+    differs_.push_back(false);
     known = made_.arrays.end() - 1;
     known->values.resize(static_cast<std::size_t>(kind.width * vertex_count_), missing(kind.name));
   } else if (known->width != kind.width) {
@@ -235,16 +229,16 @@ float AssetCollector::number(const Source& source, std::int64_t vertex, int k) c
                                             : missing(made_.arrays[source.array].name);
 }
 
+// What the primitive has, and what it lacks.
 void AssetCollector::compare(std::int32_t welded, std::int64_t vertex) {
-  for (const Source& source : arrays_) {
-    const AssetArray& array = made_.arrays[source.array];
+  for (std::size_t i = 0; i < made_.arrays.size(); ++i) {
+    if (differs_[i]) continue;
+    const AssetArray& array = made_.arrays[i];
+    const auto source = std::ranges::find(arrays_, i, &Source::array);
     for (int k = 0; k < array.width; ++k) {
-      if (array.values[static_cast<std::size_t>(array.width * welded + k)] ==
-          number(source, vertex, k))
-        continue;
-      Differing& differing = differing_[source.array];
-      if (differing.count++ == 0) differing.first = welded;
-      break;
+      const float own = source == arrays_.end() ? missing(array.name) : number(*source, vertex, k);
+      if (array.values[static_cast<std::size_t>(array.width * welded + k)] != own)
+        differs_[i] = true;
     }
   }
 }
@@ -265,26 +259,75 @@ void AssetCollector::append(std::int64_t vertex) {
   for (std::size_t k = 0; k < moves_.size(); ++k) made_.targets[k].push_back(moves_[k]);
 }
 
-void AssetCollector::leave_out_differing() {
-  for (std::size_t i = 0; i < differing_.size(); ++i) {
-    AssetArray& array = made_.arrays[i];
-    const Differing& differing = differing_[i];
-    if (differing.count == 0) continue;
-    made_.warnings.push_back(
-        {array.is_of_things ? "left-out-attributes" : "shared-attributes",
-         formatted("{} {} another {} at a place they share: {}", counted(differing.count, "vertex"),
-                   differing.count == 1 ? "has" : "have", shown_name(array.name),
-                   array.is_of_things ? "it is left out" : "there the first one's is taken"),
-         differing.count, differing.first});
-    if (array.is_of_things) made_.left_out.push_back(array.name);
+void AssetCollector::give_corners(AssetArray& array, std::size_t index) const {
+  array.of_corners = true;
+  array.values.assign(static_cast<std::size_t>(array.width * number_count_), missing(array.name));
+  for (const Numbered& of : numbered_) {
+    const auto source = std::ranges::find(of.sources, index, &Source::array);
+    if (source == of.sources.end()) continue;
+    auto to = array.values.begin() + array.width * of.first;
+    for (std::int64_t i = 0; i < of.count; ++i)
+      for (int k = 0; k < array.width; ++k) *to++ = number(*source, i, k);
   }
-  std::erase_if(made_.arrays, [&](const AssetArray& array) {
-    return std::ranges::find(made_.left_out, array.name) != made_.left_out.end();
-  });
 }
 
-AssetVertices AssetCollector::finish() {
-  leave_out_differing();
+// Vertices without texture coordinates that have the same of what differs are one.
+void AssetCollector::keep_numbers(PolygonMesh& mesh) const {
+  std::vector<const AssetArray*> differing;
+  for (const AssetArray& array : made_.arrays)
+    if (array.of_corners) differing.push_back(&array);
+  const auto is_alike = [&](std::int32_t a, std::int32_t b) {
+    return std::ranges::all_of(differing, [&](const AssetArray* array) {
+      const auto at = [&](std::int32_t number) {
+        return std::span(array->values)
+            .subspan(static_cast<std::size_t>(array->width * number),
+                     static_cast<std::size_t>(array->width));
+      };
+      return std::ranges::equal(at(a), at(b));
+    });
+  };
+  std::unordered_map<std::int32_t, std::vector<std::int32_t>> known;  // by vertex
+  bool has_any = false;
+  for (std::size_t c = 0; c < mesh.face_uvs.size(); ++c) {
+    std::int32_t& number = mesh.face_uvs[c];
+    const auto of = std::ranges::upper_bound(numbered_, std::int64_t{number}, {}, &Numbered::first);
+    if (!std::prev(of)->has_uvs) {
+      if (differing.empty()) {
+        number = -1;
+        continue;
+      }
+      std::vector<std::int32_t>& here = known[mesh.face_vertices[c]];
+      const auto same =
+          std::ranges::find_if(here, [&](std::int32_t one) { return is_alike(one, number); });
+      if (same == here.end()) {
+        here.push_back(number);
+      } else {
+        number = *same;
+      }
+    }
+    has_any = true;
+  }
+  if (!has_any) {
+    mesh.uvs.clear();
+    mesh.face_uvs.clear();
+  }
+}
+
+AssetVertices AssetCollector::finish(PolygonMesh& mesh) {
+  const auto numbers = static_cast<std::size_t>(number_count_);
+  for (std::vector<glm::dvec2>& set : made_.further_uvs) set.resize(numbers, glm::dvec2(0.0));
+  for (AssetUvMoves& moves : made_.uv_moves) moves.values.resize(numbers, glm::dvec2(0.0));
+  mesh.uvs.resize(numbers, glm::dvec2(0.0));
+  for (std::size_t i = 0; i < made_.arrays.size(); ++i)
+    if (differs_[i]) give_corners(made_.arrays[i], i);
+  keep_numbers(mesh);
+  // Colours that do not differ are the mesh's own.
+  const auto colors = std::ranges::find(made_.arrays, "COLOR_0", &AssetArray::name);
+  if (colors != made_.arrays.end() && colors->of_corners) {
+    mesh.colors.clear();
+  } else if (colors != made_.arrays.end()) {
+    made_.arrays.erase(colors);
+  }
   if (!lost_targets_.empty()) {
     std::string names;
     for (const std::string& name : lost_targets_) names += (names.empty() ? "" : ", ") + name;

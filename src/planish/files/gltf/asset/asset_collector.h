@@ -20,7 +20,7 @@ namespace planish {
 
 /// Gathers what a mesh of an asset has besides a PolygonMesh, while a SceneReader reads its
 /// primitives in turn. Vertices at one place are one where joints and morph targets move them
-/// alike; of what else differs the first stays.
+/// alike; what else differs is of corners, each of which has the number of its file's vertex.
 class AssetCollector {
  public:
   /// The number of the group that the primitive belongs to. Throws Error{UnreadableInput},
@@ -28,13 +28,15 @@ class AssetCollector {
   int begin_primitive(const JsonPlace& place, const SourcePrimitive& primitive, GltfBudget& budget);
   /// Sets of texture coordinates of the primitive.
   [[nodiscard]] int uv_set_count() const { return static_cast<int>(uvs_.size()); }
-  /// Appends its first set, turned to run upwards, and keeps the others.
-  void read_uvs(std::vector<glm::dvec2>& first);
+  /// Numbers its vertices, those of all primitives in turn: texture coordinates and what differs at
+  /// one place go by these. Its first set goes to `first`, turned to run upwards; keeps the others.
+  /// Returns the number of its first vertex.
+  std::int64_t number_vertices(std::int64_t count, std::vector<glm::dvec2>& first);
   /// The vertex of the mesh that stands for one of the primitive's.
   std::int32_t weld(Welder& welder, const glm::dvec3& position, std::int64_t vertex);
-  /// Of numbers that differ at one place the first ones stay, with the warning "shared-attributes";
-  /// those of things are left out.
-  [[nodiscard]] AssetVertices finish();
+  /// Of the mesh that was read, whose corners have the numbers of their vertices as those of
+  /// texture coordinates: they keep those that something goes by.
+  [[nodiscard]] AssetVertices finish(PolygonMesh& mesh);
 
  private:
   struct Source {
@@ -51,9 +53,11 @@ class AssetCollector {
     GltfAccessor moves;
     std::size_t of;  // AssetVertices::uv_moves
   };
-  // Of an array: vertices that have other numbers than the one at their place.
-  struct Differing {
-    std::int64_t count = 0, first = -1;
+  // The current primitive's numbers of corners, and what it has for them.
+  struct Numbered {
+    std::int64_t first, count;
+    bool has_uvs;
+    std::vector<Source> sources;
   };
 
   void find_uvs(const JsonPlace& attributes, const SourcePrimitive& primitive, GltfBudget& budget);
@@ -68,7 +72,8 @@ class AssetCollector {
   void compare(std::int32_t welded, std::int64_t vertex);
   // The numbers of a vertex of the current primitive in an array.
   [[nodiscard]] float number(const Source& source, std::int64_t vertex, int k) const;
-  void leave_out_differing();
+  void give_corners(AssetArray& array, std::size_t index) const;
+  void keep_numbers(PolygonMesh& mesh) const;
   // How the current primitive's vertex moves, into influences_ and moves_.
   void read_motion(std::int64_t vertex);
   [[nodiscard]] bool moves_like(std::int32_t welded, const glm::dvec3& position) const;
@@ -78,8 +83,10 @@ class AssetCollector {
   std::map<std::string, int, std::less<>> group_of_;  // by what a primitive has besides vertices
   std::int64_t next_primitive_ = 0, vertex_count_ = 0;
   std::unordered_map<std::int32_t, std::int32_t> apart_;  // the next vertex at the same place
-  std::vector<Differing> differing_;                      // by array
-  std::set<std::string> lost_targets_;                    // attributes of morph targets
+  std::vector<bool> differs_;                             // by array: at one place
+  std::vector<Numbered> numbered_;
+  std::int64_t number_count_ = 0;
+  std::set<std::string> lost_targets_;  // attributes of morph targets
 
   // Of the current primitive.
   std::vector<GltfAccessor> uvs_;

@@ -19,7 +19,8 @@ struct AssetGroup {
   int tangent_set = -1;        ///< of those, whose tangents it has; -1: none
 };
 
-/// Numbers of each vertex, linear between them on the surface as colours are.
+/// Numbers of each vertex, linear between them on the surface as colours are; where vertices at one
+/// place differ, of each corner instead, on the surface as texture coordinates are.
 struct AssetArray {
   std::string name;  ///< "COLOR_1", "_TEMPERATURE", "target/0/COLOR_0"
   int width = 1;
@@ -27,6 +28,8 @@ struct AssetArray {
   /// Numbers of things ("_FEATURE_ID_0"): between vertices there is the nearest one's.
   bool is_of_things = false;
   bool is_integer = false;  ///< without a sign, below 2^16
+  /// `width` for each of PolygonMesh::uvs instead, whose indices corners have.
+  bool of_corners = false;
 };
 
 /// How far a morph target takes texture coordinates, as the file has them.
@@ -55,8 +58,6 @@ struct AssetVertices {
   int joint_sets = 0;  ///< of four each: JOINTS_0, JOINTS_1 ...
   /// By morph target: how far it takes each vertex.
   std::vector<std::vector<glm::dvec3>> targets;
-  /// Attributes of things that are left out, by name: vertices at one place have several.
-  std::vector<std::string> left_out;
   std::vector<Warning> warnings;  ///< of what else of the file is not here
 
   [[nodiscard]] std::span<const JointWeight> influences_of(std::int64_t vertex) const {
@@ -78,6 +79,11 @@ struct AssetVertices {
                                [](const AssetGroup& group) { return group.tangent_set >= 0; });
   }
   [[nodiscard]] bool moves() const { return !first_influence.empty() || !targets.empty(); }
+  /// Whether anything but the first texture coordinates goes by their indices.
+  [[nodiscard]] bool rides_on_uvs() const {
+    return !further_uvs.empty() || !uv_moves.empty() ||
+           std::ranges::any_of(arrays, &AssetArray::of_corners);
+  }
 };
 
 }  // namespace planish

@@ -18,10 +18,6 @@ using nlohmann::json;
 // Whether the extension has anything left to say; takes out what is untrue, and says so.
 using Rewrite = bool (*)(json& extension, const NewGeometry& made, bool& is_cut);
 
-bool is_left_out(const NewGeometry& made, const std::string& attribute) {
-  return std::ranges::find(made.vertices.left_out, attribute) != made.vertices.left_out.end();
-}
-
 // Elements of a list for which `is_true` holds.
 template <class IsTrue>
 bool keep_true(json& extension, const char* list, bool& is_cut, const IsTrue& is_true) {
@@ -36,25 +32,10 @@ bool keep_true(json& extension, const char* list, bool& is_cut, const IsTrue& is
 }
 
 // A set of ids that is neither in an attribute nor in a texture numbers vertices in their order.
-bool keep_features(json& extension, const NewGeometry& made, bool& is_cut) {
-  return keep_true(extension, "featureIds", is_cut, [&](const json& ids) {
-    if (ids.contains("attribute"))
-      return !is_left_out(made, formatted("_FEATURE_ID_{}", ids["attribute"].get<int>()));
-    return ids.contains("texture");
+bool keep_features(json& extension, const NewGeometry&, bool& is_cut) {
+  return keep_true(extension, "featureIds", is_cut, [](const json& ids) {
+    return ids.contains("attribute") || ids.contains("texture");
   });
-}
-
-// Property attributes name attributes by a list of the document.
-bool keep_metadata(json& extension, const NewGeometry& made, bool& is_cut) {
-  const json::json_pointer all("/extensions/EXT_structural_metadata/propertyAttributes");
-  keep_true(extension, "propertyAttributes", is_cut, [&](const json& number) {
-    if (!made.document.contains(all)) return true;
-    const json& one = made.document.at(all).at(number.get<std::size_t>());
-    return std::ranges::none_of(one.value("properties", json::object()), [&](const json& property) {
-      return is_left_out(made, property.value("attribute", std::string()));
-    });
-  });
-  return !extension.empty();
 }
 
 bool keep_ngons(json&, const NewGeometry& made, bool& is_cut) {
@@ -73,7 +54,7 @@ struct KnownExtension {
 constexpr std::array kKnownExtensions = {
     KnownExtension{"KHR_materials_variants", false, nullptr},
     KnownExtension{"EXT_mesh_features", false, keep_features},
-    KnownExtension{"EXT_structural_metadata", false, keep_metadata},
+    KnownExtension{"EXT_structural_metadata", false, nullptr},
     KnownExtension{kNgonExtension, false, keep_ngons},
     KnownExtension{"CESIUM_primitive_outline", true, nullptr},
     KnownExtension{"EXT_mesh_manifold", true, nullptr},

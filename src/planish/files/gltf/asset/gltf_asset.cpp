@@ -82,10 +82,10 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   AssetCollector collector;
   mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
                   .read_mesh(format_, number, collector);
-  mesh.vertices = collector.finish();
+  mesh.vertices = collector.finish(mesh.file.mesh);
   const std::vector<Warning>& warnings = mesh.vertices.warnings;
   mesh.file.warnings.insert(mesh.file.warnings.end(), warnings.begin(), warnings.end());
-  mesh.file.stands_alone = !mesh.vertices.moves() && mesh.vertices.further_uvs.empty();
+  mesh.file.stands_alone = !mesh.vertices.moves() && !mesh.vertices.rides_on_uvs();
   require_joints(number, mesh.vertices);
   for (AssetGroup& group : mesh.vertices.groups) {
     const int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());

@@ -106,6 +106,9 @@ void cut_mirrored_charts(PolygonMesh& mesh, AssetVertices& vertices) {
         for (std::vector<glm::dvec2>& further : vertices.further_uvs)
           further.push_back(further[uv]);
         for (AssetUvMoves& moves : vertices.uv_moves) moves.values.push_back(moves.values[uv]);
+        for (AssetArray& array : vertices.arrays)
+          for (int k = 0; array.of_corners && k < array.width; ++k)
+            array.values.push_back(array.values[static_cast<std::size_t>(array.width * uv + k)]);
         ways.push_back(way);
       }
       uv = copy->second;
