@@ -48,6 +48,7 @@ class ChartField {
              std::span<const glm::dvec3> limits = {});
 
   [[nodiscard]] const PatchMesh& mesh() const { return mesh_; }
+  [[nodiscard]] std::span<const std::int32_t> indices() const { return indices_; }
   [[nodiscard]] Vector given(std::int32_t corner) const {
     const auto index = static_cast<std::size_t>(indices_[corner]);
     return index < values_.size() ? values_[index] : Vector(0.0);

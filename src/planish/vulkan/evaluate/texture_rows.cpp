@@ -11,10 +11,11 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "planish/core/parallel.h"
 #include "planish/mesh/surface_parameter.h"
-#include "planish/patches/patch_attributes.h"
 #include "planish/patches/patch_form.h"
 #include "planish/patches/patch_templates.h"
 
@@ -88,8 +89,7 @@ void for_all_items(const PatchNumbering& numbering, const Visit& visit) {
 }
 
 // The map that takes a direction by `rows`, two rows of weights, to one by `tangents`, by least
-// squares; none where these span no plane. It is exact but at corners whose sector is a half plane:
-// there edges leave in no plane that all poses have in common.
+// squares; none where these span no plane.
 std::optional<glm::dmat2> in_terms_of(std::span<const double> tangents,
                                       std::span<const double> rows) {
   const std::size_t count = tangents.size() / 2;
@@ -113,12 +113,12 @@ std::optional<glm::dmat2> in_terms_of(std::span<const double> tangents,
 
 class FrameMaker {
  public:
-  FrameMaker(const PatchSurface& surface, Weights weights, const CornerValues& corners)
+  FrameMaker(const PatchSurface& surface, Weights weights, const ChartField<glm::dvec2>& field)
       : surface_(surface),
         mesh_(surface.mesh()),
         topology_(mesh_.topology()),
         numbering_(surface.numbering()),
-        corners_(corners),
+        field_(field),
         n_(numbering_.samples().side()),
         forms_(weights) {
     make_classes(weights);
@@ -127,49 +127,61 @@ class FrameMaker {
   std::vector<RowFrame> make() const {
     std::vector<RowFrame> frames(static_cast<std::size_t>(numbering_.row_count()));
     for_all_items(numbering_, [&](Part part, std::int64_t item) {
+      Seen seen;
       for_item(numbering_, part, item,
                [&](std::int64_t row, std::int32_t corner, std::int32_t a, std::int32_t b) {
-                 frames[row] = packed(direction_of(part, item, corner, a, b));
+                 frames[row] = packed(direction_of(part, item, corner, a, b, seen));
                });
     });
     return frames;
   }
 
  private:
-  // What all corners of a class have in common: maps to the tangents of rows at V, E2 and F, and to
-  // those of the samples.
+  // What all corners of a class have in common: maps to the tangents of rows at E2 and F, and to
+  // those of the samples; weights of control points behind the own one, in two rows: those of the
+  // tangents at V, and for each (a, b) of the derivatives by u and v.
   struct OfClass {
-    std::optional<glm::dmat2> vertex, trailing_edge, face;
+    std::optional<glm::dmat2> trailing_edge, face;
     std::vector<std::optional<glm::dmat2>> samples;
+    std::vector<double> vertex, derivatives;
+  };
+  // Control values of the field as the corner that was asked for last sees them, from its own on.
+  struct Seen {
+    std::int32_t corner = -1;
+    std::vector<std::int32_t> indices;
+    std::vector<glm::dvec2> values;
   };
 
   void make_classes(Weights weights);
   [[nodiscard]] OfClass make_class(const PatchForm& form, PatchTemplates& templates) const;
 
   [[nodiscard]] bool is_cut(std::int32_t corner) const {
-    return mesh_.is_sharp(corner) || is_uv_seam(topology_, corners_.indices, corner);
+    return mesh_.is_sharp(corner) || is_uv_seam(topology_, field_.indices(), corner);
   }
   [[nodiscard]] const OfClass& class_of(std::int32_t corner) const {
     return classes_[class_of_corner_[corner]];
   }
+  void look_from(std::int32_t corner, Seen& seen) const;
+  // Where u grows by two tangents, whose weights of the control points these are.
+  [[nodiscard]] static Direction by_rows(std::span<const double> rows, const Seen& seen);
   // By the derivatives of the corner's patch, at sample (a, b).
-  [[nodiscard]] Direction own(std::int32_t corner, std::int32_t a, std::int32_t b) const;
+  [[nodiscard]] Direction own(std::int32_t corner, std::int32_t a, std::int32_t b,
+                              Seen& seen) const;
   [[nodiscard]] Direction by(const std::optional<glm::dmat2>& map, const Direction& own) const {
     return map ? own.by(*map) : Direction{glm::dvec2(0.0), own.area};
   }
   [[nodiscard]] Direction direction_of(Part part, std::int64_t item, std::int32_t corner,
-                                       std::int32_t a, std::int32_t b) const;
-  [[nodiscard]] Direction at_vertex(std::int32_t corner) const;
-  [[nodiscard]] Direction at_face(std::int32_t corner) const;
-  [[nodiscard]] Direction at_edge(std::int32_t corner, std::int32_t evaluated) const;
-  [[nodiscard]] std::optional<glm::dmat2> to_point(const PatchPlace& point,
-                                                   std::int32_t corner) const;
+                                       std::int32_t a, std::int32_t b, Seen& seen) const;
+  [[nodiscard]] Direction at_vertex(std::int32_t corner, Seen& seen) const;
+  [[nodiscard]] Direction at_face(std::int32_t corner, Seen& seen) const;
+  [[nodiscard]] Direction at_edge(std::int32_t corner, std::int32_t evaluated, Seen& seen) const;
+  [[nodiscard]] std::vector<double> tangents_of(const PatchPlace& point, std::int32_t corner) const;
 
   const PatchSurface& surface_;
   const PatchMesh& mesh_;
   const MeshTopology& topology_;
   const PatchNumbering& numbering_;
-  const CornerValues& corners_;
+  const ChartField<glm::dvec2>& field_;
   std::int32_t n_;
   PatchForms forms_;
   std::vector<OfClass> classes_;
@@ -202,9 +214,18 @@ FrameMaker::OfClass FrameMaker::make_class(const PatchForm& form, PatchTemplates
   OfClass result;
   const PatchSamples coarse(1);
   const PatchTemplate points = templates.make(form.patch, 1);
-  result.vertex = map_at(points, coarse.index(0, 0), 0, 0);
+  const auto count = static_cast<std::ptrdiff_t>(form.column_count);
+  const std::span<const double> at_vertex = points.rows(coarse.index(0, 0)).subspan(count - 1);
+  result.vertex.assign(at_vertex.begin(), at_vertex.end());
   result.trailing_edge = map_at(points, coarse.index(0, 1), 0, 1);
   result.face = map_at(points, coarse.index(1, 1), 1, 1);
+  for (std::int32_t b = 0; b <= n_; ++b)
+    for (std::int32_t a = 0; a <= n_; ++a) {
+      const std::vector<double> weights = patch_weights(form, double(a) / n_, double(b) / n_);
+      for (const std::ptrdiff_t row : {1, 2})
+        result.derivatives.insert(result.derivatives.end(), weights.begin() + row * count + 1,
+                                  weights.begin() + (row + 1) * count);
+    }
   if (numbering_.level() < 2) return result;
   const PatchSamples& samples = numbering_.samples();
   const PatchTemplate all = templates.make(form.patch, numbering_.level());
@@ -217,29 +238,46 @@ FrameMaker::OfClass FrameMaker::make_class(const PatchForm& form, PatchTemplates
   return result;
 }
 
-Direction FrameMaker::own(std::int32_t corner, std::int32_t a, std::int32_t b) const {
-  const auto square =
-      square_values(topology_, corner, [&](std::int32_t c) { return corners_.at(c); });
-  const double u = double(a) / n_, v = double(b) / n_;
-  const glm::dvec2 by_u = (1 - v) * (square[1] - square[0]) + v * (square[2] - square[3]);
-  const glm::dvec2 by_v = (1 - u) * (square[3] - square[0]) + u * (square[2] - square[1]);
+void FrameMaker::look_from(std::int32_t corner, Seen& seen) const {
+  if (seen.corner == corner) return;
+  seen.corner = corner;
+  field_.columns(mesh_.corner_patch(corner), corner, seen.indices, seen.values);
+  for (std::size_t k = 1; k < seen.values.size(); ++k) seen.values[k] -= seen.values[0];
+}
+
+Direction FrameMaker::by_rows(std::span<const double> rows, const Seen& seen) {
+  const std::size_t count = seen.values.size() - 1;
+  glm::dvec2 by_u(0.0), by_v(0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    by_u += rows[k] * seen.values[k + 1];
+    by_v += rows[count + k] * seen.values[k + 1];
+  }
   const double area = by_u.x * by_v.y - by_u.y * by_v.x;
   const glm::dvec2 along(by_v.y, -by_u.y);
   return {area < 0 ? -along : area > 0 ? along : glm::dvec2(0.0), area};
 }
 
+Direction FrameMaker::own(std::int32_t corner, std::int32_t a, std::int32_t b, Seen& seen) const {
+  look_from(corner, seen);
+  const std::size_t size = 2 * (seen.values.size() - 1);
+  return by_rows(std::span(class_of(corner).derivatives)
+                     .subspan(size * static_cast<std::size_t>(b * (n_ + 1) + a), size),
+                 seen);
+}
+
 Direction FrameMaker::direction_of(Part part, std::int64_t item, std::int32_t corner,
-                                   std::int32_t a, std::int32_t b) const {
+                                   std::int32_t a, std::int32_t b, Seen& seen) const {
   switch (part) {
     case Part::Vertices:
-      return at_vertex(corner);
+      return at_vertex(corner, seen);
     case Part::Faces:
-      return at_face(corner);
+      return at_face(corner, seen);
     case Part::Edges:
-      return at_edge(corner, corner);
+      return at_edge(corner, corner, seen);
     case Part::Further:
-      if (!numbering_.is_further_edge(item)) return at_vertex(corner);
-      return at_edge(corner, mesh_.is_sharp(corner) ? corner : numbering_.further_first(item));
+      if (!numbering_.is_further_edge(item)) return at_vertex(corner, seen);
+      return at_edge(corner, mesh_.is_sharp(corner) ? corner : numbering_.further_first(item),
+                     seen);
     default:
       break;
   }
@@ -247,20 +285,21 @@ Direction FrameMaker::direction_of(Part part, std::int64_t item, std::int32_t co
   Direction sum;
   if (part == Part::Trailing) {
     const std::int32_t other = topology_.ccw(corner);
-    sum.add(own(corner, a, b));
+    sum.add(own(corner, a, b, seen));
     if (other < 0 || mesh_.is_sharp(topology_.prev(corner)))
       return by(class_of(corner).samples[sample], sum);
     // Evaluated by the other side's patch, whose leading edge it is.
     return by(class_of(other).samples[numbering_.samples().index(b, a)], sum.turned_back());
   }
-  sum.add(own(corner, a, b));
-  if (b == 0 && !is_cut(corner)) sum.add(own(topology_.cw(corner), 0, a).turned_back());
-  if (a == n_) sum.add(own(topology_.next(corner), b, n_).turned());
+  sum.add(own(corner, a, b, seen));
+  if (b == 0 && !is_cut(corner)) sum.add(own(topology_.cw(corner), 0, a, seen).turned_back());
+  if (a == n_) sum.add(own(topology_.next(corner), b, n_, seen).turned());
   return by(class_of(corner).samples[sample], sum);
 }
 
-// Tangents of a limit point's row, by points that both name.
-std::optional<glm::dmat2> FrameMaker::to_point(const PatchPlace& point, std::int32_t corner) const {
+// Tangents of a limit point's row, by points that both name, behind the corner's own; none where it
+// lacks some.
+std::vector<double> FrameMaker::tangents_of(const PatchPlace& point, std::int32_t corner) const {
   const PatchPlace place = mesh_.corner_patch(corner);
   const auto count = static_cast<std::size_t>(place.patch.column_count());
   std::vector<std::int32_t> columns(count),
@@ -269,26 +308,28 @@ std::optional<glm::dmat2> FrameMaker::to_point(const PatchPlace& point, std::int
   mesh_.gather(point, others.data(), 1);
   const std::span<const double> known =
       surface_.classes().weights(surface_.classes().index_of(point.patch)).rows(0);
+  std::vector<double> tangents(2 * (count - 1), 0.0);
+  const auto add = [&](std::size_t row, std::size_t column, double weight) {
+    if (column > 0) tangents[row * (count - 1) + column - 1] += weight;
+  };
   const auto column_of = [&](std::int32_t index) {
     return static_cast<std::size_t>(std::ranges::find(columns, index) - columns.begin());
   };
   const std::size_t origin = column_of(others[0]);
-  std::vector<double> tangents(2 * count, 0.0);
   for (std::size_t k = 1; k < others.size(); ++k) {
     const std::size_t column = column_of(others[k]);
     if (column == count || origin == count) return {};
     for (std::size_t r = 0; r < 2; ++r) {
       const double weight = known[(r + 1) * (others.size() - 1) + k - 1];
-      tangents[r * count + column] += weight;
-      tangents[r * count + origin] -= weight;
+      add(r, column, weight);
+      add(r, origin, -weight);
     }
   }
-  const std::vector<double> weights = patch_weights(forms_.known(place.patch), 0, 0);
-  return in_terms_of(tangents, std::span(weights).subspan(count));
+  return tangents;
 }
 
 // Of the corners whose row the corner's is.
-Direction FrameMaker::at_vertex(std::int32_t corner) const {
+Direction FrameMaker::at_vertex(std::int32_t corner, Seen& seen) const {
   const PatchPlace point = mesh_.vertex_point(mesh_.sector_corner(corner));
   const bool is_even =
       !point.patch.has_sharp_edges() &&
@@ -299,10 +340,12 @@ Direction FrameMaker::at_vertex(std::int32_t corner) const {
   Direction sum;
   std::int32_t c = corner;
   do {
+    look_from(c, seen);
     if (is_even) {
-      sum.add(by(class_of(c).vertex, own(c, 0, 0)).by(turned_by(place, point.patch.ring_size)));
+      sum.add(by_rows(class_of(c).vertex, seen).by(turned_by(place, point.patch.ring_size)));
     } else if (!point.patch.has_ring_sums || c == point.corner) {
-      sum.add(by(to_point(point, c), own(c, 0, 0)));
+      if (const std::vector<double> tangents = tangents_of(point, c); !tangents.empty())
+        sum.add(by_rows(tangents, seen));
     }
     c = topology_.ccw(c);
     ++place;
@@ -310,21 +353,21 @@ Direction FrameMaker::at_vertex(std::int32_t corner) const {
   return sum;
 }
 
-Direction FrameMaker::at_face(std::int32_t corner) const {
+Direction FrameMaker::at_face(std::int32_t corner, Seen& seen) const {
   const std::int32_t m = topology_.face_size(topology_.face_of(corner));
   Direction sum;
   for (std::int32_t i = 0; i < m; ++i) {
-    sum.add(by(class_of(corner + i).face, own(corner + i, n_, n_)).by(turned_by(i, m)));
+    sum.add(by(class_of(corner + i).face, own(corner + i, n_, n_, seen)).by(turned_by(i, m)));
   }
   return sum;
 }
 
 // At the midpoint of the corner's leading edge; the row is evaluated as the corner `evaluated` of
 // the same edge sees it: by the tangents of the next corner's E2.
-Direction FrameMaker::at_edge(std::int32_t corner, std::int32_t evaluated) const {
+Direction FrameMaker::at_edge(std::int32_t corner, std::int32_t evaluated, Seen& seen) const {
   const auto add_side = [&](std::int32_t side, Direction& sum) {
-    sum.add(own(topology_.next(side), 0, n_));
-    sum.add(own(side, n_, 0).turned_back());
+    sum.add(own(topology_.next(side), 0, n_, seen));
+    sum.add(own(side, n_, 0, seen).turned_back());
   };
   const auto opposite = [](Direction direction) {
     direction.along = -direction.along;
@@ -373,8 +416,8 @@ std::vector<glm::vec2> row_uvs(const PatchSurface& surface, const ChartField<glm
 }
 
 std::vector<RowFrame> row_frames(const PatchSurface& surface, Weights weights,
-                                 const CornerValues& corners) {
-  return FrameMaker(surface, weights, corners).make();
+                                 const ChartField<glm::dvec2>& field) {
+  return FrameMaker(surface, weights, field).make();
 }
 
 }  // namespace planish::vulkan

@@ -13,9 +13,7 @@ SurfaceRecords::SurfaceRecords(const PolygonMesh& mesh, const SystemOptions& opt
       uvs(options.textured ? std::optional<CornerUvs>(mesh) : std::nullopt),
       uv_values(options.textured ? mesh.uvs : std::vector<glm::dvec2>()),
       file_faces(mesh),
-      patches(patch_mesh, patch_options(options.level)) {
-  if (uvs) frames = row_frames(patches, weights, corner_values());
-}
+      patches(patch_mesh, patch_options(options.level)) {}
 
 const PatchSurface& SurfaceRecords::at_level(int level) const {
   if (patches.numbering().level() == level) return patches;
@@ -28,7 +26,9 @@ const PatchSurface& SurfaceRecords::at_level(int level) const {
 }
 
 void SurfaceRecords::take_uv_field(std::span<const glm::dvec3> rest) {
-  if (uvs) uv_field.emplace(patch_mesh, rest, corner_uvs(), std::span<const glm::dvec2>(uv_values));
+  if (!uvs) return;
+  uv_field.emplace(patch_mesh, rest, corner_uvs(), std::span<const glm::dvec2>(uv_values));
+  frames = row_frames(patches, weights, *uv_field);
 }
 
 void SurfaceRecords::take_sharp_rows(const Subdivision& subdivision) {

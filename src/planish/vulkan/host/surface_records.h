@@ -30,7 +30,8 @@ struct SurfaceRecords {
   /// corner vertices.
   void take_sharp_rows(const Subdivision& subdivision);
 
-  /// Where it is textured, by the control points of level 1 of the rest pose, with their sums.
+  /// Where it is textured, by the control points of level 1 of the rest pose, with their sums: the
+  /// field, and the frames of the System's own level.
   void take_uv_field(std::span<const glm::dvec3> rest);
 
   [[nodiscard]] PatchSurfaceOptions patch_options(int level) const {
@@ -41,7 +42,6 @@ struct SurfaceRecords {
   }
   /// At the System's own level or one of `levels`. Throws Error{InvalidArgument} for another one.
   [[nodiscard]] const PatchSurface& at_level(int level) const;
-  [[nodiscard]] CornerValues corner_values() const { return {corner_uvs(), uv_values}; }
 
   std::shared_ptr<const MeshTopology> topology;
   SharpFeatures features;

@@ -99,7 +99,7 @@ class ChordMeasure {
 
 LevelRecords::LevelRecords(const SurfaceRecords& surface, int level)
     : patches(surface.patch_mesh, surface.patch_options(level)) {
-  if (surface.uvs) frames = row_frames(patches, surface.weights, surface.corner_values());
+  if (surface.uvs) frames = row_frames(patches, surface.weights, *surface.uv_field);
 }
 
 double sphere_radius(std::span<const glm::dvec3> points) {
