@@ -15,6 +15,8 @@ namespace {
 
 /// A surface whose folded part is larger than this fraction of its area gets a warning.
 constexpr double kFoldedAreaLimit = 1e-4;
+/// A texture that slides by more than this fraction of the diagonal gets a warning.
+constexpr double kTextureSlideLimit = 0.05;
 
 std::int64_t given_one(const std::vector<std::int32_t>& sources, std::int64_t element) {
   return sources.empty() ? element : sources[static_cast<std::size_t>(element)];
@@ -143,6 +145,20 @@ std::optional<Warning> fold_warning(const FittedMesh& fitted, const SurfaceQuali
       quality.folded_places.empty()
           ? -1
           : given_one(fitted.source_faces, quality.folded_places.front().face)};
+}
+
+std::optional<Warning> slide_warning(const FittedMesh& fitted, const TextureSlide& slide) {
+  if (slide.largest_distance <= kTextureSlideLimit) return std::nullopt;
+  const std::int64_t face = given_one(fitted.source_faces, slide.face);
+  return Warning{
+      "sliding-texture",
+      formatted("the texture slides by up to {} of the diagonal on the surface, at face {}; {}",
+                short_number(slide.largest_distance), face,
+                fitted.options.scheme == Scheme::DooSabin
+                    ? "more vertices there, or sharp edges where the surface should not be round, "
+                      "keep it"
+                    : "--scheme doo-sabin keeps it"),
+      1, face};
 }
 
 std::optional<Warning> rounding_warning(std::string_view output, double error, double tolerance) {

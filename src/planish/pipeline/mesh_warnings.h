@@ -7,6 +7,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/surface/texture_slide.h"
 
 // What whoever gives a mesh should know of it, of its fit, its surface and its file, although all
 // are made. Elements are counted as in the given mesh.
@@ -30,6 +31,11 @@ namespace planish {
 [[nodiscard]] std::optional<Warning> fold_warning(const FittedMesh& fitted,
                                                   const SurfaceQuality& quality,
                                                   bool against_source = false);
+
+/// "sliding-texture" of a surface whose texture lies farther from where the input has it than
+/// anybody would have it, with what helps. Distances are fractions of the diagonal.
+[[nodiscard]] std::optional<Warning> slide_warning(const FittedMesh& fitted,
+                                                   const TextureSlide& slide);
 
 /// "rounded-output" of a file whose numbers keep an error above the tolerance, of the diagonal,
 /// that the fit keeps.

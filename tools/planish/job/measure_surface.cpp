@@ -13,6 +13,7 @@
 #include "planish/reconstruct/spatial_order.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/kept_rows.h"
+#include "planish/surface/texture_slide.h"
 
 namespace planish::command {
 namespace {
@@ -119,6 +120,19 @@ void measure_surface(const JobInput& made, JobLevel& surface,
                  made.fitted.fit.placement.diagonal);
   }
   if (stored_about && !surface.is_whole() && !surface.is_kept()) surface.keep(*stored_about, {});
+}
+
+void note_texture_slide(const JobInput& made, JobSurface& surface, JobReport& report,
+                        const JobContext& context) {
+  const FittedMesh& fitted = made.fitted;
+  if (fitted.mesh.face_uvs.empty()) return;
+  JobLevel level = surface.level(kBendingLevel);
+  TextureSlide slide = texture_slide(level.blocks(), fitted.mesh, callbacks_for(report, context));
+  slide.largest_distance /= fitted.fit.placement.diagonal;
+  slide.rms_distance /= fitted.fit.placement.diagonal;
+  report.surface->texture_slide = slide;
+  if (const auto warning = slide_warning(fitted, slide))
+    add_warning(report, context.console, *warning);
 }
 
 void note_sheet_gap(const JobInput& made, const std::shared_ptr<const DooSabinSurface>& surface,

@@ -42,6 +42,11 @@ void measure_source(const JobInput& made, JobSurface& surface, JobReport& report
 void note_bending(const JobInput& made, JobSurface& surface, JobReport& report,
                   const JobContext& context);
 
+/// Notes how far the texture slides, and warns "sliding-texture" where that is farther than anybody
+/// would have it; the report must have figures of the surface.
+void note_texture_slide(const JobInput& made, JobSurface& surface, JobReport& report,
+                        const JobContext& context);
+
 /// Notes how far sheets that repair separated are from each other on the surface that the report
 /// has figures of. Null: a scheme that has no such figure.
 void note_sheet_gap(const JobInput& made, const std::shared_ptr<const DooSabinSurface>& surface,

@@ -127,6 +127,8 @@ void measure_rest(const FittedJob& work, JobSurface& all, const SurfaceOutputOpt
   if (work.report.surface && shows_bending) {
     timed(work.report.timing.evaluate,
           [&] { note_bending(work.made, all, work.report, work.context); });
+    timed(work.report.timing.evaluate,
+          [&] { note_texture_slide(work.made, all, work.report, work.context); });
   }
   if (work.report.surface && !work.made.fitted.separated_edges.empty())
     note_sheet_gap(work.made, all.made_doo_sabin(), work.report);

@@ -48,6 +48,11 @@ std::string surface_rows(const Json& surface) {
               formatted("{}, {} degrees", figure(surface["rms_normal_deviation"]),
                         figure(surface["max_normal_deviation"])));
   rows += row("bending, of level 1", figure(surface["bending"]));
+  if (const auto slide = surface.find("texture_slide"); slide != surface.end())
+    rows += row("texture off the input\u2019s, rms and largest",
+                formatted("{}, {} of the texture; {}, {} of the diagonal", figure((*slide)["rms"]),
+                          figure((*slide)["largest"]), figure((*slide)["rms_distance"]),
+                          figure((*slide)["largest_distance"])));
   for (const auto& [key, label] : {std::pair{"source_distance", "off the source"},
                                    std::pair{"distance_from_source", "source off the surface"},
                                    std::pair{"point_distance", "points off the surface"}}) {

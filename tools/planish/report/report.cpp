@@ -36,6 +36,13 @@ OrderedJson surface_json(const JobReport& report) {
   OrderedJson json = quality_json(surface.quality, surface.level);
   if (!surface.reference.empty()) json["reference"] = surface.reference;
   json["sheet_gap"] = surface.sheet_gap ? OrderedJson(*surface.sheet_gap) : OrderedJson();
+  if (surface.texture_slide) {
+    const TextureSlide& slide = *surface.texture_slide;
+    json["texture_slide"] = {{"largest", slide.largest},
+                             {"rms", slide.rms},
+                             {"largest_distance", slide.largest_distance},
+                             {"rms_distance", slide.rms_distance}};
+  }
   if (surface.source_distances) {
     json["max_source_distance"] = surface.source_distances->max;
     json["rms_source_distance"] = surface.source_distances->rms;

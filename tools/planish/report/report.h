@@ -14,6 +14,7 @@
 #include "planish/pipeline/write_fitted_step.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "planish/surface/surface_quality.h"
+#include "planish/surface/texture_slide.h"
 #include "terminal/exit_codes.h"
 
 namespace planish::command {
@@ -78,6 +79,9 @@ struct MeasuredSurface {
   /// How far separated sheets are from each other along their edges, a fraction of the diagonal;
   /// empty: there are none, or the scheme has no such figure.
   std::optional<double> sheet_gap;
+  /// Of level kBendingLevel, distances as fractions of the diagonal; empty: no texture coordinates,
+  /// or not asked for.
+  std::optional<TextureSlide> texture_slide;
   /// Of the surface's vertices on that level to the source, as fractions of the diagonal.
   std::optional<PointDistances> source_distances;
   /// Of the source's vertices to the surface itself, whatever the level.
