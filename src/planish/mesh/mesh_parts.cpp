@@ -1,6 +1,7 @@
 #include "planish/mesh/mesh_parts.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "planish/mesh/disjoint_sets.h"
 
@@ -32,6 +33,22 @@ void add_faces(PolygonMesh& to, const PolygonMesh& from, const IsWanted& is_want
     if (is_used[corner.vertex] != 0) to.corners.push_back(corner);
 }
 
+// Vertices of faces at one place.
+void unite_touching(const PolygonMesh& mesh, DisjointSets& sets) {
+  const std::int32_t first = sets.find(mesh.face_vertices.empty() ? 0 : mesh.face_vertices[0]);
+  const auto is_first = [&](std::int32_t v) { return sets.find(v) == first; };
+  if (std::ranges::all_of(mesh.face_vertices, is_first)) return;  // one part, as mostly
+  std::vector<std::int32_t> vertices = mesh.face_vertices;
+  const auto key = [&](std::int32_t v) {
+    const glm::dvec3& p = mesh.positions[v];
+    return std::tuple(p.x, p.y, p.z, v);
+  };
+  std::ranges::sort(vertices, {}, key);
+  for (std::size_t i = 1; i < vertices.size(); ++i)
+    if (mesh.positions[vertices[i - 1]] == mesh.positions[vertices[i]])
+      sets.unite(vertices[i - 1], vertices[i]);
+}
+
 }  // namespace
 
 std::vector<std::int32_t> MeshParts::of_faces(const PolygonMesh& mesh) const {
@@ -46,6 +63,7 @@ MeshParts mesh_parts(const PolygonMesh& mesh) {
     const auto face = mesh.face(f);
     for (const std::int32_t v : face) sets.unite(face[0], v);
   }
+  unite_touching(mesh, sets);
   MeshParts parts;
   parts.of_vertex.assign(mesh.positions.size(), -1);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {

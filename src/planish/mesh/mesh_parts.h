@@ -8,7 +8,7 @@
 
 namespace planish {
 
-/// The parts of a mesh that share no vertex.
+/// The parts of a mesh that touch at no vertex: what repair has separated stays one part.
 struct MeshParts {
   std::vector<std::int32_t> of_vertex;  ///< -1: of no face
   std::int32_t count = 0;               ///< numbered by their first faces
