@@ -15,6 +15,7 @@ namespace {
 // Rings of few edges are uneven by chance: only what is narrower is narrow.
 constexpr double kByChance = 1.5;
 constexpr double kNarrowest = 4;
+constexpr double kMostAcross = 0.25;
 
 // A symmetric 2 x 2 matrix by its axes.
 struct Axes {
@@ -92,8 +93,9 @@ std::vector<glm::dmat3> spacing_metrics(std::span<const glm::dvec3> positions,
     };
     const Axes shape =
         axes_of(in_plane(tensor, u, u), in_plane(tensor, u, w), in_plane(tensor, w, w));
-    const double ratio =
-        std::sqrt(shape.of_first / std::max(shape.of_second, 1e-300 + 1e-8 * shape.of_first));
+    // Edges that leave the plane, as beside a spike, tell nothing of how triangles lie in it.
+    const bool is_plane = glm::dot(n, tensor * n) < kMostAcross * shape.of_second;
+    const double ratio = is_plane ? std::sqrt(shape.of_first / shape.of_second) : 1;
     const double narrow = std::sqrt(std::clamp(ratio / kByChance, 1.0, kNarrowest));
     // Of the mean edge's length as a whole, along and across: an area that stays.
     const double mean = ring.length * std::sqrt(2 / (narrow * narrow + 1 / (narrow * narrow)));
@@ -114,7 +116,8 @@ std::vector<glm::dmat3> spacing_metrics(std::span<const glm::dvec3> positions,
     const auto direction = [&](const glm::dvec2& axis) {
       return axis.x * dual_along + axis.y * dual_across;
     };
-    const double first = parts(bend.of_first), second = parts(bend.of_second);
+    const double first = parts(bend.of_first);
+    const double second = is_plane ? parts(bend.of_second) : first;
     const glm::dvec3 a = first * direction(bend.first), b = second * direction(bend.second);
     metrics[v] = glm::outerProduct(a, a) + glm::outerProduct(b, b);
     const double trace = metrics[v][0][0] + metrics[v][1][1] + metrics[v][2][2];
