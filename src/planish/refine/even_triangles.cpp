@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
+#include <glm/trigonometric.hpp>
 #include <optional>
 #include <utility>
 
 #include "planish/core/parallel.h"
 #include "planish/refine/guess_surface.h"
-#include "planish/refine/spacing_metric.h"
 
 namespace planish {
 namespace {
@@ -24,16 +23,6 @@ constexpr int kMostFaces = 32;  // that a moved place crosses
 std::int32_t next_of(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 std::int32_t prev_of(std::int32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
-// Cosine and sine of the angle between two edges in a metric, times the same length.
-struct Angle {
-  double cosine, sine;
-  Angle(const glm::dvec3& a, const glm::dvec3& b, const glm::dmat3& metric)
-      : cosine(glm::dot(a, metric * b)) {
-    const double square = glm::dot(a, metric * a) * glm::dot(b, metric * b);
-    sine = std::sqrt(std::max(square - cosine * cosine, 0.0));
-  }
-};
-
 class EvenNet {
  public:
   EvenNet(std::span<const glm::dvec3> given, const MeshTopology& topology,
@@ -44,6 +33,7 @@ class EvenNet {
         is_wall_(topology.edge_count()),
         has_line_(given.size(), 0),
         guess_(given, topology, is_line, is_sharp),
+        options_(options),
         given_count_(static_cast<std::int32_t>(given.size())),
         positions_(given.begin(), given.end()) {
     for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
@@ -53,7 +43,7 @@ class EvenNet {
       has_line_[a] = has_line_[b] = 1;
     }
     take_triangles();
-    metrics_ = spacing_metrics(given, topology, guess_, options);
+    measure_sizes();
   }
 
   EvenTriangles make() {
@@ -74,9 +64,10 @@ class EvenNet {
   std::vector<glm::dvec3> face_normals_;  // of given faces, of length 1 or 0
   std::vector<char> has_line_;            // by given vertex
   GuessSurface guess_;
+  EvenTrianglesOptions options_;
   std::int32_t given_count_;
   std::vector<glm::dvec3> positions_;
-  std::vector<glm::dmat3> metrics_;         // see spacing_metrics()
+  std::vector<double> sizes_;               // that edges aim at
   std::vector<FacePlace> places_;           // of further vertices
   std::vector<char> is_on_line_;            // of further vertices: stay on their fixed edge
   std::vector<std::int32_t> start_, twin_;  // by half-edge
@@ -110,9 +101,28 @@ class EvenNet {
     }
   }
 
-  // The square of an edge's length in units of what it should have between two vertices.
-  [[nodiscard]] double square_of(const glm::dvec3& edge, std::int32_t a, std::int32_t b) const {
-    return glm::dot(edge, (metrics_[a] + metrics_[b]) * edge) / 2;
+  void measure_sizes() {
+    sizes_.assign(given_count_, 0);
+    std::vector<std::int32_t> counts(given_count_, 0);
+    for (std::int32_t e = 0; e < topology_.edge_count(); ++e) {
+      const auto [a, b] = topology_.edge_vertices(e);
+      const double length = glm::distance(given_[a], given_[b]);
+      for (const std::int32_t v : {a, b}) {
+        sizes_[v] += length;
+        ++counts[v];
+      }
+    }
+    parallel_each(sizes_.size(), [&](std::size_t v) {
+      if (counts[v] == 0) return;
+      const double mean = sizes_[v] / counts[v];
+      const double curvature = guess_.largest_curvature(static_cast<std::int32_t>(v));
+      sizes_[v] = std::clamp(glm::radians(options_.turn) / std::max(curvature, 1e-300),
+                             options_.least_spacing * mean, options_.spacing * mean);
+    });
+  }
+
+  [[nodiscard]] double aim(std::int32_t a, std::int32_t b) const {
+    return (sizes_[a] + sizes_[b]) / 2;
   }
 
   void split_long_edges() {
@@ -124,8 +134,8 @@ class EvenNet {
     for (std::int32_t h = 0; h < std::ssize(start_); ++h) {
       if (twin_[h] >= 0 && twin_[h] < h) continue;
       const std::int32_t a = start_[h], b = end_of(h);
-      const double ratio = square_of(positions_[b] - positions_[a], a, b);
-      if (ratio > kTooLong * kTooLong) all.push_back({ratio, h});
+      const double ratio = glm::distance(positions_[a], positions_[b]) / aim(a, b);
+      if (ratio > kTooLong) all.push_back({ratio, h});
     }
     std::ranges::stable_sort(all, std::greater{}, &Long::ratio);
     std::vector<char> is_used(triangle_count(), 0);
@@ -145,8 +155,7 @@ class EvenNet {
     const std::optional<FacePlace> found = middle_place(h);
     if (!found) return false;
     const FacePlace& place = *found;
-    const glm::dmat3 between = (metrics_[a] + metrics_[b]) / 2.0;
-    metrics_.push_back(between);
+    sizes_.push_back((sizes_[a] + sizes_[b]) / 2);
     is_on_line_.push_back(wall_[h] >= 0);
     positions_.push_back(turns_over(h, guess_.at(place)) ? (positions_[a] + positions_[b]) / 2.0
                                                          : guess_.at(place));
@@ -254,11 +263,9 @@ class EvenNet {
     const std::int32_t under = opposite(twin_[h]);
     const glm::dvec3 &o = positions_[opposite(h)], &p = positions_[under];
     const glm::dvec3 up = glm::cross(a - o, b - o), down = glm::cross(b - p, a - p);
-    const glm::dmat3 metric = metrics_[start_[h]] + metrics_[end_of(h)];
-    const Angle upper(a - o, b - o, metric), lower(a - p, b - p, metric);
+    const double s = glm::length(up), r = glm::length(down);
     // cot + cot < 0: opposite angles of more than 180 degrees.
-    if (upper.cosine * lower.sine + lower.cosine * upper.sine >= -1e-3 * upper.sine * lower.sine)
-      return false;
+    if (glm::dot(a - o, b - o) * r + glm::dot(a - p, b - p) * s >= -1e-3 * s * r) return false;
     const glm::dvec3 left = glm::cross(a - o, p - o), right = glm::cross(b - p, o - p);
     const auto turns = [](const glm::dvec3& m, const glm::dvec3& n) {
       return !(glm::dot(m, n) >= kLeastSmoothCosine * glm::length(m) * glm::length(n));

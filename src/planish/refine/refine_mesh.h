@@ -31,10 +31,9 @@ struct RefinedMesh {
   std::vector<AddedVertex> added;
 };
 
-/// Adds vertices to a mesh of triangles, into which larger polygons are cut; its tagged edges,
-/// borders of groups and holes, and seams of texture coordinates stay lines. Empty where half the
-/// faces and more are quads, whose rings are even, where polygons cannot be cut without an edge of
-/// three faces, or where none would be added. `prepared` is of `mesh`.
+/// Adds vertices to a mesh of triangles, whose tagged edges, borders of groups and holes, and seams
+/// of texture coordinates stay lines. Empty where a face is no triangle, or where none would be
+/// added. `prepared` is of `mesh`.
 [[nodiscard]] std::optional<RefinedMesh> refine_mesh(const PolygonMesh& mesh,
                                                      const PreparedMesh& prepared);
 
