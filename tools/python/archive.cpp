@@ -93,8 +93,8 @@ void fields(Archive& archive, SurfaceQuality& quality) {
 
 template <class Archive>
 void fields(Archive& archive, Candidate& candidate) {
-  archive(candidate.faces, candidate.method, candidate.alone, candidate.converged,
-          candidate.parts, candidate.folded_area, candidate.bending);
+  archive(candidate.faces, candidate.method, candidate.alone, candidate.converged, candidate.parts,
+          candidate.folded_area, candidate.bending);
 }
 
 template <class Archive>

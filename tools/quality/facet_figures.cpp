@@ -1,6 +1,5 @@
 #include "quality/facet_figures.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>

@@ -19,7 +19,7 @@ namespace planish::quality {
 
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kRound = 2 * std::numbers::pi;
 
 // Circles of the plane are circles of the sphere, so that the hull of the points on it and of the
 // pole, left out again, is Delaunay's triangulation. Counter-clockwise.
@@ -55,11 +55,11 @@ PolygonMesh sheet_over_disc(std::int32_t inner, std::int32_t rim, std::uint32_t 
   shapes::RandomNumbers random(seed);
   std::vector<glm::dvec2> points;
   for (std::int32_t i = 0; i < inner; ++i) {
-    const double radius = kInside * std::sqrt(random.unit()), angle = kTurn * random.unit();
+    const double radius = kInside * std::sqrt(random.unit()), angle = kRound * random.unit();
     points.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
   }
   for (std::int32_t i = 0; i < rim; ++i) {
-    const double angle = kTurn * (i + 0.35 * random.sway()) / rim;
+    const double angle = kRound * (i + 0.35 * random.sway()) / rim;
     points.emplace_back(std::cos(angle), std::sin(angle));
   }
   PolygonMesh mesh = polygons_of(delaunay_in_plane(points));
@@ -91,7 +91,7 @@ PolygonMesh uneven_torus(std::int32_t count, std::uint32_t seed, double radius,
     mesh.add_face(std::array{t[0] % count, t[1] % count, t[2] % count});
   }
   for (const glm::dvec2& p : own) {
-    const double u = kTurn * p.x, v = kTurn * p.y / size.y;
+    const double u = kRound * p.x, v = kRound * p.y / size.y;
     const double r = radius + tube_radius * std::cos(v);
     mesh.positions.emplace_back(r * std::cos(u), r * std::sin(u), tube_radius * std::sin(v));
   }
@@ -106,7 +106,7 @@ PolygonMesh knot(std::int32_t along, std::int32_t around) {
                       -std::sin(3 * t));
   };
   for (std::int32_t i = 0; i < along; ++i) {
-    const double t = kTurn * i / along, step = 1e-4;
+    const double t = kRound * i / along, step = 1e-4;
     const glm::dvec3 tangent = glm::normalize(centre(t + step) - centre(t - step));
     // The knot lies around a torus: what points away from its middle is never along it.
     const glm::dvec3 c = centre(t);
@@ -114,7 +114,7 @@ PolygonMesh knot(std::int32_t along, std::int32_t around) {
     const glm::dvec3 e1 = glm::normalize(out - glm::dot(out, tangent) * tangent);
     const glm::dvec3 e2 = glm::cross(tangent, e1);
     for (std::int32_t j = 0; j < around; ++j) {
-      const double angle = kTurn * j / around;
+      const double angle = kRound * j / around;
       mesh.positions.push_back(c + kTube * (std::cos(angle) * e1 + std::sin(angle) * e2));
       const std::int32_t next = (i + 1) % along, up = (j + 1) % around;
       mesh.add_face(

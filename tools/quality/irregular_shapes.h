@@ -4,7 +4,6 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <span>
 
 #include "planish/mesh/polygon_mesh.h"
 

@@ -12,6 +12,7 @@
 #include "planish/surface/evaluate.h"
 #include "quality/facet_figures.h"
 #include "quality/manifold_peer.h"
+#include "quality/verdict.h"
 
 namespace planish::quality {
 
@@ -73,13 +74,6 @@ std::string behind(const FacetFigures& own, const FacetFigures& peer) {
   return text;
 }
 
-std::string line(const Case& what, const char* figure, double value, double limit) {
-  char text[200];
-  std::snprintf(text, sizeof text, "%s: %s %.3g, aim %.3g", what.name.c_str(), figure, value,
-                limit);
-  return text;
-}
-
 }  // namespace
 
 std::vector<std::string> print_irregular_table(const std::vector<NamedCase>& cases,
@@ -113,7 +107,7 @@ std::vector<std::string> print_irregular_table(const std::vector<NamedCase>& cas
     }
     std::fflush(stdout);
     const auto require = [&](const char* figure, double value, double limit) {
-      if (!(value <= limit)) wrong.push_back(line(made, figure, value, limit));
+      if (!(value <= limit)) wrong.push_back(shortfall(made, figure, value, limit));
     };
     require("normals", own.figures.normals, kOfFlatNormals * flat.normals);
     require("distance", own.figures.distance, flat.distance);

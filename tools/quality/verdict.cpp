@@ -15,14 +15,14 @@ constexpr double kInterpolation = 1e-6;
 // Equal to the two digits that the table shows.
 constexpr double kEqual = 1.02;
 
-std::string line(const Case& what, const char* figure, double value, double limit) {
+}  // namespace
+
+std::string shortfall(const Case& what, const char* figure, double value, double limit) {
   char text[200];
   std::snprintf(text, sizeof text, "%s: %s %.3g, aim %.3g", what.name.c_str(), figure, value,
                 limit);
   return text;
 }
-
-}  // namespace
 
 std::vector<std::string> shortfalls(const Case& what, const std::vector<Figures>& figures) {
   PLANISH_ASSERT(figures.size() == methods().size());
@@ -30,7 +30,7 @@ std::vector<std::string> shortfalls(const Case& what, const std::vector<Figures>
   const Figures& fair = figures.back();
   std::vector<std::string> lines;
   const auto require = [&](const char* figure, double value, double limit) {
-    if (!(value <= limit)) lines.push_back(line(what, figure, value, limit));
+    if (!(value <= limit)) lines.push_back(shortfall(what, figure, value, limit));
   };
   if (statistics(what.mesh).boundary_loop_count == 0) {
     require("folded area", fair.folded_area, kFoldedArea);

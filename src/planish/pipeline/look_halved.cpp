@@ -1,6 +1,5 @@
 #include "planish/pipeline/look_halved.h"
 
-#include <algorithm>
 #include <cstdint>
 
 #include "planish/mesh/mesh_parts.h"

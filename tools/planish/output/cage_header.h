@@ -17,14 +17,15 @@ struct CageHeader {
   /// The defaults where it says nothing, of the progressive method.
   FitSettings settings{.interpolation = InterpolationChoice::Progressive, .creases = {}};
   std::optional<FoundCreases> found;  ///< of the prepared mesh
-  std::string source;  ///< file name of the input; may be empty
+  std::string source;                 ///< file name of the input; may be empty
 };
 
 /// Comment lines "planish key=value" for MeshWriteOptions: what shapes the surface, the tolerance
 /// and the input's file name.
-[[nodiscard]] std::vector<std::string> cage_header_lines(
-    FitSettings settings, InterpolationMethod method, const std::string& source,
-    const FoundCreases& found = {});
+[[nodiscard]] std::vector<std::string> cage_header_lines(FitSettings settings,
+                                                         InterpolationMethod method,
+                                                         const std::string& source,
+                                                         const FoundCreases& found = {});
 
 /// Reads them back; a leading comment sign is allowed. Keys that are not known are left to newer
 /// versions. Throws Error{UnreadableInput} naming `name` for a known key whose value is none.
