@@ -92,7 +92,7 @@ struct Corners {
 };
 
 // A cube of 24 vertices, a face a side: of face 2 axis + (1 on its upper side).
-Corners cube() {
+Corners face_coloured_cube() {
   Corners made;
   made.triangles.resize(1);
   for (int axis = 0; axis < 3; ++axis)
@@ -181,7 +181,7 @@ class AssetCorners : public Asset {
 
 // A colour a face: no vertex of the surface has another one, to the bit.
 TEST_F(AssetCorners, ColoursOfFacesStayTheirs) {
-  Corners given = cube();
+  Corners given = face_coloured_cube();
   Corners::Numbers colours{"COLOR_0", 4, {}};
   for (int v = 0; v < 24; ++v)
     for (int k = 0; k < 4; ++k) colours.values.push_back(colour_of(v / 4)[k]);
@@ -259,7 +259,7 @@ TEST_F(AssetCorners, APrimitiveWithoutColoursStaysWhite) {
 
 // Ids of faces are whole, each its own face's, and what names them stays.
 TEST_F(AssetCorners, IdsOfFacesStayTheirs) {
-  Corners given = cube();
+  Corners given = face_coloured_cube();
   Corners::Numbers ids{"_FEATURE_ID_0", 1, {}};
   for (int v = 0; v < 24; ++v) ids.values.push_back(7 + v / 4);
   given.attributes = {ids};
@@ -278,7 +278,7 @@ TEST_F(AssetCorners, IdsOfFacesStayTheirs) {
 
 // Moves of colours that differ at one place are of each side, too.
 TEST_F(AssetCorners, MorphTargetsMoveColoursOfFaces) {
-  Corners given = cube();
+  Corners given = face_coloured_cube();
   Corners::Numbers moves{"target/0/COLOR_0", 4, {}}, colours{"COLOR_0", 4, {}};
   for (int v = 0; v < 24; ++v)
     for (int k = 0; k < 4; ++k) {
@@ -305,7 +305,7 @@ TEST_F(AssetCorners, MorphTargetsMoveColoursOfFaces) {
 
 // Vertices that files repeat for their normals alone cut nothing.
 TEST_F(AssetCorners, NothingIsCutWhereNothingDiffers) {
-  Corners given = cube();
+  Corners given = face_coloured_cube();
   const tinygltf::Model plain = fitted(given.glb(), at_level(2));
   Corners::Numbers colours{"COLOR_0", 4, {}};
   for (const glm::dvec3& p : given.positions)
