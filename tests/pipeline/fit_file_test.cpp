@@ -207,12 +207,12 @@ TEST_F(FitFilePlaces, NumbersThatLoseWhatTheFitKeepsAreTold) {
   PolygonMesh mesh = test::torus(12, 8, 2, 1);
   for (glm::dvec3& p : mesh.positions) p += far;
   write_mesh(input_, FileFormat::Obj, mesh);
-  for (const char* name : {"a.stl", "a.ply", "a.glb", "a.obj", "a.off", "a.usda"}) {
+  for (const char* name : {"b.stl", "b.ply", "b.glb", "b.obj", "b.off", "b.usda"}) {
     FitFileOptions options;
     options.level = 1;
     const FileFit done = fit_file(input_, folder_ / name, options);
     const auto found = std::ranges::find(done.fitted.warnings, "rounded-output", &Warning::code);
-    const bool is_single = std::string(name) == "a.stl";
+    const bool is_single = std::string(name) == "b.stl";
     EXPECT_EQ(found != done.fitted.warnings.end(), is_single) << name;
     if (!is_single || found == done.fitted.warnings.end()) continue;
     // The file's own vertices: the nearest one to each that was given.
