@@ -212,9 +212,10 @@ TEST_F(FitFilePlaces, NumbersThatLoseWhatTheFitKeepsAreTold) {
     options.level = 1;
     const FileFit done = fit_file(input_, folder_ / name, options);
     const auto found = std::ranges::find(done.fitted.warnings, "rounded-output", &Warning::code);
-    const bool is_single = std::string(name) == "b.stl";
+    const bool is_usd = std::string(name) == "b.usda";  // which is not read
+    const bool is_single = is_usd || std::string(name) == "b.stl";
     EXPECT_EQ(found != done.fitted.warnings.end(), is_single) << name;
-    if (!is_single || found == done.fitted.warnings.end()) continue;
+    if (!is_single || is_usd || found == done.fitted.warnings.end()) continue;
     // The file's own vertices: the nearest one to each that was given.
     const MeshFile written = read_mesh(folder_ / name);
     double largest = 0;
