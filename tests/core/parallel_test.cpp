@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace planish {
@@ -61,6 +64,37 @@ TEST(ParallelFor, PassesExceptionsOn) {
                             [](std::size_t begin, std::size_t) {
                               if (begin > 0) throw std::runtime_error("piece failed");
                             }),
+               std::runtime_error);
+}
+
+// One piece of the outer loop fails while another is within its inner loop, whose pieces wait for
+// that.
+TEST(ParallelFor, EndsWholeWithinALoopThatFails) {
+  if (oneapi::tbb::this_task_arena::max_concurrency() < 2) GTEST_SKIP() << "one thread";
+  constexpr std::size_t kCount = 64;
+  std::atomic<bool> is_within = false;
+  std::atomic<std::size_t> done = 0;
+  const auto wait = [](const auto& until) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+    while (!until() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  };
+  std::atomic<bool> has_failed = false;
+  EXPECT_THROW(parallel_each(2, 1,
+                             [&](std::size_t outer) {
+                               if (outer == 1) {
+                                 wait([&] { return is_within.load(); });
+                                 has_failed = true;
+                                 throw std::runtime_error("piece failed");
+                               }
+                               parallel_each(kCount, 1, [&](std::size_t) {
+                                 is_within = true;
+                                 wait([&] { return has_failed.load(); });
+                                 // Until TBB has heard of it.
+                                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                                 ++done;
+                               });
+                               EXPECT_EQ(done, kCount);
+                             }),
                std::runtime_error);
 }
 

@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 #include "planish/core/stop.h"
 
@@ -32,8 +33,11 @@ void ordered_pipeline(std::size_t count, std::size_t slots, const PieceStep& mak
                                                                  return i;
                                                                });
   }
-  tbb::parallel_pipeline(slots, chain & tbb::make_filter<std::size_t, void>(
-                                            tbb::filter_mode::serial_in_order, [](std::size_t) {}));
+  tbb::task_group_context whole(tbb::task_group_context::isolated);  // as run_loop()'s
+  tbb::parallel_pipeline(slots,
+                         chain & tbb::make_filter<std::size_t, void>(
+                                     tbb::filter_mode::serial_in_order, [](std::size_t) {}),
+                         whole);
 }
 
 std::size_t pipeline_threads() {

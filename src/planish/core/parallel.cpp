@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_group.h>
 
 #include "planish/core/stop.h"
 
@@ -14,6 +15,9 @@ void run_loop(std::size_t count, std::size_t grain, LoopBody body) {
     return;
   }
   const StopScope* const stop = AdoptedStop::current();
+  // Where a loop around this one ends by an error, TBB would leave pieces of this one out without a
+  // word, and what follows in its body would take what they have not written.
+  oneapi::tbb::task_group_context whole(oneapi::tbb::task_group_context::isolated);
   oneapi::tbb::parallel_for(
       oneapi::tbb::blocked_range<std::size_t>(0, count, grain),
       [&](const auto& range) {
@@ -24,7 +28,7 @@ void run_loop(std::size_t count, std::size_t grain, LoopBody body) {
           body.call(body.object, begin, std::min(begin + piece, range.end()));
         }
       },
-      oneapi::tbb::auto_partitioner());
+      oneapi::tbb::auto_partitioner(), whole);
 }
 
 }  // namespace planish

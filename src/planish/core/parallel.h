@@ -19,7 +19,8 @@ void run_loop(std::size_t count, std::size_t grain, LoopBody body);
 /// Calls body(begin, end) on disjoint pieces of [0, count), at least `grain` long but the last,
 /// on TBB's threads. Pieces vary with the thread count: body must not let results depend on them.
 /// Callers limit threads with tbb::task_arena or tbb::global_control. Under a StopScope the pieces
-/// are no longer than `grain`, and Error{Cancelled} ends the loop between two of them.
+/// are no longer than `grain`, and Error{Cancelled} ends the loop between two of them. It returns
+/// when all pieces are done, or throws: an error in a loop around it leaves none of them out.
 template <class Body>
 void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
   run_loop(count, grain, {&body, [](const void* object, std::size_t begin, std::size_t end) {

@@ -1,7 +1,5 @@
 #include "planish/limit/corner_tree.h"
 
-#include <oneapi/tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -11,7 +9,6 @@
 
 #include "planish/core/eigenvectors.h"
 #include "planish/core/parallel.h"
-#include "planish/core/stop.h"
 #include "planish/limit/patch_box.h"
 
 namespace planish {
@@ -218,16 +215,9 @@ void CornerTree::build(std::int32_t index, std::int32_t first, std::int32_t last
                    });
   const std::int32_t left = index + 1, right = left + node_count(middle - first);
   if (last - first > kSerial) {
-    const StopScope* const stop = AdoptedStop::current();
-    oneapi::tbb::parallel_invoke(
-        [&] {
-          const AdoptedStop adopted(stop);
-          build(left, first, middle);
-        },
-        [&] {
-          const AdoptedStop adopted(stop);
-          build(right, middle, last);
-        });
+    parallel_each(2, 1, [&](std::size_t half) {
+      half == 0 ? build(left, first, middle) : build(right, middle, last);
+    });
   } else {
     build(left, first, middle);
     build(right, middle, last);

@@ -1,8 +1,6 @@
 // Based on: Khronos, "KHR_mesh_quantization", 2020, and "EXT_meshopt_compression", 2021.
 #include "planish/files/gltf/gltf_packing.h"
 
-#include <oneapi/tbb/task_group.h>
-
 #include <algorithm>
 #include <cstring>
 #include <glm/common.hpp>
@@ -143,13 +141,13 @@ void Packer::pack_primitive(std::size_t primitive) {
   }
   const StripOrder order = strip_order(indices, static_cast<std::size_t>(part.vertex_count));
   indices = {};
-  oneapi::tbb::task_group tasks;
-  tasks.run([&] { pack_indices(arrays.indices, order); });
-  for (const auto& [name, array] : arrays.attributes)
-    tasks.run([&, array = array, attribute = &name] {
-      pack_attribute(*attribute, array, part, order.new_vertices);
-    });
-  tasks.wait();
+  const std::vector<std::pair<std::string, std::size_t>> attributes(arrays.attributes.begin(),
+                                                                    arrays.attributes.end());
+  parallel_each(attributes.size() + 1, 1, [&](std::size_t i) {
+    if (i == 0) return pack_indices(arrays.indices, order);
+    const auto& [name, array] = attributes[i - 1];
+    pack_attribute(name, array, part, order.new_vertices);
+  });
 }
 
 void Packer::pack_indices(std::size_t array, const StripOrder& order) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <oneapi/tbb/task_group.h>
+
 #include <cstddef>
 #include <functional>
 #include <type_traits>
@@ -43,7 +45,7 @@ filter<In, Out> operator&(filter<In, Between> first, filter<Between, Out> second
   }};
 }
 
-inline void parallel_pipeline(std::size_t, const filter<void, void>& chain) {
+inline void parallel_pipeline(std::size_t, const filter<void, void>& chain, task_group_context&) {
   for (flow_control control; !control.is_stopped;) chain.step(control);
 }
 

@@ -2,16 +2,9 @@
 
 namespace oneapi::tbb {
 
-enum task_group_status { complete };
-
-class task_group {
- public:
-  template <class Function>
-  void run(const Function& function) {
-    function();
-  }
-  task_group_status wait() { return complete; }
-  void cancel() {}
+struct task_group_context {
+  enum kind_type { isolated, bound };
+  explicit task_group_context(kind_type = bound) {}
 };
 
 }  // namespace oneapi::tbb
