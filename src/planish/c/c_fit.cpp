@@ -260,8 +260,9 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage) {
     require(cage, "cage");
     const planish::FittedMesh& fitted = fit->fitted;
     run_on(fit->thread_count, [&] {
-      *cage = new_mesh(planish::control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
-      (*cage)->inputs = fit->inputs;
+      auto made = new_mesh(planish::control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
+      made->inputs = fit->inputs;
+      *cage = made.release();
     });
     return PLANISH_OK;
   });

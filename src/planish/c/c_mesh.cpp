@@ -152,14 +152,14 @@ PolygonMesh mesh_of(const planish_mesh_arrays& arrays) {
 
 }  // namespace
 
-planish_mesh* new_mesh(PolygonMesh&& mesh) {
+std::unique_ptr<planish_mesh> new_mesh(PolygonMesh&& mesh) {
   auto handle = std::make_unique<planish_mesh>();
   handle->face_sizes.reserve(static_cast<std::size_t>(mesh.face_count()));
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     handle->face_sizes.push_back(mesh.face_size(f));
   handle->mesh = std::move(mesh);
   handle->riders.take(handle->mesh);
-  return handle.release();
+  return handle;
 }
 
 }  // namespace planish::c
@@ -174,7 +174,7 @@ planish_status planish_mesh_create(const planish_mesh_arrays* arrays, planish_me
   return call([&] {
     require(arrays, "arrays");
     require(mesh, "mesh");
-    *mesh = new_mesh(mesh_of(taken(arrays, planish_mesh_arrays_init, "arrays")));
+    *mesh = new_mesh(mesh_of(taken(arrays, planish_mesh_arrays_init, "arrays"))).release();
     return PLANISH_OK;
   });
 }
@@ -184,9 +184,10 @@ planish_status planish_mesh_read(const char* path, planish_mesh** mesh) {
     require(path, "path");
     require(mesh, "mesh");
     planish::MeshFile file = planish::read_mesh(std::filesystem::path(path));
-    *mesh = new_mesh(std::move(file.mesh));
-    (*mesh)->warnings = std::move(file.warnings);
-    (*mesh)->inputs.add(path);
+    std::unique_ptr<planish_mesh> made = new_mesh(std::move(file.mesh));
+    made->warnings = std::move(file.warnings);
+    made->inputs.add(path);
+    *mesh = made.release();
     return PLANISH_OK;
   });
 }

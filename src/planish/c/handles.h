@@ -124,6 +124,6 @@ struct planish_editor {
 namespace planish::c {
 
 /// A handle around a mesh.
-[[nodiscard]] planish_mesh* new_mesh(PolygonMesh&& mesh);
+[[nodiscard]] std::unique_ptr<planish_mesh> new_mesh(PolygonMesh&& mesh);
 
 }  // namespace planish::c
