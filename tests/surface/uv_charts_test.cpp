@@ -2,7 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
+#include <span>
+#include <utility>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
@@ -139,6 +142,72 @@ TEST(UvCharts, StraightBordersStayStraight) {
     if (p.y == 4) {
       EXPECT_NEAR(uv.y, 4, 1e-13);
     }
+  }
+}
+
+// Half of a sheet, mirrored for the other, there or moved; and all around, with a second beginning.
+TEST(UvCharts, StayWhereTheyWereWhereMirroredOrMoved) {
+  const std::array<std::function<glm::dvec2(double, double, bool)>, 3> maps = {
+      [](double x, double y, bool) { return glm::dvec2(std::abs(x), y); },
+      [](double x, double y, bool left) { return glm::dvec2(std::abs(x) + (left ? 3 : 0), y); },
+      [](double x, double y, bool left) { return glm::dvec2(x + (left ? 12 : 0), y); }};
+  for (std::size_t kind = 0; kind < maps.size(); ++kind) {
+    constexpr double kSide = 4;
+    PolygonMesh mesh = test::flat_grid(8, 5);
+    for (glm::dvec3& p : mesh.positions) p.x -= kSide;
+    const std::vector<glm::dvec3> points = given_points(mesh);
+    const auto is_left = [](std::span<const std::int32_t> face, const auto& positions) {
+      double middle = 0;
+      for (const std::int32_t v : face) middle += positions[v].x;
+      return middle < 0;
+    };
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      for (const std::int32_t v : mesh.face(f)) {
+        mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
+        mesh.uvs.push_back(maps[kind](points[v].x, points[v].y, is_left(mesh.face(f), points)));
+      }
+    const SurfaceMesh surface = cage_surface(mesh, 3);
+    std::size_t corner = 0;
+    for (std::int64_t f = 0; f < surface.face_count(); ++f)
+      for (const std::int32_t v : surface.face(f)) {
+        const glm::dvec3& p = surface.positions[v];
+        const glm::dvec2 wanted = maps[kind](p.x, p.y, is_left(surface.face(f), surface.positions));
+        EXPECT_LT(glm::distance(surface.uvs[surface.face_uvs[corner++]], wanted), 1e-12) << kind;
+      }
+  }
+}
+
+// A torus: where its texture begins again, it lies as in the middle.
+TEST(UvCharts, ShowNoSeamWhereATextureGoesAround) {
+  constexpr int kAround = 12, kAcross = 8;
+  PolygonMesh mesh;
+  for (int i = 0; i < kAround; ++i)
+    for (int j = 0; j < kAcross; ++j) {
+      const double u = 2 * M_PI * i / kAround, v = 2 * M_PI * j / kAcross;
+      const double radius = 2 + 0.8 * std::cos(v);
+      mesh.positions.emplace_back(radius * std::cos(u), radius * std::sin(u), 0.8 * std::sin(v));
+    }
+  const auto textured_from = [&](int first) {
+    PolygonMesh made = mesh;
+    for (int i = 0; i < kAround; ++i)
+      for (int j = 0; j < kAcross; ++j) {
+        std::vector<std::int32_t> face;
+        for (const auto& [a, b] : {std::pair{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}) {
+          face.push_back(a % kAround * kAcross + b % kAcross);
+          const int turn = i < first ? 1 : 0;
+          made.face_uvs.push_back(static_cast<std::int32_t>(made.uvs.size()));
+          made.uvs.emplace_back(double(a) / kAround + turn, double(b) / kAcross);
+        }
+        made.add_face(face);
+      }
+    return cage_surface(made, 3);
+  };
+  const SurfaceMesh whole = textured_from(0), turned = textured_from(5);
+  ASSERT_EQ(whole.face_uvs.size(), turned.face_uvs.size());
+  for (std::size_t c = 0; c < whole.face_uvs.size(); ++c) {
+    const glm::dvec2 apart = turned.uvs[turned.face_uvs[c]] - whole.uvs[whole.face_uvs[c]];
+    EXPECT_NEAR(apart.x, std::round(apart.x), 1e-12);
+    EXPECT_NEAR(apart.y, 0, 1e-12);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "planish/core/parallel.h"
 
@@ -16,6 +17,9 @@ namespace {
 constexpr std::size_t kVertexGrain = 1024;
 // 1 + the cosine between two planes, below which nothing is turned further.
 constexpr double kLeastTurn = 0.1;
+// Of what values change by along a seam, up to which both sides are one chart, moved: what numbers
+// of 32 bits leave, and much less than what is seen.
+constexpr double kMoved = 1e-4;
 // Of a triangle, of the squares of its sides, above which it has two sides.
 constexpr double kLeastArea = 1e-9;
 
@@ -100,11 +104,15 @@ struct ChartField<Vector>::Around {
   std::vector<std::int32_t> sector;  // likewise
   std::int32_t sector_count = 1, fan_count = 1;
   std::vector<Piece> pieces;
+  // Of fans: the first of those that differ by translations. Of pieces: likewise, without a sharp
+  // edge between them.
+  std::vector<std::int32_t> fan_link, piece_link;
   std::vector<glm::dvec3> normals;  // of sectors
 
   // Scratch.
-  std::vector<std::uint8_t> is_seam, is_sharp;
+  std::vector<std::uint8_t> is_seam, is_sharp, is_moved;
   std::vector<double> weights, shares;  // of pieces
+  std::vector<Gradient> gradients;      // likewise
   std::vector<double> face_shares;      // of corners
 
   [[nodiscard]] std::size_t place_of(std::int32_t corner) const {
@@ -124,6 +132,14 @@ bool ChartField<Vector>::is_seam(std::int32_t corner, std::int32_t next) const {
   return differs(corner, next) || differs(topology_.prev(corner), topology_.next(next));
 }
 
+// Whether the values behind a seam are those before it, moved.
+template <class Vector>
+bool ChartField<Vector>::is_moved(std::int32_t corner, std::int32_t next) const {
+  const Vector before = given(topology_.prev(corner)) - given(corner),
+               behind = given(topology_.next(next)) - given(next);
+  return glm::distance(before, behind) <= kMoved * (glm::length(before) + glm::length(behind));
+}
+
 template <class Vector>
 auto ChartField<Vector>::integral_over(std::int32_t face) const -> Integral {
   Integral made;
@@ -135,9 +151,13 @@ auto ChartField<Vector>::integral_over(std::int32_t face) const -> Integral {
   for (std::int32_t i = 1; i + 1 < size; ++i)
     made.normal += 0.5 * glm::cross(at(i) - origin, at(i + 1) - origin);
   made.area = glm::length(made.normal);
+  const Vector value = given(first);
+  for (std::int32_t i = 1; i + 1 < size; ++i) {
+    const Vector a = given(first + i) - value, b = given(first + i + 1) - value;
+    made.turn += a.x * b.y - a.y * b.x;
+  }
   if (!(made.area > 0)) return {};
   made.normal /= made.area;
-  const Vector value = given(first);
   for (std::int32_t i = 0; i < size; ++i) {
     const Vector mean =
         0.5 * ((given(first + i) - value) + (given(first + (i + 1 == size ? 0 : i + 1)) - value));
@@ -163,13 +183,15 @@ std::int32_t ChartField<Vector>::curve_at(std::int32_t vertex, std::int32_t edge
 }
 
 template <class Vector>
-void ChartField<Vector>::cut(std::int32_t vertex, Around& around) const {
+void ChartField<Vector>::cut(std::int32_t vertex, std::span<const Integral> faces,
+                             Around& around) const {
   const auto corners = around.corners = topology_.corners_at(vertex);
   const std::size_t n = corners.size();
   const VertexKind kind = mesh_.features().vertex_kinds[vertex];
   const bool has_sectors = kind == VertexKind::Crease || kind == VertexKind::Corner;
   around.is_seam.assign(n, 0);
   around.is_sharp.assign(n, 0);
+  around.is_moved.assign(n, 0);
   around.piece.assign(n, 0);
   around.sector.assign(n, 0);
   around.pieces.clear();
@@ -179,8 +201,12 @@ void ChartField<Vector>::cut(std::int32_t vertex, Around& around) const {
   for (std::size_t i = 0; i < n; ++i) {  // between i and the corner behind it
     const std::size_t next = i + 1 < n ? i + 1 : 0;
     const bool joined = topology_.ccw(corners[i]) == corners[next] && n > 1;
-    if (!joined || is_seam(corners[i], corners[next])) {
+    const bool is_mirrored =
+        faces[topology_.face_of(corners[i])].turn * faces[topology_.face_of(corners[next])].turn <
+        0;
+    if (!joined || is_mirrored || is_seam(corners[i], corners[next])) {
       around.is_seam[next] = 1, ++seams;
+      around.is_moved[next] = joined && !is_mirrored && is_moved(corners[i], corners[next]);
       if (!begins_at_seam) first = next, begins_at_seam = true;
     }
     if (!joined || (has_sectors && mesh_.is_sharp(corners[next]))) {
@@ -207,6 +233,20 @@ void ChartField<Vector>::cut(std::int32_t vertex, Around& around) const {
     around.piece[i] = static_cast<std::int32_t>(around.pieces.size()) - 1;
     around.sector[i] = sector;
   }
+  // Links of what differs by translations.
+  around.fan_link.resize(around.pieces.size());
+  std::iota(around.fan_link.begin(), around.fan_link.end(), 0);
+  around.piece_link = around.fan_link;
+  const auto join = [](std::vector<std::int32_t>& links, std::int32_t a, std::int32_t b) {
+    const auto [low, high] = std::minmax(links[a], links[b]);
+    std::ranges::replace(links, std::int32_t{high}, std::int32_t{low});
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (around.is_moved[i] == 0) continue;
+    const std::int32_t before = around.piece[i > 0 ? i - 1 : n - 1], behind = around.piece[i];
+    join(around.fan_link, around.pieces[before].fan, around.pieces[behind].fan);
+    if (around.is_sharp[i] == 0) join(around.piece_link, before, behind);
+  }
 }
 
 // The gradients of pieces: those of their faces, turned into the plane of the sector.
@@ -227,32 +267,41 @@ void ChartField<Vector>::fit(std::span<const Integral> faces, Around& around) co
     const double share =
         face.area > 0 && square > 0 ? std::min(1.0, std::sqrt(square) / face.area) / square : 0.0;
     around.face_shares[i] = share;
-    around.weights[around.piece[i]] += share * face.area;
+    around.weights[around.piece_link[around.piece[i]]] += share * face.area;
     around.normals[around.sector[i]] += share * face.area * face.normal;
   }
   for (glm::dvec3& normal : around.normals) {
     const double length = glm::length(normal);
     if (length > 0) normal /= length;
   }
+  around.gradients.assign(around.pieces.size(), Gradient{});
   for (std::size_t i = 0; i < n; ++i) {
     const Integral& face = faces[topology_.face_of(around.corners[i])];
     const glm::dvec3& normal = around.normals[around.sector[i]];
-    const double weight = around.weights[around.piece[i]];
+    const std::int32_t link = around.piece_link[around.piece[i]];
+    const double weight = around.weights[link];
     const double share = weight > 0 ? around.face_shares[i] / weight : 0.0;
     const Vector turn =
         times(face.gradient, normal) / std::max(1 + glm::dot(face.normal, normal), kLeastTurn);
-    Gradient& gradient = around.pieces[around.piece[i]].gradient;
+    Gradient& gradient = around.gradients[link];
     for (int k = 0; k < 3; ++k)
       gradient[static_cast<std::size_t>(k)] +=
           share * (face.gradient[static_cast<std::size_t>(k)] - (face.normal + normal)[k] * turn);
   }
-  // The mean of those of a fan, whose pieces follow each other.
-  for (std::size_t first = 0, end = 0; first < around.pieces.size(); first = end) {
-    Gradient sum{};
-    for (; end < around.pieces.size() && around.pieces[end].fan == around.pieces[first].fan; ++end)
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += around.pieces[end].gradient[k];
-    for (Vector& of_axis : sum) of_axis /= static_cast<double>(end - first);
-    for (std::size_t p = first; p < end; ++p) around.pieces[p].of_fan = sum;
+  for (std::size_t p = 0; p < around.pieces.size(); ++p)
+    around.pieces[p].gradient = around.gradients[around.piece_link[p]];
+  // The mean of those of fans that are linked.
+  around.gradients.assign(around.pieces.size(), Gradient{});
+  around.weights.assign(around.pieces.size(), 0.0);
+  for (const Piece& piece : around.pieces) {
+    const std::int32_t link = around.fan_link[piece.fan];
+    for (std::size_t k = 0; k < 3; ++k) around.gradients[link][k] += piece.gradient[k];
+    ++around.weights[link];
+  }
+  for (Piece& piece : around.pieces) {
+    const std::int32_t link = around.fan_link[piece.fan];
+    for (std::size_t k = 0; k < 3; ++k)
+      piece.of_fan[k] = around.gradients[link][k] / around.weights[link];
   }
 }
 
@@ -296,27 +345,29 @@ void ChartField<Vector>::find_handles(std::int32_t vertex, std::span<const glm::
         around.piece[(i + around.corners.size() - 1) % around.corners.size()] == around.piece[i])
       continue;  // once a piece
     const Piece& piece = around.pieces[p];
+    const std::int32_t link = around.fan_link[piece.fan];
     const glm::dvec3& normal = around.normals[around.sector[i]];
     glm::dvec3 along(0.0);
     Vector change(0.0);
     for (std::size_t a = 0; a < 2; ++a) {
       for (const Side& side : arms[a].sides) {
-        if (around.fan_of(side.corner) != piece.fan) continue;
+        if (around.fan_link[around.fan_of(side.corner)] != link) continue;
         const double sign = a == 0 ? 1 : -1;
         along += sign * laid_flat(arms[a].edge, normal);
-        change += sign * (given(side.other) - piece.value);
+        change += sign * (given(side.other) - given(side.corner));
         break;
       }
     }
     const glm::dvec3 flat = handle - glm::dot(handle, normal) * normal;
     const double square = glm::dot(along, along);
     const double share = square > 0 ? glm::dot(flat, along) / square : 0.0;
-    sums[piece.fan] += share * change + times(piece.gradient, flat - share * along);
-    ++count[piece.fan];
+    sums[link] += share * change + times(piece.gradient, flat - share * along);
+    ++count[link];
   }
   for (Piece& piece : around.pieces) {
     piece.curve0 = arms[0].curve;
-    piece.handle = sums[piece.fan] / static_cast<double>(std::max(count[piece.fan], 1));
+    const std::int32_t link = around.fan_link[piece.fan];
+    piece.handle = sums[link] / static_cast<double>(std::max(count[link], 1));
   }
 }
 
@@ -343,14 +394,14 @@ void ChartField<Vector>::shrink(std::span<const glm::dvec3> points, std::span<co
       const double of_point =
           reach(0.5 * (limit_at(other) - piece.at), face_mean<glm::dvec3>(face, piece.at, limit_at),
                 step, faces[face].normal);
-      double& share = around.shares[piece.fan];
+      double& share = around.shares[around.fan_link[piece.fan]];
       share = std::min(share, std::max(1.0, of_point) / reached);
       shrinks = true;
     }
   }
   if (!shrinks) return;
   for (Piece& piece : around.pieces) {
-    const double share = around.shares[piece.fan];
+    const double share = around.shares[around.fan_link[piece.fan]];
     for (Vector& of_axis : piece.gradient) of_axis *= share;
     for (Vector& of_axis : piece.of_fan) of_axis *= share;
     piece.handle *= share;
@@ -439,7 +490,7 @@ ChartField<Vector>::ChartField(const PatchMesh& mesh, std::span<const glm::dvec3
       Around around;
       for (auto v = static_cast<std::int32_t>(begin); v < static_cast<std::int32_t>(end); ++v) {
         if (topology_.corners_at(v).empty() || !is_wanted(v)) continue;
-        cut(v, around);
+        cut(v, faces, around);
         fit(faces, around);
         if (mesh_.features().vertex_kinds[v] == VertexKind::Crease) find_handles(v, points, around);
         shrink(points, faces, around);
