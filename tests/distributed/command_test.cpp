@@ -220,7 +220,8 @@ TEST_F(MpiCommand, WhatPlanishHasWeldedIsTaken) {
                                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 2 0 0\n"
                                   "v 2 1 0\nv 1 1 1e-9\nf 1 2 3 4\nf 5 6 7 8\n");
   const std::string welded = path("welded.obj");
-  EXPECT_EQ(planish("fit " + apart + " --weld 1e-6 --max-iterations 0 --cage " + welded), 5)
+  // Flat, with its corners kept: no iteration is needed.
+  EXPECT_EQ(planish("fit " + apart + " --weld 1e-6 --max-iterations 0 --cage " + welded), 0)
       << read("planish.txt");
   ASSERT_EQ(on(2, {"fit", welded, "--cage", path("c.ply")}).exit_code, 0);
   EXPECT_THAT(read("c.ply"), HasSubstr("element vertex 6\n"));

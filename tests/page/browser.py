@@ -25,7 +25,7 @@ def find():
 class Browser:
     """`flags`: SOFTWARE_GL or NO_GL."""
 
-    def __init__(self, flags, seconds=60):
+    def __init__(self, flags, seconds=240):
         self.folder = tempfile.mkdtemp(prefix="planish-browser-")
         self.seconds = seconds
         self.number, self.buffer, self.events = 0, b"", []
@@ -136,7 +136,7 @@ class Tab:
             raise RuntimeError(details.get("exception", {}).get("description", details["text"]))
         return result["result"].get("value")
 
-    def wait(self, expression, seconds=60):
+    def wait(self, expression, seconds=240):
         """Waits until an expression is true and returns it."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:

@@ -299,7 +299,9 @@ TEST(Features, OfPrismsAndSolidsAreTheirEdges) {
                                     {bipyramid(4), 12u}}) {
     const FittedMesh fitted = fit_mesh(mesh, "mesh", *backend);
     EXPECT_EQ(fitted.mesh.creases.size(), edges);
-    if (edges != 16) EXPECT_NEAR(fitted.chosen_quality()->rms_normal_deviation, 0, 1e-4);
+    if (edges != 16) {
+      EXPECT_NEAR(fitted.chosen_quality()->rms_normal_deviation, 0, 1e-4);
+    }
   }
 }
 

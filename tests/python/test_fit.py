@@ -177,7 +177,7 @@ def test_triangles_as_fine_as_asked_for(cube, grid):
     _, uses = np.unique(edges, axis=0, return_counts=True)
     assert uses.max() == 2
     tips = planish.fit([[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]],
-                       [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], creases="use")
+                       [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], creases="use", method="fair")
     with pytest.warns(UserWarning, match="an angle of 0.7 degrees is not kept beneath"):
         tips.tessellate(angle=0.7)
     with pytest.raises(planish.InvalidArgument, match="neither a chord error nor an angle"):
@@ -280,7 +280,7 @@ def test_what_an_input_names_is_not_written(tmp_path):
     for name, output in [("a.gltf", "b.gltf"), ("x.obj", "y.obj")]:
         mesh = planish.read(tmp_path / name)
         fit = planish.fit(mesh)
-        made = [fit, fit.evaluate(1), fit.tessellate(0.1, 10), fit.edit(1).fit()]
+        made = [fit, fit.evaluate(1), fit.tessellate(chord_error=0.1), fit.edit(1).fit()]
         if output.endswith("obj"):
             made += [mesh, fit.cage, fit.mesh]
         for one in made:

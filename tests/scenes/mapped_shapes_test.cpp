@@ -25,11 +25,12 @@ PolygonMesh scene(const std::string& file) {
   return read_mesh(std::filesystem::path(PLANISH_SCENES) / file).mesh;
 }
 
-// The cell of the 3 x 2 charts that a texture coordinate lies in, -1 where it lies in none.
+// The cell of the 3 x 2 charts that a texture coordinate lies in, -1 where it lies in none: as far
+// past its border as the surface goes past the edges of the cube, 0.5 % of a side.
 int chart_of(const glm::dvec2& uv) {
   const glm::dvec2 cell(std::floor(3 * uv.x), std::floor(2 * uv.y));
   const glm::dvec2 inside(3 * uv.x - cell.x, 2 * uv.y - cell.y);
-  constexpr double kMargin = 0.05 - 1e-5;
+  constexpr double kMargin = 0.05 - 0.005;
   const bool is_in =
       glm::min(inside.x, inside.y) > kMargin && glm::max(inside.x, inside.y) < 1 - kMargin;
   return is_in ? static_cast<int>(cell.x + 3 * cell.y) : -1;
@@ -113,16 +114,20 @@ TEST(MappedShapes, AFairCagesFileGivesTheSameSurface) {
     const SurfaceMesh direct = evaluate(mesh, fitted, *backend, {.level = 2});
     const SurfaceMesh surface = evaluate(mesh, again, *backend, {.level = 2});
     EXPECT_EQ(surface.face_vertices, direct.face_vertices);
-    EXPECT_EQ(surface.uvs, direct.uvs);
     EXPECT_EQ(surface.face_uvs, direct.face_uvs);
+    ASSERT_EQ(surface.uvs.size(), direct.uvs.size());
+    for (std::size_t i = 0; i < direct.uvs.size(); ++i)
+      EXPECT_LE(glm::distance(surface.uvs[i], direct.uvs[i]), 1e-14);
     ASSERT_EQ(surface.positions.size(), direct.positions.size());
     for (std::size_t i = 0; i < direct.positions.size(); ++i)
       EXPECT_LE(glm::distance(surface.positions[i], direct.positions[i]), 1e-12);
     EXPECT_NEAR(area_of(surface), area_of(direct), 1e-12 * area_of(direct));
-    // The progressive method's attributes.
+    // The progressive method's attributes, as near as the surfaces are.
     const SurfaceMesh progressive = evaluate(mesh, fit(mesh, *backend), *backend, {.level = 2});
-    EXPECT_EQ(direct.uvs, progressive.uvs);
     EXPECT_EQ(direct.face_uvs, progressive.face_uvs);
+    ASSERT_EQ(direct.uvs.size(), progressive.uvs.size());
+    for (std::size_t i = 0; i < direct.uvs.size(); ++i)
+      EXPECT_LE(glm::distance(direct.uvs[i], progressive.uvs[i]), 5e-4);
     EXPECT_EQ(direct.face_count(), progressive.face_count());
   }
 }
@@ -151,11 +156,12 @@ TEST(MappedShapes, AFairCageCarriesItsCharts) {
     ASSERT_NE(first, last) << c;
     const glm::dvec2 uv = surface.uvs[surface.face_uvs[c]];
     apart += std::none_of(
-        first, last, [&](const auto& entry) { return glm::distance(entry.second, uv) < 1e-6; });
+        first, last, [&](const auto& entry) { return glm::distance(entry.second, uv) < 0.01; });
   }
-  // Only across seams is one chart continued where the surface has the other: a ring of quads
-  // around each of twelve edges of four faces.
-  EXPECT_LT(static_cast<double>(apart) / static_cast<double>(surface.face_vertices.size()), 0.25);
+  // The net's coordinates are linear in the faces' parameters, the surface's are not: a thirtieth
+  // of a chart. Only across seams is one chart continued where the surface has the other: a ring of
+  // quads around each of twelve edges of four faces.
+  EXPECT_LT(static_cast<double>(apart) / static_cast<double>(surface.face_vertices.size()), 0.1);
 }
 
 TEST(MappedShapes, AFairCagesHolesCoverTheWindows) {
