@@ -66,7 +66,7 @@ TEST(ChooseQuads, JoinsHalvesWhereTheSurfaceIsBetter) {
   EXPECT_EQ(chosen.choice->best().faces, CandidateFaces::Quads);
   EXPECT_THAT(chosen.choice->faces_reason, testing::HasSubstr("--quads off"));
   EXPECT_EQ(points_of(chosen), points_of(fitted(mesh, QuadChoice::On)));
-  const FittedMesh triangles = fitted(mesh, QuadChoice::Off);
+  const FittedMesh triangles = fitted(mesh, QuadChoice::Off, {.refine = RefineChoice::Off});
   EXPECT_EQ(triangles.paired_count, 0);
   EXPECT_EQ(triangles.mesh.face_count(), 1024);
   EXPECT_LT(worst_normal(chosen), 0.2 * worst_normal(triangles));

@@ -270,7 +270,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"fans", fans, {1500, 30, 12}},
                     Case{"bipyramid", bipyramid, {2000, 120, 12}},
                     Case{"drum", prism, {2000, 100, 12}}, Case{"wreath", wreath, {1000, 10, 12}},
-                    Case{"creased_hub", creased_hub, {1500, 200, 12}},
+                    Case{"creased_hub", creased_hub, {3200, 200, 12}},
                     Case{"folded_hubs", folded_hubs, {1500, 100, 50}},
                     Case{"chamfered_prism", chamfered_prism, {1500, 10, 40}},
                     // Chords are tried against a few places of each part: a sum that has an end.

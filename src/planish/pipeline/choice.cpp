@@ -56,7 +56,7 @@ double PartFigures::cost() const {
   const ChoiceWeights& weights = kChoiceWeights;
   double cost = std::log(bending + weights.flat);
   if (folded_area >= kSoundFoldedArea) cost += weights.folds * folded_area;
-  if (faces == CandidateFaces::Refined) cost += weights.added;
+  cost += weights.doubt * doubt;
   if (is_by_lot) cost += weights.by_lot;
   return cost;
 }

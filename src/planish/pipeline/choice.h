@@ -20,6 +20,7 @@ struct PartFigures {
   CandidateFaces faces = CandidateFaces::Given;
   bool is_by_lot = false;  ///< quads of what does not look like halves of some
   double folded_area = 0, bending = 0;
+  double doubt = 0;  ///< mean of the added vertices'
 
   /// What is least for the surface that is taken; see ChoiceWeights.
   [[nodiscard]] double cost() const;
@@ -49,7 +50,7 @@ struct ChoiceWeights {
   double missed = 100;       ///< the tolerance
   double folds = 1e4;        ///< times the folded area
   double by_lot = 0.1;       ///< joined triangles that do not look like halves of quads
-  double added = 0.1;        ///< vertices, which are to be worth their rows
+  double doubt = 3;          ///< times the mean one about where vertices were added
   double flat = 1e-6;        ///< of bending: rounding, beside a sphere's 8 pi
   double alike = 1e-3;       ///< costs that differ by less: the first that was made is taken
   double close_degrees = 1;  ///< normals nearer to the faces' (rms, level 1) need no rival

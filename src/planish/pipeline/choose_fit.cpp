@@ -168,13 +168,20 @@ class Contest {
                                                {of_face, parts_.count},
                                                share_of(callbacks, 0.5 * (level - 1), 0.5 * level));
     }
+    std::vector<double> doubts(own.size(), 0.0), added_counts(own.size(), 0.0);
+    for (const AddedVertex& added : fitted.added_vertices) {
+      const std::int32_t part = parts_.of_vertex[added.vertices[0]];
+      doubts[part] += added.doubt;
+      ++added_counts[part];
+    }
     PartSums all;
     for (std::size_t p = 0; p < own.size(); ++p) {
       const PartSums& part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
       candidate.parts.push_back({.faces = own[p],
                                  .is_by_lot = own[p] == CandidateFaces::Quads && is_by_lot_[p],
                                  .folded_area = share(part),
-                                 .bending = part.bending});
+                                 .bending = part.bending,
+                                 .doubt = doubts[p] / std::max(added_counts[p], 1.0)});
       all.area += part.area;
       all.folded_elsewhere += part.folded_elsewhere;
       all.bending += part.bending;

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <optional>
 #include <utility>
 
 #include "planish/core/parallel.h"
 #include "planish/refine/guess_surface.h"
+#include "planish/refine/spacing_metric.h"
 
 namespace planish {
 namespace {
@@ -23,6 +24,16 @@ constexpr int kMostFaces = 32;  // that a moved place crosses
 std::int32_t next_of(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 std::int32_t prev_of(std::int32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
+// Cosine and sine of the angle between two edges in a metric, times the same length.
+struct Angle {
+  double cosine, sine;
+  Angle(const glm::dvec3& a, const glm::dvec3& b, const glm::dmat3& metric)
+      : cosine(glm::dot(a, metric * b)) {
+    const double square = glm::dot(a, metric * a) * glm::dot(b, metric * b);
+    sine = std::sqrt(std::max(square - cosine * cosine, 0.0));
+  }
+};
+
 class EvenNet {
  public:
   EvenNet(std::span<const glm::dvec3> given, const MeshTopology& topology,
@@ -33,7 +44,6 @@ class EvenNet {
         is_wall_(topology.edge_count()),
         has_line_(given.size(), 0),
         guess_(given, topology, is_line, is_sharp),
-        options_(options),
         given_count_(static_cast<std::int32_t>(given.size())),
         positions_(given.begin(), given.end()) {
     for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
@@ -43,7 +53,7 @@ class EvenNet {
       has_line_[a] = has_line_[b] = 1;
     }
     take_triangles();
-    measure_sizes();
+    metrics_ = spacing_metrics(given, topology, guess_, options);
   }
 
   EvenTriangles make() {
@@ -64,10 +74,9 @@ class EvenNet {
   std::vector<glm::dvec3> face_normals_;  // of given faces, of length 1 or 0
   std::vector<char> has_line_;            // by given vertex
   GuessSurface guess_;
-  EvenTrianglesOptions options_;
   std::int32_t given_count_;
   std::vector<glm::dvec3> positions_;
-  std::vector<double> sizes_;               // that edges aim at
+  std::vector<glm::dmat3> metrics_;         // see spacing_metrics()
   std::vector<FacePlace> places_;           // of further vertices
   std::vector<char> is_on_line_;            // of further vertices: stay on their fixed edge
   std::vector<std::int32_t> start_, twin_;  // by half-edge
@@ -101,28 +110,9 @@ class EvenNet {
     }
   }
 
-  void measure_sizes() {
-    sizes_.assign(given_count_, 0);
-    std::vector<std::int32_t> counts(given_count_, 0);
-    for (std::int32_t e = 0; e < topology_.edge_count(); ++e) {
-      const auto [a, b] = topology_.edge_vertices(e);
-      const double length = glm::distance(given_[a], given_[b]);
-      for (const std::int32_t v : {a, b}) {
-        sizes_[v] += length;
-        ++counts[v];
-      }
-    }
-    parallel_each(sizes_.size(), [&](std::size_t v) {
-      if (counts[v] == 0) return;
-      const double mean = sizes_[v] / counts[v];
-      const double curvature = guess_.largest_curvature(static_cast<std::int32_t>(v));
-      sizes_[v] = std::clamp(glm::radians(options_.turn) / std::max(curvature, 1e-300),
-                             options_.least_spacing * mean, options_.spacing * mean);
-    });
-  }
-
-  [[nodiscard]] double aim(std::int32_t a, std::int32_t b) const {
-    return (sizes_[a] + sizes_[b]) / 2;
+  // The square of an edge's length in units of what it should have between two vertices.
+  [[nodiscard]] double square_of(const glm::dvec3& edge, std::int32_t a, std::int32_t b) const {
+    return glm::dot(edge, (metrics_[a] + metrics_[b]) * edge) / 2;
   }
 
   void split_long_edges() {
@@ -134,8 +124,8 @@ class EvenNet {
     for (std::int32_t h = 0; h < std::ssize(start_); ++h) {
       if (twin_[h] >= 0 && twin_[h] < h) continue;
       const std::int32_t a = start_[h], b = end_of(h);
-      const double ratio = glm::distance(positions_[a], positions_[b]) / aim(a, b);
-      if (ratio > kTooLong) all.push_back({ratio, h});
+      const double ratio = square_of(positions_[b] - positions_[a], a, b);
+      if (ratio > kTooLong * kTooLong) all.push_back({ratio, h});
     }
     std::ranges::stable_sort(all, std::greater{}, &Long::ratio);
     std::vector<char> is_used(triangle_count(), 0);
@@ -155,7 +145,8 @@ class EvenNet {
     const std::optional<FacePlace> found = middle_place(h);
     if (!found) return false;
     const FacePlace& place = *found;
-    sizes_.push_back((sizes_[a] + sizes_[b]) / 2);
+    const glm::dmat3 between = (metrics_[a] + metrics_[b]) / 2.0;
+    metrics_.push_back(between);
     is_on_line_.push_back(wall_[h] >= 0);
     positions_.push_back(turns_over(h, guess_.at(place)) ? (positions_[a] + positions_[b]) / 2.0
                                                          : guess_.at(place));
@@ -263,9 +254,11 @@ class EvenNet {
     const std::int32_t under = opposite(twin_[h]);
     const glm::dvec3 &o = positions_[opposite(h)], &p = positions_[under];
     const glm::dvec3 up = glm::cross(a - o, b - o), down = glm::cross(b - p, a - p);
-    const double s = glm::length(up), r = glm::length(down);
+    const glm::dmat3 metric = metrics_[start_[h]] + metrics_[end_of(h)];
+    const Angle upper(a - o, b - o, metric), lower(a - p, b - p, metric);
     // cot + cot < 0: opposite angles of more than 180 degrees.
-    if (glm::dot(a - o, b - o) * r + glm::dot(a - p, b - p) * s >= -1e-3 * s * r) return false;
+    if (upper.cosine * lower.sine + lower.cosine * upper.sine >= -1e-3 * upper.sine * lower.sine)
+      return false;
     const glm::dvec3 left = glm::cross(a - o, p - o), right = glm::cross(b - p, o - p);
     const auto turns = [](const glm::dvec3& m, const glm::dvec3& n) {
       return !(glm::dot(m, n) >= kLeastSmoothCosine * glm::length(m) * glm::length(n));
@@ -470,6 +463,9 @@ class EvenNet {
     made.corner_places = corner_places();
     made.positions = std::move(positions_);
     made.places = std::move(places_);
+    made.doubts.reserve(topology_.corner_count());
+    for (std::int32_t c = 0; c < topology_.corner_count(); ++c)
+      made.doubts.push_back(guess_.doubt(c));
     made.source_faces = std::move(source_);
     made.triangles.resize(made.source_faces.size());
     for (std::size_t t = 0; t < made.triangles.size(); ++t)

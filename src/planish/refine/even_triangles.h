@@ -38,6 +38,7 @@ struct EvenTriangles {
   std::vector<FacePlace> places;         ///< of each further vertex, on the given mesh
   std::vector<FacePlace> corner_places;  ///< of each triangle's corner, on its side of lines
   std::vector<LinePart> lines;
+  std::vector<double> doubts;  ///< of the guess, 0 to 1, at each corner of the given triangles
 };
 
 /// Puts further vertices between the given ones, evenly on a smooth guess of the surface, so that

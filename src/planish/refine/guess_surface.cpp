@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <utility>
 
 #include "planish/core/parallel.h"
@@ -177,13 +178,20 @@ glm::dvec3 GuessSurface::blend(const FacePlace& place) const {
   return point;
 }
 
-double GuessSurface::largest_curvature(std::int32_t vertex) const {
-  double largest = 0;
+glm::dmat3 GuessSurface::turning(std::int32_t vertex) const {
+  glm::dmat3 turning(0);
+  double most = 0;
   for (const std::int32_t corner : topology_.corners_at(vertex)) {
-    const auto& [a, b, c] = jets_.jets[jets_.jet_of_corner[corner]].quadric;
-    largest = std::max(largest, std::abs(a + c) / 2 + std::hypot((a - c) / 2, b));
+    const VertexJet& jet = jets_.jets[jets_.jet_of_corner[corner]];
+    const auto& [a, b, c] = jet.quadric;
+    const double bending = a * a + 2 * b * b + c * c;
+    if (!(bending > most)) continue;
+    most = bending;
+    // Where e1 and e2 turn the normal to.
+    const glm::dvec3 u = a * jet.e1 + b * jet.e2, v = b * jet.e1 + c * jet.e2;
+    turning = glm::outerProduct(u, u) + glm::outerProduct(v, v);
   }
-  return largest;
+  return turning;
 }
 
 glm::dvec3 GuessSurface::at(const FacePlace& place) const {

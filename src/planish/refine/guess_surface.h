@@ -1,5 +1,6 @@
 #pragma once
 
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -20,8 +21,13 @@ class GuessSurface {
   /// Leaves a face flat from now on.
   void flatten(std::int32_t face) { is_flat_[face] = 1; }
   [[nodiscard]] bool is_flat(std::int32_t face) const { return is_flat_[face] != 0; }
-  /// Of the vertex' jets, in any direction.
-  [[nodiscard]] double largest_curvature(std::int32_t vertex) const;
+  /// Of the jet at a vertex that bends most: a way d along the surface turns its normal by
+  /// sqrt(d . turning d) radians.
+  [[nodiscard]] glm::dmat3 turning(std::int32_t vertex) const;
+  /// Of a corner's jet.
+  [[nodiscard]] double doubt(std::int32_t corner) const {
+    return jets_.jets[jets_.jet_of_corner[corner]].doubt;
+  }
 
  private:
   std::span<const glm::dvec3> positions_;

@@ -11,6 +11,7 @@
 
 #include "planish/core/parallel.h"
 #include "planish/mesh/angle_between.h"
+#include "planish/mesh/triangulate.h"
 
 namespace planish {
 namespace {
@@ -206,10 +207,51 @@ void order_by_hosts(EvenTriangles& even) {
   even = std::move(made);
 }
 
-}  // namespace
+// Quads have even rings of their own: they gain nothing.
+bool are_mostly_quads(const PolygonMesh& mesh) {
+  std::int64_t quads = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) quads += mesh.face_size(f) == 4;
+  return 2 * quads >= mesh.face_count();
+}
 
-std::optional<RefinedMesh> refine_mesh(const PolygonMesh& mesh, const PreparedMesh& prepared) {
-  if (!are_triangles(mesh)) return std::nullopt;
+// Larger faces in triangles; what rides on the mesh rides on.
+struct CutMesh {
+  PolygonMesh mesh;
+  std::vector<std::int32_t> source_faces;
+};
+
+CutMesh in_triangles(const PolygonMesh& mesh) {
+  CutMesh cut{mesh, {}};
+  PolygonMesh& to = cut.mesh;
+  to.face_offsets = {0};
+  for (auto* const list : {&to.face_vertices, &to.face_uvs, &to.face_groups, &to.hole_faces})
+    list->clear();
+  std::vector<std::int32_t> holes = mesh.hole_faces, places;
+  std::ranges::sort(holes);
+  std::vector<glm::dvec3> points;
+  std::vector<std::uint32_t> parts;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::span<const std::int32_t> face = mesh.face(f);
+    const std::int32_t first = mesh.face_offsets[f];
+    places.resize(face.size());
+    std::iota(places.begin(), places.end(), 0);
+    points.clear();
+    for (const std::int32_t v : face) points.push_back(mesh.positions[v]);
+    parts.resize(3 * (face.size() - 2));
+    triangulate(places, points, parts);
+    for (std::size_t i = 0; i < parts.size(); i += 3) {
+      to.add_face(std::array{face[parts[i]], face[parts[i + 1]], face[parts[i + 2]]});
+      for (std::size_t k = i; k < i + 3 && !mesh.face_uvs.empty(); ++k)
+        to.face_uvs.push_back(mesh.face_uvs[first + parts[k]]);
+      if (!mesh.face_groups.empty()) to.face_groups.push_back(mesh.face_groups[f]);
+      if (is_hole(holes, f)) to.hole_faces.push_back(to.face_count() - 1);
+      cut.source_faces.push_back(f);
+    }
+  }
+  return cut;
+}
+
+std::optional<RefinedMesh> refine_triangles(const PolygonMesh& mesh, const PreparedMesh& prepared) {
   std::vector<glm::dvec3> used(prepared.vertices.size());
   for (std::size_t i = 0; i < used.size(); ++i) used[i] = mesh.positions[prepared.vertices[i]];
   const Riders riders(mesh, prepared);
@@ -248,8 +290,27 @@ std::optional<RefinedMesh> refine_mesh(const PolygonMesh& mesh, const PreparedMe
   made.added.reserve(even.places.size());
   for (const FacePlace& place : even.places) {
     const std::span<const std::int32_t> v = prepared.topology->face(place.face);
-    made.added.push_back({{number(v[0]), number(v[1]), number(v[2])}, place.weights});
+    const auto doubts =
+        std::span(even.doubts).subspan(prepared.topology->first_corner(place.face), 3);
+    made.added.push_back({{number(v[0]), number(v[1]), number(v[2])},
+                          place.weights,
+                          glm::dot(place.weights, glm::dvec3(doubts[0], doubts[1], doubts[2]))});
   }
+  return made;
+}
+
+}  // namespace
+
+std::optional<RefinedMesh> refine_mesh(const PolygonMesh& mesh, const PreparedMesh& prepared) {
+  if (are_triangles(mesh)) return refine_triangles(mesh, prepared);
+  if (are_mostly_quads(mesh)) return std::nullopt;
+  CutMesh cut = in_triangles(mesh);
+  // A diagonal may run where the mesh has an edge.
+  const auto cut_prepared = prepare_if_sound(cut.mesh);
+  if (!cut_prepared) return std::nullopt;
+  std::optional<RefinedMesh> made = refine_triangles(cut.mesh, *cut_prepared);
+  if (!made) return std::nullopt;
+  for (std::int32_t& face : made->source_faces) face = cut.source_faces[face];
   return made;
 }
 

@@ -19,6 +19,7 @@ enum class RefineChoice { Auto, On, Off };
 struct AddedVertex {
   std::array<std::int32_t, 3> vertices;
   glm::dvec3 weights;  ///< their sum is 1
+  double doubt = 0;    ///< the share of the heights around that the guess does not tell, 0 to 1
 };
 
 /// A mesh with vertices added by make_even_triangles().
@@ -31,9 +32,10 @@ struct RefinedMesh {
   std::vector<AddedVertex> added;
 };
 
-/// Adds vertices to a mesh of triangles, whose tagged edges, borders of groups and holes, and seams
-/// of texture coordinates stay lines. Empty where a face is no triangle, or where none would be
-/// added. `prepared` is of `mesh`.
+/// Adds vertices to a mesh of triangles, into which larger polygons are cut; its tagged edges,
+/// borders of groups and holes, and seams of texture coordinates stay lines. Empty where half the
+/// faces and more are quads, whose rings are even, where polygons cannot be cut without an edge of
+/// three faces, or where none would be added. `prepared` is of `mesh`.
 [[nodiscard]] std::optional<RefinedMesh> refine_mesh(const PolygonMesh& mesh,
                                                      const PreparedMesh& prepared);
 

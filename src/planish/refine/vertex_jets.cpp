@@ -11,36 +11,62 @@ namespace planish {
 namespace {
 
 constexpr int kQuadric = 5, kCubic = 9;
-// Unknowns of a cubic are told from a quadric's by so many places.
-constexpr std::size_t kPlacesOfCubic = 14;
 // Directions that the places leave open, relative to the best known one, are left at 0.
 constexpr double kRidge = 1e-8;
 // Tangent of half the angle by which faces turn at most where they sample a smooth surface.
 constexpr double kSteepest = 0.577;
 constexpr int kTurns = 3;
+// Places behind 60 degrees of a ball say little of the surface here.
+constexpr double kMostStretched = 2;
+// Share of the fit at a place that others decide, at least.
+constexpr double kLeastOthers = 0.05;
+constexpr int kStretchRounds = 4;
 // Corners that are looked at beside a neighbour's, each way: linear time at hubs.
 constexpr int kWalk = 16;
 
 using Coefficients = std::array<double, kCubic>;
 
-// Solves (A^T A + ridge) s = A^T z, of which the upper half is given, in place.
-Coefficients solve(std::array<Coefficients, kCubic>& matrix, Coefficients right, int count) {
-  double trace = 0;
-  for (int i = 0; i < count; ++i) trace += matrix[i][i];
-  for (int i = 0; i < count; ++i) matrix[i][i] += kRidge * trace + 1e-300;
-  for (int k = 0; k < count; ++k) {
-    for (int i = k + 1; i < count; ++i) {
-      const double factor = matrix[k][i] / matrix[k][k];
-      for (int j = i; j < count; ++j) matrix[i][j] -= factor * matrix[k][j];
-      right[i] -= factor * right[k];
+// A^T A + ridge, of which the upper half is given, as U^T D^-1 U with D on U's diagonal.
+class Normal {
+ public:
+  Normal(const std::array<Coefficients, kCubic>& matrix, int first, int last)
+      : matrix_(matrix), first_(first), last_(last) {
+    double trace = 0;
+    for (int i = first; i < last; ++i) trace += matrix_[i][i];
+    for (int i = first; i < last; ++i) matrix_[i][i] += kRidge * trace + 1e-300;
+    for (int k = first; k < last; ++k)
+      for (int i = k + 1; i < last; ++i) {
+        const double factor = matrix_[k][i] / matrix_[k][k];
+        for (int j = i; j < last; ++j) matrix_[i][j] -= factor * matrix_[k][j];
+      }
+  }
+
+  // Of A^T z.
+  [[nodiscard]] Coefficients solve(Coefficients right) const {
+    reduce(right);
+    for (int i = last_ - 1; i >= first_; --i) {
+      for (int j = i + 1; j < last_; ++j) right[i] -= matrix_[i][j] * right[j];
+      right[i] /= matrix_[i][i];
     }
+    return right;
   }
-  for (int i = count - 1; i >= 0; --i) {
-    for (int j = i + 1; j < count; ++j) right[i] -= matrix[i][j] * right[j];
-    right[i] /= matrix[i][i];
+  // row (A^T A)^-1 row^T
+  [[nodiscard]] double leverage(Coefficients row) const {
+    reduce(row);
+    double sum = 0;
+    for (int i = first_; i < last_; ++i) sum += row[i] * row[i] / matrix_[i][i];
+    return sum;
   }
-  return right;
-}
+
+ private:
+  void reduce(Coefficients& right) const {
+    for (int k = first_; k < last_; ++k)
+      for (int i = k + 1; i < last_; ++i) right[i] -= matrix_[k][i] / matrix_[k][k] * right[k];
+  }
+
+  std::array<Coefficients, kCubic> matrix_;
+  int first_, last_;
+};
 
 void set_axes(VertexJet& jet) {
   const glm::dvec3 n = jet.normal;
@@ -77,7 +103,26 @@ class JetFitter {
     set_axes(jet);
     if (!(size > 0)) return jet;
     const std::vector<std::int32_t> ring = two_rings(sector, vertex);
-    for (int turn = 0; turn < kTurns; ++turn) turn_to(jet, ring, size, turn + 1 == kTurns);
+    const glm::dvec3 by_angle = jet.normal;
+    std::vector<Place> places = places_over(jet, ring, size);
+    const double untilted = least_squares(places, {2, kQuadric}).left;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const Coefficients s = best_of(places, 0).coefficients;
+      jet.normal = glm::normalize(jet.normal - s[0] * jet.e1 - s[1] * jet.e2);
+      set_axes(jet);
+      places = places_over(jet, ring, size);
+    }
+    const double tilted = best_of(places, 0).left;
+    const double tilt = believed(tilted, untilted);
+    jet.normal = glm::normalize(tilt * jet.normal + (1 - tilt) * by_angle);
+    set_axes(jet);
+    places = places_over(jet, ring, size);
+    const LeastSquares fit = best_of(places, 2);
+    const Coefficients& s = fit.coefficients;
+    const double share = believed(fit.left, least_squares(places, {0, 2}).left);
+    jet.doubt = 1 - share;
+    for (int i = 0; i < 3; ++i) jet.quadric[i] = share * s[2 + i] / size;
+    for (int i = 0; i < 4; ++i) jet.cubic[i] = share * s[5 + i] / (size * size);
     return jet;
   }
 
@@ -117,69 +162,76 @@ class JetFitter {
     return ring;
   }
 
-  void turn_to(VertexJet& jet, std::span<const std::int32_t> ring, double size,
-               bool is_last) const {
-    const int count = ring.size() >= kPlacesOfCubic ? kCubic : kQuadric;
-    std::vector<Place> places;
-    places.reserve(ring.size());
-    for (const std::int32_t other : ring)
-      places.push_back(place_of((positions_[other] - jet.origin) / size, jet));
-    const Coefficients s = least_squares(places, count);
-    if (!is_last) {
-      jet.normal = glm::normalize(jet.normal - s[0] * jet.e1 - s[1] * jet.e2);
-      set_axes(jet);
-      return;
-    }
-    const double share = explained(places, s, count);
-    for (int i = 0; i < 3; ++i) jet.quadric[i] = share * s[2 + i] / size;
-    if (count == kCubic)
-      for (int i = 0; i < 4; ++i) jet.cubic[i] = share * s[5 + i] / (size * size);
-  }
-
   // A neighbour, over the jet's plane in units of the mean edge.
   struct Place {
     Coefficients row;
     double height, square;  // of the weight
   };
+  // Those coefficients that are not 0, the first two of which tilt.
+  struct Unknowns {
+    int first, last;
+  };
+
+  [[nodiscard]] std::vector<Place> places_over(const VertexJet& jet,
+                                               std::span<const std::int32_t> ring,
+                                               double size) const {
+    std::vector<Place> places;
+    places.reserve(ring.size());
+    for (const std::int32_t other : ring)
+      places.push_back(place_of((positions_[other] - jet.origin) / size, jet));
+    return places;
+  }
 
   [[nodiscard]] static Place place_of(const glm::dvec3& to, const VertexJet& jet) {
-    const double x = glm::dot(to, jet.e1), y = glm::dot(to, jet.e2);
-    const double weight = 1 / (1 + x * x + y * y);
-    return {{x, y, x * x / 2, x * y, y * y / 2, x * x * x, x * x * y, x * y * y, y * y * y},
+    const double tilt1 = glm::dot(to, jet.e1), tilt2 = glm::dot(to, jet.e2);
+    const double flat = tilt1 * tilt1 + tilt2 * tilt2, square = glm::dot(to, to);
+    const double stretch = flat > 0 ? std::min(std::sqrt(square / flat), kMostStretched) : 1;
+    const double x = stretch * tilt1, y = stretch * tilt2;
+    const double weight = 1 / (1 + square);
+    return {{tilt1, tilt2, x * x / 2, x * y, y * y / 2, x * x * x, x * x * y, x * y * y, y * y * y},
             glm::dot(to, jet.normal),
             weight * weight};
   }
 
-  [[nodiscard]] static Coefficients least_squares(std::span<const Place> places, int count) {
+  struct LeastSquares {
+    Coefficients coefficients{};
+    double left = 0;  // what is left of each height by the fit to all others, squares
+  };
+
+  [[nodiscard]] static LeastSquares least_squares(std::span<const Place> places,
+                                                  Unknowns unknowns) {
     std::array<Coefficients, kCubic> matrix{};
     Coefficients right{};
     for (const auto& [row, height, square] : places) {
-      for (int i = 0; i < count; ++i) {
-        for (int j = i; j < count; ++j) matrix[i][j] += square * row[i] * row[j];
+      for (int i = unknowns.first; i < unknowns.last; ++i) {
+        for (int j = i; j < unknowns.last; ++j) matrix[i][j] += square * row[i] * row[j];
         right[i] += square * row[i] * height;
       }
     }
-    return solve(matrix, right, count);
-  }
-
-  // The share of the neighbours' heights over their best plane that a jet explains, 0 to 1, less
-  // what as many coefficients explain of noise: the adjusted coefficient of determination.
-  [[nodiscard]] static double explained(std::span<const Place> places, const Coefficients& jet,
-                                        int count) {
-    const Coefficients plane = least_squares(places, 2);
-    double of_plane = 0, of_jet = 0;
+    const Normal normal(matrix, unknowns.first, unknowns.last);
+    LeastSquares fit{normal.solve(right)};
+    // So few places are met by any heights.
+    const bool is_open = std::ssize(places) <= unknowns.last - unknowns.first;
     for (const auto& [row, height, square] : places) {
       double value = 0;
-      for (int i = 0; i < count; ++i) value += jet[i] * row[i];
-      const double flat = height - plane[0] * row[0] - plane[1] * row[1];
-      of_plane += square * flat * flat;
-      of_jet += square * (height - value) * (height - value);
+      for (int i = unknowns.first; i < unknowns.last; ++i) value += fit.coefficients[i] * row[i];
+      const double others = 1 - square * normal.leverage(row);
+      const double left = is_open ? height : (height - value) / std::max(others, kLeastOthers);
+      fit.left += square * left * left;
     }
-    const auto free = [&](int unknowns) {
-      return std::max(1.0, static_cast<double>(places.size()) - unknowns);
-    };
-    if (!(of_plane > 0)) return 0;
-    return std::clamp(1 - of_jet / free(count) / (of_plane / free(2)), 0.0, 1.0);
+    return fit;
+  }
+
+  // A cubic where it leaves less than a quadric.
+  [[nodiscard]] static LeastSquares best_of(std::span<const Place> places, int first) {
+    const LeastSquares quadric = least_squares(places, {first, kQuadric});
+    const LeastSquares cubic = least_squares(places, {first, kCubic});
+    return cubic.left < quadric.left ? cubic : quadric;
+  }
+
+  // How far what leaves so much is believed against what leaves more.
+  [[nodiscard]] static double believed(double left, double without) {
+    return without > 0 ? std::clamp(1 - left / without, 0.0, 1.0) : 0.0;
   }
 };
 
@@ -187,11 +239,16 @@ class JetFitter {
 
 glm::dvec3 VertexJet::on_jet(const glm::dvec3& place) const {
   const glm::dvec3 to = place - origin;
-  const double x = glm::dot(to, e1), y = glm::dot(to, e2);
-  const double z = quadric[0] * x * x / 2 + quadric[1] * x * y + quadric[2] * y * y / 2 +
-                   x * x * (cubic[0] * x + cubic[1] * y) + y * y * (cubic[2] * x + cubic[3] * y);
-  const double most = kSteepest * std::hypot(x, y);
-  return place + (std::clamp(z, -most, most) - glm::dot(to, normal)) * normal;
+  const double px = glm::dot(to, e1), py = glm::dot(to, e2);
+  const double flat = px * px + py * py, most = kSteepest * std::sqrt(flat);
+  double z = 0;
+  for (int round = 0; round < kStretchRounds && flat > 0; ++round) {
+    const double stretch = std::sqrt(1 + z * z / flat), x = stretch * px, y = stretch * py;
+    z = quadric[0] * x * x / 2 + quadric[1] * x * y + quadric[2] * y * y / 2 +
+        x * x * (cubic[0] * x + cubic[1] * y) + y * y * (cubic[2] * x + cubic[3] * y);
+    z = std::clamp(z, -most, most);
+  }
+  return place + (z - glm::dot(to, normal)) * normal;
 }
 
 VertexJets fit_vertex_jets(std::span<const glm::dvec3> positions, const MeshTopology& topology,
