@@ -9,6 +9,7 @@
 
 #include "planish/core/eigenvectors.h"
 #include "planish/core/parallel.h"
+#include "planish/core/stop.h"
 #include "planish/limit/patch_box.h"
 
 namespace planish {
