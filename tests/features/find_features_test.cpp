@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
 #include <set>
@@ -168,6 +169,30 @@ TEST(FindFeatures, FindsTheCornersOfSheets) {
                                 return glm::dvec3(x, y, 0.04 * (x - 4) * (x - 4) + 0.02 * x * y);
                               })),
             4u);
+}
+
+// Sides of one, two and three edges; above six an outline is as round as a circle's samples.
+TEST(FindFeatures, FindsTheCornersOfFlatOutlines) {
+  for (const std::int32_t sides : {3, 4, 5, 6, 8, 12}) {
+    for (std::int32_t edges = 1; edges <= 3; ++edges) {
+      PolygonMesh mesh;
+      std::vector<std::int32_t> face, corners;
+      const auto corner = [&](std::int32_t i) {
+        const double angle = 2 * M_PI * i / sides;
+        return glm::dvec3(std::cos(angle), std::sin(angle), 0);
+      };
+      for (std::int32_t i = 0; i < sides; ++i) {
+        if (sides <= 6) corners.push_back(mesh.vertex_count());
+        for (std::int32_t k = 0; k < edges; ++k) {
+          face.push_back(mesh.vertex_count());
+          mesh.positions.push_back(
+              glm::mix(corner(i), corner(i + 1), static_cast<double>(k) / edges));
+        }
+      }
+      mesh.add_face(face);
+      EXPECT_EQ(find_features(mesh).corners, corners) << sides << " sides of " << edges;
+    }
+  }
 }
 
 TEST(FindFeatures, FindsTipsAndNoPoles) {

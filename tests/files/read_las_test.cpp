@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "files/file_of.h"
@@ -179,6 +180,24 @@ TEST(ReadLas, NoiseAndWithheldPointsAreLeftOutAndCounted) {
     EXPECT_EQ(cloud.warnings[0].code, "noise-points");
     EXPECT_EQ(cloud.warnings[0].count, format == 6 ? 3 : 2);
   }
+}
+
+// Scanners and converters write the least number where a pulse has no place.
+TEST(ReadLas, PointsWithoutAPlaceAreLeftOutAndCounted) {
+  constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::min();
+  LasFile file{.format = 1};
+  file.points = {{.steps = {1, 2, 3}},
+                 {.steps = {kNone, 2, 3}},
+                 {.steps = {1, kNone, 3}},
+                 {.steps = {kNone + 1, 2, 3}},
+                 {.steps = {1, 2, kNone}, .kind = 7}};
+  const PointCloud cloud = las_of(file.bytes());
+  ASSERT_EQ(cloud.points.size(), 2u);
+  EXPECT_EQ(cloud.points[1].x, 0.001 * (kNone + 1.0));
+  EXPECT_EQ(cloud.missing_count, 2);
+  ASSERT_EQ(cloud.warnings.size(), 1u);
+  EXPECT_EQ(cloud.warnings[0].code, "noise-points");
+  EXPECT_EQ(cloud.warnings[0].count, 1);
 }
 
 TEST(ReadLas, ColoursOfEightBitsAreToldByTheBrightest) {

@@ -154,7 +154,7 @@ class CornerFinder {
     return own >= std::hypot(rules_.jump, rules_.spread * around);
   }
 
-  // Whether one side of the line is a plane with more corners than any triangle has.
+  // Whether one side of the line is a plane for sure.
   [[nodiscard]] bool bounds_plane(std::int32_t v) const {
     const std::span<const std::int32_t> corners = topology_.corners_at(v);
     std::size_t first = 0;
@@ -164,7 +164,7 @@ class CornerFinder {
       const std::int32_t corner = corners[(first + i) % corners.size()];
       if (i == 0 || is_line(topology_.edge_of(corner))) {
         found = found || (i > 0 && is_whole);
-        is_whole = map_.outlines.of(region_of(corner)).size() >= 4;
+        is_whole = map_.is_more_than_a_facet(region_of(corner));
       } else {
         const std::int32_t before = corners[(first + i - 1) % corners.size()];
         is_whole = is_whole && region_of(corner) == region_of(before);

@@ -200,8 +200,7 @@ bool SegmentJumps::is_plane(std::int32_t region) const {
 }
 
 bool SegmentJumps::is_told(std::int32_t region) const {
-  return is_plane(region) &&
-         (map_.outlines.of(region).size() > 3 || map_.regions[region].facet < 0.5);
+  return is_plane(region) && map_.is_more_than_a_facet(region);
 }
 
 bool SegmentJumps::is_between_planes(std::int32_t segment) const {

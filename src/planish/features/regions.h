@@ -52,6 +52,11 @@ struct RegionMap {
     const auto& [a, b] = segments[segment].regions;
     return a == region ? b : a;
   }
+  /// Whether it tells of a plane, as no triangle of a smooth surface does: by more sides, or by
+  /// being so large.
+  [[nodiscard]] bool is_more_than_a_facet(std::int32_t region) const {
+    return outlines.of(region).size() > 3 || regions[region].facet < 0.5;
+  }
 };
 
 /// Without regions where the mesh is closed, has no tags, and no edge of it turns.

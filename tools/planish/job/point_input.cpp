@@ -80,7 +80,8 @@ std::string geographic_hint(const PointCloud& cloud) {
   }
   const glm::dvec3 size = high - low;
   const bool may_be_degrees = low.x >= -180 && high.x <= 180 && low.y >= -90 && high.y <= 90;
-  if (!may_be_degrees || kLeastHeights * std::max(size.x, size.y) > size.z) return {};
+  const bool are_flat = kLeastHeights * std::max(size.x, size.y) > size.z || size.z == 0;
+  if (!may_be_degrees || are_flat) return {};
   return formatted(
       "; x from {} and y from {} look geographic, degrees of longitude and latitude: "
       "project them to metres first (\"pdal translate\" with filters.reprojection)",
@@ -97,10 +98,12 @@ Reconstruction reconstruct_input(const PointInput& input, const ReconstructOptio
         {.code = "missing-points",
          .message =
              input.name + ": " + counted(input.cloud.missing_count, "point") +
-             (input.format == FileFormat::Ptx  ? " at the scanner's own place or not numbers, "
-                                                 "where it saw nothing: left out"
-              : input.cloud.missing_count == 1 ? " is not a number and left out"
-                                               : " are not numbers and left out"),
+             (input.format == FileFormat::Ptx   ? " at the scanner's own place or not numbers, "
+                                                  "where it saw nothing: left out"
+              : input.format == FileFormat::Las ? " with the least 32-bit number for a coordinate, "
+                                                  "which stands for none: left out"
+              : input.cloud.missing_count == 1  ? " is not a number and left out"
+                                                : " are not numbers and left out"),
          .count = input.cloud.missing_count});
   try {
     return reconstruct(input.cloud, mesher, options);

@@ -216,6 +216,13 @@ glm::dvec3 LasRecord::position() const {
   return glm::dvec3(steps(0), steps(1), steps(2)) * header_.scale + header_.offset;
 }
 
+bool LasRecord::has_place() const {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (load<std::int32_t>(bytes_.subspan(4 * axis)) == std::numeric_limits<std::int32_t>::min())
+      return false;
+  return true;
+}
+
 int LasRecord::classification() const {
   if (header_.has_wide_records()) return std::to_integer<int>(bytes_[16]);
   return std::to_integer<int>(bytes_[15]) & 0x1f;

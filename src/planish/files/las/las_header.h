@@ -45,6 +45,8 @@ class LasRecord {
   [[nodiscard]] int classification() const;
   /// Marked as not to be used.
   [[nodiscard]] bool is_withheld() const;
+  /// Whether it has a place: no coordinate is the least 32-bit number, which stands for none.
+  [[nodiscard]] bool has_place() const;
   /// Withheld, or classified as noise.
   [[nodiscard]] bool is_left_out() const;
   [[nodiscard]] std::uint16_t source() const;

@@ -53,7 +53,7 @@ std::string class_name(int number) {
 
 // What is to be known before points are placed.
 struct PieceSurvey {
-  std::int64_t kept = 0;
+  std::int64_t kept = 0, missing = 0;
   std::uint16_t brightest = 0;  // of all channels
   bool has_intensity = false;
 };
@@ -74,6 +74,7 @@ class LasReader {
     bool has_intensity = false;
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
       first[p + 1] = first[p] + pieces_[p].kept;
+      cloud_.missing_count += pieces_[p].missing;
       brightest = std::max(brightest, pieces_[p].brightest);
       has_intensity |= pieces_[p].has_intensity;
     }
@@ -86,7 +87,7 @@ class LasReader {
       auto to = static_cast<std::size_t>(first[piece]);
       for (std::size_t i = begin; i < end; ++i) {
         const LasRecord record = las_record(header_, file_.bytes, i);
-        if (record.is_left_out()) continue;
+        if (record.is_left_out() || !record.has_place()) continue;
         cloud_.points[to] = record.position();
         if (brightest > 0) cloud_.colors[to] = color_of(record, white);
         if (has_intensity) cloud_.attributes[0].values[to] = record.intensity();
@@ -115,6 +116,10 @@ class LasReader {
       for (std::size_t i = begin; i < end; ++i) {
         const LasRecord record = las_record(header_, file_.bytes, i);
         if (record.is_left_out()) continue;
+        if (!record.has_place()) {
+          ++survey.missing;
+          continue;
+        }
         ++survey.kept;
         survey.has_intensity |= record.intensity() > 0;
         if (header_.color_begin == 0) continue;
@@ -140,7 +145,8 @@ class LasReader {
   }
 
   void warn_of_left_out() {
-    const std::int64_t left_out = header_.point_count - std::ssize(cloud_.points);
+    const std::int64_t left_out =
+        header_.point_count - std::ssize(cloud_.points) - cloud_.missing_count;
     if (left_out == 0) return;
     cloud_.warnings.push_back(
         {.code = "noise-points",
