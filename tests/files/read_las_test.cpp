@@ -120,12 +120,12 @@ TEST(ReadLas, EveryVersionAndFormatGivesPlacesAndColours) {
                            .spare = spare,
                            .records = {},
                            .points = {{.steps = {1, -2, 2147483647}, .color = {65535, 0, 0}},
-                                      {.steps = {0, 0, -2147483647 - 1}, .color = {0, 0, 65535}}},
+                                      {.steps = {0, 0, -2147483647}, .color = {0, 0, 65535}}},
                            .scale = {0.5, 2, 1},
                            .offset = {10, 0, -1}};
         const PointCloud cloud = las_of(file.bytes());
         EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(10.5, -4, 2147483646.0),
-                                              glm::dvec3(10, 0, -2147483649.0)));
+                                              glm::dvec3(10, 0, -2147483648.0)));
         EXPECT_TRUE(cloud.warnings.empty());
         ASSERT_EQ(cloud.attributes.size(), 1u);
         EXPECT_EQ(cloud.attributes[0].name, "intensity");
