@@ -201,11 +201,12 @@ void ChartField<Vector>::cut(std::int32_t vertex, std::span<const Integral> face
   for (std::size_t i = 0; i < n; ++i) {  // between i and the corner behind it
     const std::size_t next = i + 1 < n ? i + 1 : 0;
     const bool joined = topology_.ccw(corners[i]) == corners[next] && n > 1;
-    const bool is_mirrored =
-        faces[topology_.face_of(corners[i])].turn * faces[topology_.face_of(corners[next])].turn <
-        0;
-    if (!joined || is_mirrored || is_seam(corners[i], corners[next])) {
+    if (!joined || is_seam(corners[i], corners[next])) {
       around.is_seam[next] = 1, ++seams;
+      // Mirrored charts go on the other way.
+      const bool is_mirrored =
+          faces[topology_.face_of(corners[i])].turn * faces[topology_.face_of(corners[next])].turn <
+          0;
       around.is_moved[next] = joined && !is_mirrored && is_moved(corners[i], corners[next]);
       if (!begins_at_seam) first = next, begins_at_seam = true;
     }

@@ -27,13 +27,13 @@ namespace planish {
 /// function of the place on flat faces, it is the same function on their flat surface. Given
 /// vertices keep their values.
 ///
-/// A chart is made of faces whose values agree along the edges between them and turn the same way:
-/// where a texture is mirrored, a chart ends. Control values are those of an affine map of the
-/// control points around a vertex, one for all faces of a chart that lie between sharp edges there;
-/// past the chart's border its map goes on, so that on both sides of a seam the border is the same
-/// curve on the surface. Where charts differ by a translation alone, as a texture that goes once
-/// around does from its end to its beginning, they have one gradient there, as if there were no
-/// seam. Curve points go by the chart's values along the curve: a straight border stays straight.
+/// A chart is made of faces whose values agree along the edges between them. Control values are
+/// those of an affine map of the control points around a vertex, one for all faces of a chart that
+/// lie between sharp edges there; past the chart's border its map goes on, so that on both sides of
+/// a seam the border is the same curve on the surface. Where charts differ by a translation alone,
+/// as a texture that goes once around does from its end to its beginning, they have one gradient
+/// there, as if there were no seam. Curve points go by the chart's values along the curve: a
+/// straight border stays straight.
 ///
 /// The field must not fold where the values at the corners do not: the map of a chart around a
 /// vertex is shrunk towards the vertex's value until each control value lies in its own quarter of
