@@ -23,11 +23,12 @@ def test_results_are_the_commands_to_the_last_bit(scene, method, scenes, command
     }
     # Sheets that repair separates, which these scenes do not have, are the report's own.
     assert report["surface"].pop("sheet_gap") is None
-    assert fit.quality(2) == report["surface"]
+    level = report["surface"]["level"]
+    assert fit.quality(level) == report["surface"]
     planish.write(tmp_path / "python.ply", fit)
     assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "command.ply").read_bytes()
     # Text holds every digit of a double.
-    planish.write(tmp_path / "evaluated.obj", fit.evaluate(2))
+    planish.write(tmp_path / "evaluated.obj", fit.evaluate(level))
     command(path, "-o", tmp_path / "command.obj", "--interpolation", method)
     assert (tmp_path / "evaluated.obj").read_bytes() == (tmp_path / "command.obj").read_bytes()
 
