@@ -114,15 +114,15 @@ class Table {
   std::vector<std::string> wrong_;
 };
 
-void add_mesh(const Case& what, RefineChoice refine, Backend& backend, Table& table) {
-  MeshFitOptions before, now;
-  now.refine = refine;
+void add_mesh(const Case& what, Backend& backend, Table& table) {
+  MeshFitOptions before;
+  before.refine = RefineChoice::Off;
   before.chooses_creases = false;
   before.quads = QuadChoice::Off;
   std::vector<Outcome> others;
   for (const auto& [flags, options] : mesh_flags())
     others.push_back(fitted(what, flags, options, backend));
-  table.add(what, fitted(what, "", before, backend), fitted(what, "", now, backend), others);
+  table.add(what, fitted(what, "", before, backend), fitted(what, "", {}, backend), others);
 }
 
 struct Cloud {
@@ -254,16 +254,16 @@ std::vector<Case> parts() {
 }  // namespace
 
 std::vector<std::string> print_default_table(const std::vector<NamedCase>& meshes,
-                                             const Mesher* mesher, RefineChoice refine) {
+                                             const Mesher* mesher) {
   constexpr std::int32_t kMostVertices = 5000;
   const auto backend = make_cpu_backend();
   Table table;
   for (const NamedCase& named : meshes) {
     const Case made = named.make();
     if (made.mesh.vertex_count() <= kMostVertices && (made.truth || made.has_smooth_source))
-      add_mesh(made, refine, *backend, table);
+      add_mesh(made, *backend, table);
   }
-  for (const Case& part : parts()) add_mesh(part, refine, *backend, table);
+  for (const Case& part : parts()) add_mesh(part, *backend, table);
   if (mesher != nullptr)
     for (const Cloud& cloud : noisy_clouds()) add_cloud(cloud, *mesher, *backend, table);
   return table.finish();

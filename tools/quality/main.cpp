@@ -29,7 +29,7 @@ struct Arguments {
   std::vector<std::string> only, except;
   std::string folder;  // where meshes are written instead of being measured
   bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
-       defaults = false, creases = false, refine = false, irregular = false;
+       defaults = false, creases = false, irregular = false;
   IrregularOptions of_irregular;
   std::vector<std::string> files;
 };
@@ -118,8 +118,7 @@ std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
   if (arguments.defaults) {
     const auto program = find_mesher_program();
     const Mesher mesher = program ? mesher_process(*program) : Mesher();
-    return print_default_table(cases, program && !arguments.smoke ? &mesher : nullptr,
-                               arguments.refine ? RefineChoice::Auto : RefineChoice::Off);
+    return print_default_table(cases, program && !arguments.smoke ? &mesher : nullptr);
   }
   print_head();
   std::vector<std::string> wrong;
@@ -167,9 +166,6 @@ int main(int argc, char** argv) {
                "which surface is taken by measurement, and which is nearer to the shape");
   app.add_flag("--defaults", arguments.defaults,
                "what comes out without a flag, beside the best of all flags");
-  app.add_flag(
-      "--refine", arguments.refine,
-      "with --defaults: vertices are added to uneven triangles (planish fit --refine auto)");
   CLI::Option* irregular = app.add_flag(
       "--irregular", arguments.irregular,
       "facets of meshes of uneven triangles, against their shapes and those of manifold-3d");
