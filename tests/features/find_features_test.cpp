@@ -200,9 +200,10 @@ TEST(FindFeatures, FindsTipsAndNoPoles) {
     for (const double h : {1.0, 2.0, 4.0})
       EXPECT_EQ(find_features(cone(n, h)).corners, (std::vector<std::int32_t>{n}))
           << n << " x " << h;
-  for (const FeatureCase& shape : all_cases())
-    if (shape.name.starts_with("sphere") || shape.name.starts_with("ico"))
-      EXPECT_THAT(find_features(shape.mesh).corners, ::testing::IsEmpty()) << shape.name;
+  for (const FeatureCase& shape : all_cases()) {
+    if (!shape.name.starts_with("sphere") && !shape.name.starts_with("ico")) continue;
+    EXPECT_THAT(find_features(shape.mesh).corners, ::testing::IsEmpty()) << shape.name;
+  }
 }
 
 TEST(FindFeatures, TakesTagsAsTheyAre) {

@@ -29,10 +29,26 @@ class CornerFinder {
     return bends;
   }
 
-  [[nodiscard]] std::vector<std::int32_t> find() const {
-    std::vector<std::int32_t> corners;
+  // What is a corner explains nothing: jumps are taken again beside it.
+  [[nodiscard]] std::vector<std::int32_t> find() {
+    std::vector<std::int32_t> corners, found;
     for (std::int32_t v = 0; v < topology_.vertex_count(); ++v)
-      if (turns_[v] > 0 ? jumps_at(v) : count_[v] == 0 && is_tip(v)) corners.push_back(v);
+      if (turns_[v] > 0 ? jumps_at(v) : count_[v] == 0 && is_tip(v)) found.push_back(v);
+    while (!found.empty()) {
+      corners.insert(corners.end(), found.begin(), found.end());
+      for (const std::int32_t v : found) is_corner_[v] = 1;
+      std::vector<std::int32_t> beside;
+      for (const std::int32_t v : found)
+        if (count_[v] == 2)
+          for (const std::int32_t end : ends_[v]) beside.push_back(go(v, end).vertex);
+      std::ranges::sort(beside);
+      beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+      found.clear();
+      for (const std::int32_t v : beside)
+        if (is_corner_[v] == 0 && count_[v] == 2 && turns_[v] > 0 && jumps_at(v))
+          found.push_back(v);
+    }
+    std::ranges::sort(corners);
     return corners;
   }
 
@@ -49,6 +65,13 @@ class CornerFinder {
   std::vector<std::array<std::int32_t, 2>> ends_;
   std::vector<double> turns_;
   std::vector<glm::dvec3> axes_;
+
+  std::vector<char> is_corner_;  // by vertex
+
+  // Whether a line goes on there, as far as is known.
+  [[nodiscard]] bool is_smooth(std::int32_t v) const {
+    return count_[v] == 2 && is_corner_[v] == 0;
+  }
 
   [[nodiscard]] glm::dvec3 at(std::int32_t vertex) const { return mesh_.positions[vertex]; }
 
@@ -67,6 +90,7 @@ class CornerFinder {
     ends_.assign(count, {-1, -1});
     turns_.assign(count, 0);
     axes_.assign(count, glm::dvec3(0.0));
+    is_corner_.assign(count, 0);
     for (std::int32_t e = 0; e < topology_.edge_count(); ++e) {
       if (!is_line(e)) continue;
       const auto [a, b] = topology_.edge_vertices(e);
@@ -126,7 +150,7 @@ class CornerFinder {
 
   [[nodiscard]] Explained explained(std::int32_t v, int side, double width_before) const {
     const Way way = go(v, ends_[v][side]);
-    if (count_[way.vertex] != 2 || way.vertex == v) return {};
+    if (!is_smooth(way.vertex) || way.vertex == v) return {};
     const glm::dvec3 axis = side == 1 ? axes_[v] : -axes_[v];
     const double turn = signed_turn(way.vertex, axis, way.from);
     if (turn <= 0) return {};
@@ -148,7 +172,7 @@ class CornerFinder {
     double around = 0;
     for (const std::int32_t end : ends_[v]) {
       const Way way = go(v, end);
-      if (count_[way.vertex] == 2 && turns_[way.vertex] > 0)
+      if (is_smooth(way.vertex) && turns_[way.vertex] > 0)
         around = std::max(around, jump(way.vertex));
     }
     return own >= std::hypot(rules_.jump, rules_.spread * around);
