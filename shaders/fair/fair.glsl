@@ -25,7 +25,7 @@ FairVertex fetch_FairVertex(usamplerBuffer from, uint i) {
   int first = 3 * int(i);
   uvec4 a = texelFetch(from, first), b = texelFetch(from, first + 1);
   uvec4 c = texelFetch(from, first + 2);
-  return FairVertex(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, 0u);
+  return FairVertex(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w);
 }
 FairPlace fetch_FairPlace(usamplerBuffer from, uint i) {
   uvec4 a = texelFetch(from, int(i));

@@ -64,6 +64,20 @@ float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {
   return max(ring_min(factor), kLeastCorridorFactor);
 }
 
+// Square of the sine between planes: below it they have no line in common.
+const float kParallelPlanes = 1e-4;
+
+// The handle in the planes of the vertex's sectors.
+vec3 in_planes(FairCrease crease, vec3 handle) {
+  if (crease.plane0 == 0u) return handle;
+  vec3 normal = face_normals_at(crease.plane0 - 1u).xyz;
+  vec3 flat_handle = handle - dot(handle, normal) * normal;
+  if (crease.plane1 == 0u) return flat_handle;
+  vec3 line = cross(normal, face_normals_at(crease.plane1 - 1u).xyz);
+  float square = dot(line, line);
+  return square > kParallelPlanes ? dot(handle, line) / square * line : flat_handle;
+}
+
 void main() {
   FOR_ELEMENTS(i) {
     uint c = kShared ? creases[i].large : i;
@@ -84,6 +98,7 @@ void main() {
       handle = (1.0 - chord_share) * (arms.before - arms.after) / 2.0 +
                chord_share * chord_handle(arms);
     }
+    handle = in_planes(crease, handle);
     handle *= corridor_factor(crease, own, handle);
     if (!leads()) continue;
     shifts[c] = vec4(shift, share);

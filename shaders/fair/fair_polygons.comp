@@ -176,7 +176,7 @@ void build_polygon(uint v, FairVertex vertex) {
   float share = vertex.count > 2u ? shares_at(v) : 1.0;
   if (share < 1.0) {
     build_local(ring);
-    if (vertex.regular != 0u) add_twist(ring);
+    if (vertex.regular != 0u && vertex.plane == 0u) add_twist(ring);
   }
   vec3 mean = vec3(0.0);
   FOR_RING(i, vertex.first, vertex.count) mean += offsets_at(places_at(i).corner).xyz;

@@ -1,4 +1,5 @@
-// The unit normal of every sector at a crease or boundary vertex: its corners' weighted by angles.
+// The unit normal of every sector at a crease or boundary vertex: its corners' weighted by angles, or
+// that of the plane there.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -17,7 +18,9 @@ void main() {
     FairSector sector = sectors[s];
     if (!is_walked(sector.count)) continue;
     vec3 origin = given_at(sector.vertex).xyz;
-    vec3 normal = angle_weighted_normal(origin, sector.first, sector.count);
+    vec3 normal = sector.plane != 0u
+                      ? face_normals_at(sector.plane - 1u).xyz
+                      : angle_weighted_normal(origin, sector.first, sector.count);
     if (leads()) normals[s] = vec4(normal, 0.0);
   }
 }

@@ -46,7 +46,7 @@ float share_of_imbalance(float rho) {
 }
 
 float share_of(uint v, FairVertex vertex) {
-  if (vertex.regular == 0u || vertex.kind == kCorner) return 0.0;
+  if (vertex.regular == 0u || vertex.kind == kCorner || vertex.plane != 0u) return 0.0;
   vec3 own = given_at(v).xyz;
   if (vertex.kind == kCrease)
     return share_of_imbalance(arm_imbalance(CreaseArms((given_at(vertex.before).xyz - own) / 4.0,

@@ -1,4 +1,5 @@
-// The unit normal at every vertex: its corners' normals weighted by their angles.
+// The unit normal at every vertex: its corners' normals weighted by their angles, or that of the plane
+// there.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -16,7 +17,9 @@ void main() {
     uint v = ELEMENT(vertices_at, i);
     FairVertex vertex = vertices_at(v);
     if (!is_walked(vertex.count)) continue;
-    vec3 normal = angle_weighted_normal(given_at(v).xyz, vertex.first, vertex.count);
+    vec3 normal = vertex.plane != 0u
+                      ? face_normals_at(vertex.plane - 1u).xyz
+                      : angle_weighted_normal(given_at(v).xyz, vertex.first, vertex.count);
     if (leads()) normals[v] = vec4(normal, 0.0);
   }
 }

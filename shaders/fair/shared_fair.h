@@ -11,7 +11,8 @@ namespace planish::vulkan::shared {
 // lane: kSummedRing of doosabin/face_rule.h.
 PLANISH_SHARED_CONSTANT kLargeRing = 32u;
 
-// The fair construction: topology records, see FairTopology. Indices of control points are those of
+// The fair construction: topology records, see FairTopology; those that every vertex, corner, face
+// or edge has are whole texels. Indices of control points are those of
 // the state of level 1, whose first points are the corners'.
 struct FairVertex {
   uint first;  // of its places: corners around it, counter-clockwise
@@ -23,7 +24,7 @@ struct FairVertex {
   uint circle;          // where the unit circle has the regular polygon of `count` points
   uint near_curve;      // 1: within two edges of a crease, boundary or corner vertex
   uint large;           // of the i-th vertex: the i-th that has kLargeRing corners and more
-  uint unused;          // records that every vertex, corner or face has are whole texels
+  uint plane;           // 1 + a face of the plane that is kept there; 0: none
 };
 struct FairPlace {
   uint corner;
@@ -50,8 +51,9 @@ struct FairCrease {
   uint vertex;
   uint before, after;
   uint curve0, curve1;
-  uint first, count;  // of its places
-  uint large;         // as of faces
+  uint first, count;    // of its places
+  uint large;           // as of faces
+  uint plane0, plane1;  // of its sectors, as of vertices; the first ones that have any
 };
 struct FairSector {
   uint vertex;
@@ -60,6 +62,7 @@ struct FairSector {
   uint crease;
   uint handle;  // control point on the curve before its vertex's first sector
   uint large;   // as of faces
+  uint plane;   // as of vertices
 };
 struct FairCurvePoint {
   uint vertex, other;

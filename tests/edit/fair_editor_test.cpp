@@ -11,6 +11,7 @@ struct FairEditCase {
       : mesh(std::move(given)), backend(make_cpu_backend()) {
     options.fit.method = InterpolationMethod::Fair;
     options.fit.polish_steps = polish_steps;
+    options.fit.keeps_planes = true;
     first = fit(mesh, *backend, options.fit);
   }
   // From scratch, with the decisions of the first pose.
@@ -33,7 +34,8 @@ std::vector<NamedMesh> fair_meshes() {
   return {{"torus", torus(80, 60, 1, 0.4)},
           {"sphere", jittered(icosphere(4), 0.3, 4)},
           {"creased", with_random_creases(jittered(icosphere(4), 0.2, 2), 0.05, 3)},
-          {"open", with_random_creases(jittered(flat_grid(60, 60), 0.2, 5), 0.03, 6)}};
+          {"open", with_random_creases(jittered(flat_grid(60, 60), 0.2, 5), 0.03, 6)},
+          {"planes", rounded_box({1, 0.7, 0.4}, 0.3, 24)}};
 }
 
 PolygonMesh moved_at_random(Editor& editor, const FairEditCase& c, double part, int moves) {

@@ -9,6 +9,8 @@
 #include "fair/cure_meshes.h"
 #include "fair/fair_case.h"
 #include "planish/doosabin/vertex_ring.h"
+#include "planish/fair/plane_places.h"
+#include "planish/mesh/area_vector.h"
 #include "support/delaunay_sphere.h"
 #include "support/random_meshes.h"
 
@@ -77,6 +79,45 @@ TEST(FairNet, DartsHaveTheirCurvePointMidway) {
   }
   EXPECT_GT(darts, cured);
   EXPECT_GT(cured, 0);
+}
+
+bool is_beside(const FairCase& c, int32_t corner, const dvec3& normal) {
+  const dvec3 own = area_vector(c.given, c.mesh.face(c.split.topology().face_of(corner)));
+  return glm::dot(own, normal) > 0.5 * glm::length(own);
+}
+
+// Inside the surface, at boundaries and at creases that lead from a plane to a round.
+TEST(FairNet, KeepsPlanesUpToTheirBorders) {
+  for (const PolygonMesh& mesh :
+       {rounded_box({1, 0.7, 0.4}, 0.3, 4), plane_and_quarter_round(), slot(6)}) {
+    const FairCase c(mesh);
+    const std::vector<KeptPlane> planes = kept_planes(c.mesh, c.subdivision);
+    EXPECT_GE(planes.size(), 4U);
+    const auto farthest = [&](const FairNet& net) {
+      double most = 0;
+      for (const auto& [vertex, face] : planes) {
+        const dvec3 normal = glm::normalize(area_vector(c.given, c.mesh.face(face)));
+        for (const int32_t corner : c.split.topology().corners_at(vertex))
+          if (is_beside(c, corner, normal))
+            most = std::max(most, std::abs(glm::dot(normal, net.state[corner] - c.given[vertex])));
+      }
+      return most;
+    };
+    const FairNet net =
+        fair_net(c.mesh, c.subdivision, c.given, {.polish_steps = 8, .planes = planes});
+    EXPECT_LT(interpolation_error(c, net.state), 1e-15);
+    EXPECT_LT(farthest(net), 1e-15);
+    EXPECT_GT(farthest(c.net(8)), 1e-3);
+    EXPECT_EQ(net.decisions.planes, planes);
+    const FairNet again =
+        fair_net(c.mesh, c.subdivision, c.given, {.polish_steps = 8, .decisions = &net.decisions});
+    EXPECT_EQ(again.state, net.state);
+    FairDecisions others = net.decisions;
+    others.planes.back().face = c.mesh.face_count();
+    EXPECT_THROW(
+        (void)fair_net(c.mesh, c.subdivision, c.given, {.polish_steps = 8, .decisions = &others}),
+        Error);
+  }
 }
 
 TEST(FairNet, TurnsMovesAndScalesWithTheMesh) {

@@ -1,5 +1,6 @@
 #include "support/meshes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -203,6 +204,70 @@ PolygonMesh cube_with_split_edges() {
     faces.push_back(octagon);
   }
   return make_mesh(positions, faces);
+}
+
+PolygonMesh rounded_box(const dvec3& half, double radius, int steps) {
+  PolygonMesh mesh;
+  std::map<std::array<std::int64_t, 3>, int32_t> vertices;
+  const auto add = [&](const dvec3& p) {
+    const auto key = [](double x) { return std::llround(x * 1e9); };
+    const auto [at, is_new] = vertices.try_emplace({key(p.x), key(p.y), key(p.z)},
+                                                   static_cast<int32_t>(mesh.positions.size()));
+    if (is_new) mesh.positions.push_back(p);
+    return at->second;
+  };
+  // Quarter by quarter: both ends of each, between which the planes lie.
+  const int columns = 4 * (steps + 1), rows = 2 * (steps + 1);
+  const auto angle = [&](int i) { return std::numbers::pi / 2 * (i % (steps + 1)) / steps; };
+  const auto at = [&](int row, int column) {
+    column %= columns;
+    const int turn = column / (steps + 1), upper = row / (steps + 1);
+    const double around = std::numbers::pi / 2 * turn + angle(column);
+    const double up = angle(row) - (upper == 0 ? std::numbers::pi / 2 : 0);
+    const dvec3 centre(turn % 3 == 0 ? half.x : -half.x, turn < 2 ? half.y : -half.y,
+                       upper == 0 ? -half.z : half.z);
+    return add(centre + radius * dvec3(std::cos(up) * std::cos(around),
+                                       std::cos(up) * std::sin(around), std::sin(up)));
+  };
+  const auto add_face = [&](const std::vector<int32_t>& corners) {
+    std::vector<int32_t> face;
+    for (const int32_t v : corners)
+      if (std::ranges::find(face, v) == face.end()) face.push_back(v);
+    if (face.size() > 2) mesh.add_face(face);
+  };
+  for (int row = 0; row + 1 < rows; ++row)
+    for (int i = 0; i < columns; ++i)
+      add_face({at(row, i), at(row, i + 1), at(row + 1, i + 1), at(row + 1, i)});
+  std::vector<int32_t> bottom, top;
+  for (int i = 0; i < columns; ++i) {
+    bottom.push_back(at(0, columns - 1 - i));
+    top.push_back(at(rows - 1, i));
+  }
+  add_face(bottom);
+  add_face(top);
+  return mesh;
+}
+
+PolygonMesh slot(int steps) {
+  PolygonMesh mesh;
+  const int count = 2 * (steps + 1);
+  for (const double z : {0.0, 1.0})
+    for (int i = 0; i < count; ++i) {
+      const int side = i / (steps + 1);
+      const double angle = std::numbers::pi * (side - 0.5 + double(i % (steps + 1)) / steps);
+      mesh.positions.emplace_back(std::cos(angle) + (side == 0 ? 1 : -1), std::sin(angle), z);
+    }
+  std::vector<int32_t> bottom, top;
+  for (int i = 0; i < count; ++i) {
+    const int j = (i + 1) % count;
+    mesh.add_face(std::array{i, j, count + j, count + i});
+    mesh.creases.insert(mesh.creases.end(), {{i, j}, {count + i, count + j}});
+    bottom.push_back(count - 1 - i);
+    top.push_back(count + i);
+  }
+  mesh.add_face(bottom);
+  mesh.add_face(top);
+  return mesh;
 }
 
 }  // namespace planish::test

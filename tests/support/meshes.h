@@ -36,6 +36,14 @@ using FaceList = std::vector<std::vector<std::int32_t>>;
 [[nodiscard]] PolygonMesh torus(int around, int across, double major, double minor);
 /// 10 * 4^level + 2 vertices on the unit sphere.
 [[nodiscard]] PolygonMesh icosphere(int level);
+/// A box of the half sizes `half` and all that is nearer to it than `radius`: six planes, between
+/// them parts of cylinders and of spheres in so many steps a quarter.
+[[nodiscard]] PolygonMesh rounded_box(const glm::dvec3& half, double radius, int steps);
+/// Two planes with a quarter round of six steps between them, all along as wide.
+[[nodiscard]] PolygonMesh plane_and_quarter_round();
+/// Two half rounds of so many steps and two planes between them, and a face below and above behind
+/// edges that are tagged.
+[[nodiscard]] PolygonMesh slot(int steps);
 /// The cube with a vertex in the middle of every edge: octagons and valence 2.
 [[nodiscard]] PolygonMesh cube_with_split_edges();
 

@@ -108,4 +108,13 @@ PolygonMesh bent_sheets() {
   return mesh;
 }
 
+PolygonMesh plane_and_quarter_round() {
+  return grid(8, 1, [](double step, double y) {
+    const double angle = std::numbers::pi / 12 * (step - 1);
+    return step == 0   ? dvec3(-2, y, 1)
+           : step == 8 ? dvec3(1, y, -2)
+                       : dvec3(std::sin(angle), y, std::cos(angle));
+  });
+}
+
 }  // namespace planish::test

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "planish/fair/fair_builder.h"
+#include "planish/fair/plane_places.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/level_one.h"
 #include "support/delaunay_sphere.h"
@@ -165,6 +166,30 @@ TEST_F(FairNetOnDevice, KeepsDecisions) {
   EXPECT_LT(distance_of_nets(net, expected), 1e-3);
   // What this pose would decide is something else.
   EXPECT_NE(build(*backend, c).decisions.halvings, rest.halvings);
+}
+
+TEST_F(FairNetOnDevice, KeepsPlanes) {
+  const auto backend = make_backend();
+  auto* const builder = dynamic_cast<FairBuilder*>(backend.get());
+  ASSERT_NE(builder, nullptr);
+  for (const PolygonMesh& mesh :
+       {test::rounded_box({1, 0.7, 0.4}, 0.3, 4), test::plane_and_quarter_round(), test::slot(6)}) {
+    const test::FairCase c(mesh, 2);
+    const std::vector<KeptPlane> planes = kept_planes(c.mesh, c.subdivision);
+    EXPECT_GT(planes.size(), 3U);
+    const FairOptions options{.polish_steps = 8, .planes = planes};
+    const FairNet net =
+        builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision), c.given, options);
+    const FairNet expected = fair_net(c.mesh, c.subdivision, c.given, options);
+    EXPECT_EQ(net.decisions.planes, planes);
+    EXPECT_LT(distance_of_nets(net, expected), 1e-5);
+    EXPECT_GT(distance_of_nets(net, c.net(8)), 1e-3);
+    const FairOptions decided{.polish_steps = 8, .decisions = &expected.decisions};
+    EXPECT_LT(distance_of_nets(builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision),
+                                                       c.given, decided),
+                               expected),
+              1e-5);
+  }
 }
 
 TEST_F(FairNetOnDevice, IsTheSameFromFewWorkGroups) {

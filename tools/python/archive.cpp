@@ -48,7 +48,8 @@ void fields(Archive& archive, LevelOne& level_one) {
 
 template <class Archive>
 void fields(Archive& archive, FairDecisions& made) {
-  archive(made.reversed, made.halvings, made.late_halvings, made.cures, made.leans, made.ellipses);
+  archive(made.reversed, made.halvings, made.late_halvings, made.cures, made.leans, made.ellipses,
+          made.planes);
 }
 
 template <class Archive>

@@ -76,7 +76,24 @@ class LocalFair::Part {
     const FairDecisions& all = whole.decisions_;
     decisions_ = {picked(all.reversed, vertices_),      picked(all.halvings, vertices_),
                   picked(all.late_halvings, vertices_), picked(all.cures, vertices_),
-                  picked(all.leans, vertices_),         picked(all.ellipses, vertices_)};
+                  picked(all.leans, vertices_),         picked(all.ellipses, vertices_),
+                  planes_of(all.planes, faces)};
+  }
+
+  // Those whose face is in the part.
+  [[nodiscard]] std::vector<KeptPlane> planes_of(std::span<const KeptPlane> all,
+                                                 std::span<const std::int32_t> faces) const {
+    std::vector<KeptPlane> planes;
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+      const auto at = std::ranges::equal_range(all, vertices_[v], {}, &KeptPlane::vertex);
+      for (const KeptPlane& plane : at) {
+        const auto face = std::ranges::lower_bound(faces, plane.face);
+        if (face != faces.end() && *face == plane.face)
+          planes.push_back(
+              {static_cast<std::int32_t>(v), static_cast<std::int32_t>(face - faces.begin())});
+      }
+    }
+    return planes;
   }
 
   // By the whole's given points of now.

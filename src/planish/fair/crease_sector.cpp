@@ -20,9 +20,11 @@ constexpr double kLongestInSector = 1.3;
 
 VertexFrame sector_frame(const FairTopology& topology, std::span<const dvec3> given,
                          std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
-                         const dvec3& handle) {
-  const dvec3 normal =
-      angle_weighted_normal(topology, given, face_normals, sector.vertex, topology.ring(sector));
+                         const SectorShape& shape) {
+  const dvec3& handle = shape.handle;
+  const dvec3 normal = shape.normal ? *shape.normal
+                                    : angle_weighted_normal(topology, given, face_normals,
+                                                            sector.vertex, topology.ring(sector));
   const double square = glm::dot(handle, handle);
   if (!(square > 0)) return frame_of(normal);
   const dvec3 upright = normal - glm::dot(normal, handle) / square * handle;
@@ -47,7 +49,7 @@ double moved(double factor, double coordinate) {
 void build_sector(const FairTopology& topology, std::span<const dvec3> given, const GivenStep& step,
                   std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
                   const SectorShape& shape, std::span<dvec3> offsets) {
-  const VertexFrame frame = sector_frame(topology, given, face_normals, sector, shape.handle);
+  const VertexFrame frame = sector_frame(topology, given, face_normals, sector, shape);
   const double handle_length = glm::length(shape.handle);
   const FairTopology::Ring ring = topology.ring(sector);
   for (std::int32_t i = 0; i < sector.count; ++i) {

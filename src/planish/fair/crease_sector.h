@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 
 #include "planish/fair/corner_offsets.h"
@@ -13,6 +14,8 @@ struct SectorShape {
   glm::dvec3 handle;        ///< offset of the curve point before the first sector
   double share;             ///< of the tensor-product construction, 0 to 1
   glm::dvec3 tensor_shift;  ///< given - B P at the vertex
+  /// Unit normal of the plane that the sector lies in; not given: that of its corners.
+  std::optional<glm::dvec3> normal = std::nullopt;
 };
 
 /// Builds the control points of a crease or boundary sector in place of those in `offsets`, which

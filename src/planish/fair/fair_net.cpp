@@ -5,6 +5,7 @@
 #include "planish/fair/fair_net.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@
 #include "planish/fair/fold_repair.h"
 #include "planish/fair/masked_iteration.h"
 #include "planish/fair/plane_lean.h"
+#include "planish/fair/plane_places.h"
 #include "planish/fair/polish.h"
 #include "planish/fair/tensor_share.h"
 #include "planish/fair/vertex_frame.h"
@@ -35,6 +37,8 @@ namespace {
 using glm::dvec3;
 
 constexpr std::size_t kNetGrain = 1024;
+// Square of the sine between planes: below it they have no line in common.
+constexpr double kParallelPlanes = 1e-4;
 
 // Calls body(vertex) for every vertex on all threads.
 template <class MakeBody>
@@ -49,12 +53,13 @@ void for_vertices(const FairTopology& topology, const MakeBody& make_body,
 }
 
 std::vector<double> tensor_shares(const FairTopology& topology, std::span<const dvec3> given,
-                                  std::span<const dvec3> normals, std::span<const dvec3> offsets) {
+                                  std::span<const dvec3> normals, std::span<const dvec3> offsets,
+                                  const PlanePlaces& planes) {
   std::vector<double> shares(given.size());
   const GivenErrors errors(topology, given, offsets);
   for_vertices(topology, [&] {
     return [&, ring = PlanarRing{}](std::int32_t v) mutable {
-      shares[v] = tensor_share(errors, normals[v], v, ring);
+      shares[v] = planes.of(v) >= 0 ? 0 : tensor_share(errors, normals[v], v, ring);
     };
   });
   return shares;
@@ -67,6 +72,7 @@ struct NetBuilder {
   const FairTopology& topology;
   std::span<const dvec3> given;
   FairHalo* halo = nullptr;
+  PlanePlaces planes{};
   GivenStep step{topology, given};
   std::vector<dvec3> face_normals{}, normals{};
   std::vector<double> shares{};
@@ -78,6 +84,7 @@ struct NetBuilder {
   /// Takes the decisions that are there, makes them where there are none.
   void build_polygons(std::vector<std::uint8_t>& reversed, const Callbacks& callbacks);
   void build_crease(std::int32_t vertex);
+  [[nodiscard]] dvec3 in_planes(std::int32_t begin, std::int32_t end, const dvec3& handle) const;
   void build_curve_points();
   void build_dart_points();
   void exchange_state() {
@@ -87,10 +94,10 @@ struct NetBuilder {
 
 void NetBuilder::prepare() {
   face_normals = unit_face_normals(topology, given);
-  normals = vertex_normals(topology, given, face_normals);
+  normals = vertex_normals(topology, given, face_normals, planes);
   offsets.resize(static_cast<std::size_t>(topology.state_size));
   corner_offsets(topology, given, given, offsets);
-  shares = tensor_shares(topology, given, normals, offsets);
+  shares = tensor_shares(topology, given, normals, offsets, planes);
   if (halo) halo->exchange_vertices(shares);
   const bool any =
       std::any_of(shares.begin(), shares.end(), [](double share) { return share > 0; });
@@ -107,6 +114,7 @@ void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed, const Callb
         return [&, scratch = PolygonScratch{}](std::int32_t v) mutable {
           if (topology.has_polygon(v)) {
             PolygonShape shape{normals[v], shares[v]};
+            shape.is_flat = planes.of(v) >= 0;
             if (decided) shape.reversed = reversed[v] != 0;
             reversed[v] = build_vertex_polygon(topology, given, step, v, shape, scratch, offsets);
           } else if (topology.kind(v) == VertexKind::Crease) {
@@ -128,15 +136,38 @@ void NetBuilder::build_crease(std::int32_t vertex) {
         (given[vertex] - points[vertex]) -
         ((points[before] - points[vertex]) + (points[after] - points[vertex])) / 8.0;
   }
-  shape.handle *= corridor_factor(topology, given, face_normals, vertex, shape.handle);
   const std::int32_t crease = topology.crease_of_vertex[vertex];
-  for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
-       ++s) {
+  const std::int32_t begin = topology.sector_offsets[crease],
+                     end = topology.sector_offsets[crease + 1];
+  shape.handle = in_planes(begin, end, shape.handle);
+  shape.handle *= corridor_factor(topology, given, face_normals, vertex, shape.handle);
+  for (std::int32_t s = begin; s < end; ++s) {
+    const std::int32_t face = planes.of_sector_at(s);
+    shape.normal = face < 0 ? std::nullopt : std::optional(face_normals[face]);
     build_sector(topology, given, step, face_normals, topology.sectors[s], shape, offsets);
   }
   const FairTopology::Sector& first = topology.sectors[topology.sector_offsets[crease]];
   offsets[first.curve0] = shape.handle;
   offsets[first.curve1] = -shape.handle;
+}
+
+// A handle in the planes of its vertex's sectors.
+dvec3 NetBuilder::in_planes(std::int32_t begin, std::int32_t end, const dvec3& handle) const {
+  std::optional<dvec3> first;
+  dvec3 result = handle;
+  for (std::int32_t s = begin; s < end; ++s) {
+    const std::int32_t face = planes.of_sector_at(s);
+    if (face < 0) continue;
+    const dvec3& normal = face_normals[face];
+    if (first) {
+      const dvec3 line = glm::cross(*first, normal);
+      const double square = glm::dot(line, line);
+      return square > kParallelPlanes ? glm::dot(handle, line) / square * line : result;
+    }
+    first = normal;
+    result = handle - glm::dot(handle, normal) * normal;
+  }
+  return result;
 }
 
 // Those of corner vertices; crease vertices have theirs, darts take the mean of their neighbours.
@@ -219,16 +250,30 @@ void require_valid(const FairOptions& options) {
                                                     options.polish_steps, kMostPolishSteps));
 }
 
-namespace {
-
-void require_sizes(const FairDecisions& decisions, std::size_t vertices) {
-  PLANISH_ASSERT(decisions.reversed.size() == vertices);
-  PLANISH_ASSERT(decisions.halvings.size() == vertices);
-  PLANISH_ASSERT(decisions.late_halvings.size() == vertices);
-  PLANISH_ASSERT(decisions.cures.size() == vertices);
-  PLANISH_ASSERT(decisions.leans.empty() || decisions.leans.size() == vertices);
-  PLANISH_ASSERT(decisions.ellipses.empty() || decisions.ellipses.size() == vertices);
+void require_valid(const FairDecisions& decisions, std::int32_t vertex_count,
+                   std::int32_t face_count) {
+  const auto require = [&](const char* what, std::size_t size) {
+    if (size == static_cast<std::size_t>(vertex_count)) return;
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("fair_decisions {} {} vertices, but faces name {}; take those of a fair "
+                          "net of the same mesh",
+                          what, size, vertex_count));
+  };
+  for (const auto* flags :
+       {&decisions.reversed, &decisions.halvings, &decisions.late_halvings, &decisions.cures})
+    require("are of", flags->size());
+  if (!decisions.leans.empty()) require("have leans of", decisions.leans.size());
+  if (!decisions.ellipses.empty()) require("have ellipses of", decisions.ellipses.size());
+  for (const auto& [vertex, face] : decisions.planes)
+    if (vertex < 0 || vertex >= vertex_count || face < 0 || face >= face_count)
+      throw Error(
+          ErrorCode::InvalidArgument,
+          formatted("fair_decisions keep the plane of face {} at vertex {}, of {} faces and "
+                    "{} vertices; take those of a fair net of the same mesh",
+                    face, vertex, face_count, vertex_count));
 }
+
+namespace {
 
 // All but the cure. Returns the rounds of repair.
 std::int32_t build_uncured(NetBuilder& builder, const FairOptions& options,
@@ -236,6 +281,9 @@ std::int32_t build_uncured(NetBuilder& builder, const FairOptions& options,
   const FairTopology& topology = builder.topology;
   const bool decided = options.decisions != nullptr;
   options.callbacks.report("solve", 0.1);
+  const auto planes = planes_of(options);
+  decisions.planes.assign(planes.begin(), planes.end());
+  builder.planes = plane_places(topology, decisions.planes);
   builder.prepare();
   builder.build_polygons(decisions.reversed, share_of(options.callbacks, 0.3, 0.6));
   builder.build_curve_points();
@@ -246,7 +294,7 @@ std::int32_t build_uncured(NetBuilder& builder, const FairOptions& options,
   if (options.polish_steps > 0) {
     builder.build_curve_points();
     const std::vector<dvec3> directions =
-        polish_directions(topology, builder.normals, builder.shares);
+        polish_directions(topology, builder.normals, builder.shares, builder.planes);
     BendingRows bending =
         make_bending_rows(topology, builder.given, directions, builder.offsets, options.halo);
     apply_heights(topology, directions,
@@ -286,7 +334,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  std::span<const dvec3> given, const FairOptions& options) {
   require_valid(options);
   PLANISH_ASSERT(given.size() == mesh.positions.size());
-  if (options.decisions) require_sizes(*options.decisions, given.size());
+  if (options.decisions) require_valid(*options.decisions, mesh.vertex_count(), mesh.face_count());
   const HostScope host(options.callbacks);
   options.callbacks.report("solve", 0);
   const FairTopology topology = make_fair_topology(mesh, subdivision, options.halo);
@@ -321,7 +369,7 @@ CuredNets::~CuredNets() = default;
 
 FairNet CuredNets::net(const FairDecisions& decisions, const Callbacks& callbacks) {
   Parts& parts = *parts_;
-  require_sizes(decisions, parts.builder.given.size());
+  require_valid(decisions, parts.topology.vertex_count, parts.topology.face_count);
   const HostScope host(callbacks);
   FairOptions options = parts.options;
   options.callbacks = callbacks;

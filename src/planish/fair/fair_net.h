@@ -11,6 +11,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/fair/fair_halo.h"
+#include "planish/features/kept_planes.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -30,6 +31,8 @@ struct FairDecisions {
   /// The ellipses of smooth and dart vertices where that polygon still folds (see hub_ellipse.h),
   /// zero elsewhere. Empty: none.
   std::vector<glm::vec4> ellipses;
+  /// Planes that are kept, ascending: all control points there lie in them.
+  std::vector<KeptPlane> planes;
 };
 
 struct FairOptions {
@@ -42,10 +45,19 @@ struct FairOptions {
   /// Where the mesh is a part of a larger one: `given` are of all vertices of the part, and counts
   /// are those of all parts; decisions of vertices that others own say nothing.
   FairHalo* halo = nullptr;
+  /// Without `decisions`: FairDecisions::planes.
+  std::span<const KeptPlane> planes;
 };
+
+[[nodiscard]] inline std::span<const KeptPlane> planes_of(const FairOptions& options) {
+  return options.decisions ? std::span<const KeptPlane>(options.decisions->planes) : options.planes;
+}
 
 /// Throws Error{InvalidArgument} for polish_steps out of range.
 void require_valid(const FairOptions& options);
+/// The same for decisions that are not of a mesh with so many vertices and faces.
+void require_valid(const FairDecisions& decisions, std::int32_t vertex_count,
+                   std::int32_t face_count);
 
 /// How often steps were taken that end when nothing is left to do.
 struct FairRounds {

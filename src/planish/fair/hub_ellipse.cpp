@@ -89,7 +89,8 @@ std::vector<std::uint8_t> choose_ellipses(const FairTopology& topology,
                                           std::span<const std::uint8_t> flagged,
                                           FairDecisions& decisions) {
   const std::vector<dvec3> face_normals = unit_face_normals(topology, given);
-  const std::vector<dvec3> normals = vertex_normals(topology, given, face_normals);
+  const std::vector<dvec3> normals =
+      vertex_normals(topology, given, face_normals, plane_places(topology, decisions.planes));
   decisions.ellipses.resize(given.size(), glm::vec4(0.0F));
   const std::vector<std::uint8_t> wanted = with_neighbours(topology, flagged);
   std::vector<std::uint8_t> chosen(given.size(), 0);

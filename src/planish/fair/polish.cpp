@@ -181,10 +181,10 @@ void Polisher::run(std::int32_t steps) {
 }  // namespace
 
 std::vector<dvec3> polish_directions(const FairTopology& topology, std::span<const dvec3> normals,
-                                     std::span<const double> shares) {
+                                     std::span<const double> shares, const PlanePlaces& planes) {
   std::vector<dvec3> directions(normals.size(), dvec3(0.0));
   parallel_each(normals.size(), kPolishGrain, [&](std::int32_t v) {
-    if (!topology.has_polygon(v)) return;
+    if (!topology.has_polygon(v) || planes.of(v) >= 0) return;
     directions[v] = (topology.is_near_curve[v] ? 1 - shares[v] : 1.0) * normals[v];
   });
   return directions;

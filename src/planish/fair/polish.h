@@ -8,16 +8,18 @@
 #include "planish/core/raw_vector.h"
 #include "planish/fair/bending_rows.h"
 #include "planish/fair/fair_topology.h"
+#include "planish/fair/plane_places.h"
 
 namespace planish {
 
 /// The vector by which a height of 1 moves the control points around each vertex: its normal, but 0
-/// where they must stay, around vertices without a polygon. Control points of the tensor-product
-/// construction, a part `shares` of each vertex, stay as well near curves: less bending between
-/// curves that cannot move is not more accuracy there.
+/// where they must stay, around vertices without a polygon or in a plane that is kept. Control
+/// points of the tensor-product construction, a part `shares` of each vertex, stay as well near
+/// curves: less bending between curves that cannot move is not more accuracy there.
 [[nodiscard]] std::vector<glm::dvec3> polish_directions(const FairTopology& topology,
                                                         std::span<const glm::dvec3> normals,
-                                                        std::span<const double> shares);
+                                                        std::span<const double> shares,
+                                                        const PlanePlaces& planes = {});
 
 /// Heights, one per place of the ring arrays, that lower the bending: `steps` steps of conjugate
 /// gradients from 0 on the heights whose sum over each polygon is 0. The same bits for every thread

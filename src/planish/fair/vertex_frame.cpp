@@ -92,10 +92,13 @@ dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3>
 }
 
 std::vector<dvec3> vertex_normals(const FairTopology& topology, std::span<const dvec3> given,
-                                  std::span<const dvec3> face_normals) {
+                                  std::span<const dvec3> face_normals, const PlanePlaces& planes) {
   std::vector<dvec3> normals(given.size());
   parallel_each(normals.size(), kVertexGrain, [&](std::int32_t v) {
-    normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring(v));
+    const std::int32_t plane = planes.of(v);
+    normals[v] = plane >= 0
+                     ? face_normals[plane]
+                     : angle_weighted_normal(topology, given, face_normals, v, topology.ring(v));
   });
   return normals;
 }

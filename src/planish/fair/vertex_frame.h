@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planish/fair/fair_topology.h"
+#include "planish/fair/plane_places.h"
 
 namespace planish {
 
@@ -30,10 +31,11 @@ struct VertexFrame {
                                                std::span<const glm::dvec3> face_normals,
                                                std::int32_t vertex, const FairTopology::Ring& ring);
 
-/// Those of all vertices, each of its whole ring.
+/// Those of all vertices, each of its whole ring or of the plane there.
 [[nodiscard]] std::vector<glm::dvec3> vertex_normals(const FairTopology& topology,
                                                      std::span<const glm::dvec3> given,
-                                                     std::span<const glm::dvec3> face_normals);
+                                                     std::span<const glm::dvec3> face_normals,
+                                                     const PlanePlaces& planes = {});
 
 /// `normal` of unit length.
 [[nodiscard]] VertexFrame frame_of(const glm::dvec3& normal);

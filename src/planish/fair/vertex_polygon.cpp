@@ -36,13 +36,14 @@ bool is_reversed(const FairTopology& topology, std::span<const dvec3> offsets, s
 }
 
 void build_local(const FairTopology& topology, std::span<const dvec3> given, std::int32_t vertex,
-                 const dvec3& normal, PolygonScratch& scratch, std::span<dvec3> offsets) {
+                 const PolygonShape& shape, PolygonScratch& scratch, std::span<dvec3> offsets) {
+  const dvec3& normal = shape.normal;
   const FairTopology::Ring ring = topology.ring(vertex);
   const std::int32_t n = ring.size();
   const VertexFrame frame = frame_of(normal);
   project_ring(given, offsets, vertex, ring, frame, scratch.ring);
   build_local_polygon(scratch.ring, imbalance(scratch.ring), scratch.local);
-  if (topology.is_regular[vertex]) {
+  if (topology.is_regular[vertex] && !shape.is_flat) {
     scratch.heights.resize(static_cast<std::size_t>(n));
     for (std::int32_t i = 0; i < n; ++i) {
       scratch.heights[i] = glm::dot(offsets[ring.corners[i]], normal);
@@ -72,7 +73,7 @@ bool build_vertex_polygon(const FairTopology& topology, std::span<const dvec3> g
       scratch.translated[i] = offsets[corners[i]] - mean;
     }
   }
-  if (share < 1) build_local(topology, given, vertex, shape.normal, scratch, offsets);
+  if (share < 1) build_local(topology, given, vertex, shape, scratch, offsets);
   if (share > 0 && share < 1) {
     for (std::int32_t i = 0; i < n; ++i) {
       dvec3& offset = offsets[corners[i]];

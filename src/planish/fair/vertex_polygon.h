@@ -27,6 +27,7 @@ struct PolygonShape {
   double share;       ///< of the tensor-product construction, 0 to 1
   /// Whether the polygon came out turned over; not given: to be found out.
   std::optional<bool> reversed = std::nullopt;
+  bool is_flat = false;  ///< in the plane of the normal, without a twist
 };
 
 /// Builds the polygon around `vertex`, its mean exactly 0, in place of its control points in

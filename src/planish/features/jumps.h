@@ -15,6 +15,9 @@ struct Explained {
   double whole = 0;      ///< how far the surface bends there, either way, without the cap
   double spread = 0;     ///< how far the surface itself is from what was fitted
   bool is_known = true;  ///< false: nothing is there to tell; then the other side speaks for both
+
+  /// Of a turn of the same sense, without the cap.
+  [[nodiscard]] double along() const { return turn > 0 ? whole : 0; }
 };
 
 /// The jump: a turn less what both sides explain.
@@ -39,7 +42,13 @@ class SegmentJumps {
   /// Segments that are `is_sharp` belong to no smooth surface, and explain nothing.
   [[nodiscard]] Jump jump(std::int32_t segment, std::span<const char> is_sharp) const;
 
-  /// Whether both regions are large planes as they stand, whatever is sharp around them.
+  [[nodiscard]] Explained explained(std::int32_t segment, int side,
+                                    std::span<const char> is_sharp) const;
+
+  /// Whether a region is a large plane as it stands, whatever is sharp around it. Any three places
+  /// lie in a plane: triangles are told to be one where few as large make the part.
+  [[nodiscard]] bool is_told(std::int32_t region) const;
+  /// Whether both regions are.
   [[nodiscard]] bool is_between_planes(std::int32_t segment) const;
 
  private:
@@ -56,8 +65,6 @@ class SegmentJumps {
   [[nodiscard]] int side_of(std::int32_t segment, std::int32_t region) const {
     return map_.segments[segment].regions[0] == region ? 0 : 1;
   }
-  [[nodiscard]] Explained explained(std::int32_t segment, int side,
-                                    std::span<const char> is_sharp) const;
   [[nodiscard]] Explained explained_by_far(std::int32_t segment, int side,
                                            std::span<const char> is_sharp) const;
   [[nodiscard]] Explained fitted(std::int32_t segment, std::int32_t region,
@@ -65,8 +72,6 @@ class SegmentJumps {
   [[nodiscard]] double bend_of(std::int32_t segment, int side,
                                std::span<const char> is_sharp) const;
   [[nodiscard]] bool is_plane(std::int32_t region) const;
-  // Any three places lie in a plane: triangles are told to be one where few as large make the part.
-  [[nodiscard]] bool is_told(std::int32_t region) const;
 };
 
 }  // namespace planish

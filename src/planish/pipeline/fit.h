@@ -36,6 +36,8 @@ struct FitOptions {
   /// nothing pops.
   const FairDecisions* fair_decisions = nullptr;
   bool cures_folds = true;  ///< of the fair method, see FairOptions
+  /// Of the fair method without `fair_decisions`: planes are kept, see find_kept_planes().
+  bool keeps_planes = false;
   /// Of the diagonal: a surface that bends less and passes every given vertex at no more than this
   /// (see bend_least.h); 0: through them. Empty: kNoiseBound of the noise that is measured. What is
   /// not above the tolerance is 0.

@@ -77,6 +77,7 @@ ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptio
                          !options.crease_degrees && result.uses_tags && mesh.creases.empty() &&
                          mesh.corners.empty();
   result.finds_features = preparation.finds_features |= is_chosen;
+  result.options.keeps_planes = result.finds_features;
   preparation.features_done = [&](double part) {
     options.fit.callbacks.report("check", std::lerp(kMended, kOneReady, part));
   };

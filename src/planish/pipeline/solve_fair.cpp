@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "planish/core/counted.h"
-#include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/fair/cured_nets.h"
 #include "planish/fair/fair_builder.h"
 #include "planish/fair/hub_ellipse.h"
+#include "planish/fair/plane_places.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/pipeline/deep_folds.h"
 
@@ -48,27 +48,14 @@ Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec
 FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options,
                  const Callbacks& callbacks, const FairDecisions* decisions) {
-  const FairOptions fair{options.polish_steps, callbacks, decisions, options.cures_folds};
-  if (fair.decisions && fair.decisions->reversed.size() != given.size()) {
-    throw Error(
-        ErrorCode::InvalidArgument,
-        formatted("fair_decisions are of {} vertices, the mesh has {}; take those of the same mesh",
-                  fair.decisions->reversed.size(), given.size()));
-  }
-  if (fair.decisions && !fair.decisions->leans.empty() &&
-      fair.decisions->leans.size() != given.size()) {
-    throw Error(ErrorCode::InvalidArgument,
-                formatted("fair_decisions have leans of {} vertices, the mesh has {}; take those "
-                          "of the same mesh, or none",
-                          fair.decisions->leans.size(), given.size()));
-  }
-  if (fair.decisions && !fair.decisions->ellipses.empty() &&
-      fair.decisions->ellipses.size() != given.size()) {
-    throw Error(ErrorCode::InvalidArgument,
-                formatted("fair_decisions have ellipses of {} vertices, the mesh has {}; take "
-                          "those of the same mesh, or none",
-                          fair.decisions->ellipses.size(), given.size()));
-  }
+  std::vector<KeptPlane> planes;
+  if (options.keeps_planes && decisions == nullptr) planes = kept_planes(mesh, subdivision);
+  const FairOptions fair{.polish_steps = options.polish_steps,
+                         .callbacks = callbacks,
+                         .decisions = decisions,
+                         .cures_folds = options.cures_folds,
+                         .planes = planes};
+  if (decisions) require_valid(*decisions, mesh.vertex_count(), mesh.face_count());
   auto* const builder = dynamic_cast<FairBuilder*>(&backend);
   if (!builder) return fair_net(mesh, subdivision, given, fair);
   return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);

@@ -31,7 +31,7 @@ FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
   options.callbacks.report("solve", 0);
   PLANISH_ASSERT(std::ssize(given) == topology.vertex_count);
   Context& context = machine.context;
-  const FairRecords records = fair_records(topology, options.decisions);
+  const FairRecords records = fair_records(topology, options.decisions, planes_of(options));
   const FairTables tables(context, records);
   tables.for_each(records, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
     machine.submitter.upload({buffer.handle(), 0, bytes.size()}, bytes);
@@ -67,6 +67,8 @@ FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
   }
   net.decisions = unpack_decisions(decisions, planes);
   if (options.decisions) net.decisions.ellipses = options.decisions->ellipses;
+  const auto kept = planes_of(options);
+  net.decisions.planes.assign(kept.begin(), kept.end());
   if (!options.cures_folds) net.decisions.cures.assign(given.size(), 0);
   const std::vector<std::uint32_t> counts =
       download_words(machine.submitter, fair.buffers().counts, shared::kFairCounts);

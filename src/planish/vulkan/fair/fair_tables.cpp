@@ -6,6 +6,7 @@
 #include "planish/core/parallel.h"
 #include "planish/doosabin/face_rule.h"
 #include "planish/fair/plane_lean.h"
+#include "planish/fair/plane_places.h"
 
 namespace planish::vulkan {
 
@@ -21,7 +22,10 @@ static_assert(std::bit_cast<float>(std::uint32_t{shared::kNoLeanBits}) == kNoLea
 
 std::uint32_t word(std::int32_t index) { return static_cast<std::uint32_t>(index); }
 
-void add_vertices(const FairTopology& topology, FairRecords& records) {
+// 0 where there is none.
+std::uint32_t plane_word(std::int32_t face) { return word(face + 1); }
+
+void add_vertices(const FairTopology& topology, const PlanePlaces& planes, FairRecords& records) {
   records.vertices.resize(static_cast<std::size_t>(topology.vertex_count));
   std::atomic<bool> has_regular_vertices = false;
   parallel_each(records.vertices.size(), [&](std::int32_t v) {
@@ -36,8 +40,8 @@ void add_vertices(const FairTopology& topology, FairRecords& records) {
               0,
               word(topology.unit_circle.offsets[topology.valence(v)]),
               topology.is_near_curve[v],
-              0,
-              0};  // listed when all are known
+              0,  // listed when all are known
+              plane_word(planes.of(v))};
     const VertexKind kind = topology.kind(v);
     if (topology.is_regular[v] && kind != VertexKind::Corner) has_regular_vertices = true;
     if (kind != VertexKind::Crease) return;
@@ -89,20 +93,24 @@ void add_edges(const FairTopology& topology, FairRecords& records) {
 }
 
 // Sectors at corner vertices are left out: their control points are those of one step.
-void add_creases(const FairTopology& topology, FairRecords& records) {
+void add_creases(const FairTopology& topology, const PlanePlaces& planes, FairRecords& records) {
   for (const std::int32_t v : topology.crease_vertices) {
     if (topology.kind(v) != VertexKind::Crease) continue;
     const shared::FairVertex& vertex = records.vertices[v];
     const std::int32_t crease = topology.crease_of_vertex[v];
+    std::uint32_t kept[2] = {};
+    std::size_t kept_count = 0;
     for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
          ++s) {
       const FairTopology::Sector& sector = topology.sectors[s];
+      const std::uint32_t plane = plane_word(planes.of_sector_at(s));
+      if (plane != 0 && kept_count < 2) kept[kept_count++] = plane;
       records.sectors.push_back({word(v), word(sector.first), word(sector.count),
                                  static_cast<std::uint32_t>(records.creases.size()), vertex.curve0,
-                                 0});
+                                 0, plane});
     }
     records.creases.push_back({word(v), vertex.before, vertex.after, vertex.curve0, vertex.curve1,
-                               vertex.first, vertex.count, 0});
+                               vertex.first, vertex.count, 0, kept[0], kept[1]});
   }
   for (const FairTopology::CurvePoint& point : topology.curve_points) {
     records.curve_points.push_back({word(point.vertex), word(point.other),
@@ -141,16 +149,18 @@ std::uint32_t count_of(const Items& items) {
 
 }  // namespace
 
-FairRecords fair_records(const FairTopology& topology, const FairDecisions* decisions) {
+FairRecords fair_records(const FairTopology& topology, const FairDecisions* decisions,
+                         std::span<const KeptPlane> kept) {
+  const PlanePlaces planes = plane_places(topology, kept);
   FairRecords records;
   if (decisions) {
     records.decisions = pack_decisions(*decisions);
     records.leans = pack_leans(*decisions);
   }
-  add_vertices(topology, records);
+  add_vertices(topology, planes, records);
   add_corners(topology, records);
   add_edges(topology, records);
-  add_creases(topology, records);
+  add_creases(topology, planes, records);
   add_owners(topology, records);
   records.large_vertices = list_large(records.vertices);
   records.large_faces = list_large(records.faces);

@@ -34,8 +34,10 @@ struct FairRecords {
   std::uint32_t large_vertices = 0, large_faces = 0, large_creases = 0, large_sectors = 0;
   bool has_regular_vertices = false;  ///< some vertex may have a share of the tensor product
 };
+/// `planes`: those of the decisions, or without any those that are kept.
 [[nodiscard]] FairRecords fair_records(const FairTopology& topology,
-                                       const FairDecisions* decisions = nullptr);
+                                       const FairDecisions* decisions = nullptr,
+                                       std::span<const KeptPlane> planes = {});
 
 /// FairDecisions as kernels keep them, a word per vertex, and leans with ellipses apart.
 [[nodiscard]] std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions);

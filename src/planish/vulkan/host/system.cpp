@@ -62,27 +62,6 @@ void check_texture(const PolygonMesh& mesh, const SystemOptions& options) {
                 "textured; give it some, or leave textured out");
 }
 
-void check_decisions(const FairDecisions* decisions, std::size_t count) {
-  if (!decisions) return;
-  for (const auto* words :
-       {&decisions->reversed, &decisions->halvings, &decisions->late_halvings, &decisions->cures})
-    if (words->size() != count)
-      throw Error(ErrorCode::InvalidArgument,
-                  formatted("fair_decisions are of {} vertices, but faces name {}; take those of a "
-                            "fair net of the same mesh",
-                            words->size(), count));
-  if (!decisions->leans.empty() && decisions->leans.size() != count)
-    throw Error(ErrorCode::InvalidArgument,
-                formatted("fair_decisions have leans of {} vertices, but faces name {}; take those "
-                          "of a fair net of the same mesh, or none",
-                          decisions->leans.size(), count));
-  if (!decisions->ellipses.empty() && decisions->ellipses.size() != count)
-    throw Error(ErrorCode::InvalidArgument,
-                formatted("fair_decisions have ellipses of {} vertices, but faces name {}; take "
-                          "those of a fair net of the same mesh, or none",
-                          decisions->ellipses.size(), count));
-}
-
 /// How a pose is solved in double from a cold start.
 struct RestSolve {
   std::uint32_t iterations = 0;  // until it is within the tolerance
@@ -203,9 +182,10 @@ void System::Parts::copy_rows() {
 void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
                                  const SystemOptions& options) {
   if (options.method == InterpolationMethod::Fair) {
-    check_decisions(options.fair_decisions, mesh.positions.size());
-    fair.emplace(planish::vulkan::fair_records(make_fair_topology(mesh, subdivision),
-                                               options.fair_decisions));
+    const FairDecisions* decisions = options.fair_decisions;
+    if (decisions) require_valid(*decisions, mesh.vertex_count(), mesh.face_count());
+    fair.emplace(planish::vulkan::fair_records(make_fair_topology(mesh, subdivision), decisions,
+                                               planes_of({.decisions = decisions})));
     return;
   }
   masks = planish::limit_masks(subdivision);
