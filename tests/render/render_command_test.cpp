@@ -32,10 +32,11 @@ struct Picture {
   [[nodiscard]] const std::uint8_t* at(int x, int y) const {
     return &pixels[3 * (static_cast<std::size_t>(y) * width + x)];
   }
-  // Whether columns `from` and after are another picture of the same height.
-  [[nodiscard]] bool has(const Picture& part, int from) const {
-    for (int y = 0; y < height; ++y)
-      if (!std::equal(part.at(0, y), part.at(0, y) + 3 * part.width, at(from, y))) return false;
+  // Whether another picture is a part of it, from that place on.
+  [[nodiscard]] bool has(const Picture& part, int column, int row = 0) const {
+    for (int y = 0; y < part.height; ++y)
+      if (!std::equal(part.at(0, y), part.at(0, y) + 3 * part.width, at(column, row + y)))
+        return false;
     return true;
   }
 };
@@ -111,6 +112,14 @@ TEST_F(RenderCommand, DrawsInputsSideBySideEachFromItsView) {
   EXPECT_TRUE(both.has(square, 0));
   EXPECT_TRUE(both.has(triangle, 40));
   EXPECT_FALSE(both.has(square, 40));
+  const Picture above =
+      picture("square.glb square.glb triangle.glb --columns 2 --size 40x30 --view 0,0");
+  EXPECT_EQ(above.width, 80);
+  EXPECT_EQ(above.height, 60);
+  EXPECT_TRUE(above.has(square, 0));
+  EXPECT_TRUE(above.has(square, 40));
+  EXPECT_FALSE(above.has(square, 0, 30));
+  EXPECT_TRUE(above.has(picture("triangle.glb --size 40x30 --view 0,0"), 0, 30));
 }
 
 TEST_F(RenderCommand, ColoursAndZoomsAsAsked) {

@@ -22,6 +22,7 @@ struct Arguments {
   std::vector<std::string> inputs, views;
   std::string output, overlay, size = "1200x900", colour, zoom, attribute;
   double scale = 0;
+  std::size_t columns = 0;  // 0: as many as there are inputs
   bool stripes = false, heat = false;
   PictureOptions picture;
 };
@@ -83,9 +84,12 @@ void run(Arguments& arguments) {
   std::optional<PolygonMesh> overlay;
   if (!arguments.overlay.empty()) overlay = read_mesh(arguments.overlay).mesh;
   const std::size_t row = std::size_t{3} * arguments.picture.width;
-  const std::size_t whole_row = row * arguments.inputs.size();
-  std::vector<std::uint8_t> pixels(whole_row * arguments.picture.height);
-  for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
+  const std::size_t count = arguments.inputs.size();
+  const std::size_t columns = arguments.columns > 0 ? std::min(arguments.columns, count) : count;
+  const std::size_t whole_row = row * columns;
+  const std::size_t tile_row = whole_row * arguments.picture.height;
+  std::vector<std::uint8_t> pixels(tile_row * ((count + columns - 1) / columns), 255);
+  for (std::size_t i = 0; i < count; ++i) {
     arguments.picture.view = view_of(arguments, i);
     const RenderMesh mesh = read_glb(arguments.inputs[i], arguments.attribute);
     arguments.picture.overlay = overlay;
@@ -99,9 +103,9 @@ void run(Arguments& arguments) {
                   arguments.attribute.c_str(), -picture.scale, picture.scale);
     }
     const auto tile = draw_picture(mesh, arguments.picture);
-    for (int y = 0; y < arguments.picture.height; ++y) {
-      std::copy_n(&tile[row * y], row, &pixels[whole_row * y + row * i]);
-    }
+    const std::size_t place = tile_row * (i / columns) + row * (i % columns);
+    for (int y = 0; y < arguments.picture.height; ++y)
+      std::copy_n(&tile[row * y], row, &pixels[place + whole_row * y]);
   }
   write_png(arguments.output, static_cast<int>(whole_row / 3), pixels);
 }
@@ -115,6 +119,7 @@ int main(int argc, char** argv) {
   app.add_option("input", arguments.inputs, "GLBs; drawn side by side")->required();
   app.add_option("-o,--output", arguments.output, "the PNG")->required();
   app.add_option("--size", arguments.size, "WIDTHxHEIGHT of each in pixels")->capture_default_str();
+  app.add_option("--columns", arguments.columns, "so many side by side, the others below");
   app.add_option("--view", arguments.views, "AZIMUTH,ELEVATION of the eye in degrees");
   app.add_option("--zoom", arguments.zoom,
                  "FACTOR,X,Y: enlarges what lies there, in fractions of the picture");
