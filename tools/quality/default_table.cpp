@@ -13,108 +13,14 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/reconstruct/reconstruct.h"
+#include "quality/outcome_table.h"
 #include "quality/part_shapes.h"
-#include "quality/tally.h"
 
 namespace planish::quality {
 
 namespace {
 
-struct Outcome {
-  std::string flags;
-  Figures figures;
-  double milliseconds = 0;
-};
-
-double since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
-
-Outcome fitted(const Case& what, const std::string& flags, const MeshFitOptions& options,
-               Backend& backend) {
-  Outcome outcome{flags, {}, 0};
-  const auto start = std::chrono::steady_clock::now();
-  const FittedMesh made = fit_mesh(what.mesh, what.name, backend, options);
-  outcome.milliseconds = since(start);
-  outcome.figures = measure(what, made, backend);
-  return outcome;
-}
-
-// What a user could have said instead.
-std::vector<std::pair<std::string, MeshFitOptions>> mesh_flags() {
-  std::vector<std::pair<std::string, MeshFitOptions>> all;
-  for (const auto& [method, name] : {std::pair{InterpolationMethod::Progressive, "progressive"},
-                                     {InterpolationMethod::Fair, "fair"}}) {
-    for (const bool creases : {false, true}) {
-      for (const bool quads : {false, true}) {
-        MeshFitOptions options;
-        options.method = method;
-        options.chooses_creases = false;
-        options.finds_features = creases;
-        options.quads = quads ? QuadChoice::On : QuadChoice::Off;
-        all.emplace_back(
-            std::string(name) + (creases ? ", creases" : "") + (quads ? ", quads" : ""), options);
-      }
-    }
-  }
-  return all;
-}
-
-class Table {
- public:
-  Table() {
-    std::printf(
-        "| shape (vertices) | before: normals off, largest, folded | now | best of all flags | |\n"
-        "|---|--:|--:|--:|---|\n");
-  }
-
-  void add(const Case& what, const Outcome& before, const Outcome& now,
-           const std::vector<Outcome>& others) {
-    const auto off = [](const Outcome& outcome) { return outcome.figures.rms_normal; };
-    const Outcome& best = *std::ranges::min_element(others, {}, off);
-    const bool is_wrong = is_farther_off(off(now), off(best));
-    std::printf("| %s%s (%d) |", what.name.c_str(), what.is_held_out ? "*" : "",
-                what.mesh.vertex_count());
-    print(before);
-    print(now);
-    std::printf(" %.2f | %s%s |\n", off(best), best.flags.c_str(), is_wrong ? ", missed" : "");
-    std::fflush(stdout);
-    tallies_[what.is_held_out ? 1 : 0].add(off(now), off(best));
-    fit_ += before.milliseconds;
-    all_ += now.milliseconds;
-    if (!is_wrong) return;
-    char text[300];
-    std::snprintf(text, sizeof text, "%s: normals off by %.2f degrees, %.2f with %s",
-                  what.name.c_str(), off(now), off(best), best.flags.c_str());
-    wrong_.emplace_back(text);
-  }
-
-  std::vector<std::string> finish() {
-    for (const bool is_held_out : {false, true}) {
-      const Tally& tally = tallies_[is_held_out ? 1 : 0];
-      std::printf(
-          "%s%s: within %.1f of the best, or %.1f degrees, %d of %d; elsewhere farther off "
-          "by a factor of %.2f at most\n",
-          is_held_out ? "" : "\n", is_held_out ? "held out (*)" : "others", kAlike, kAlikeDegrees,
-          tally.right, tally.count, tally.excess);
-    }
-    std::printf("time of all fits now over before: %.2f\n", all_ / fit_);
-    return std::move(wrong_);
-  }
-
- private:
-  static void print(const Outcome& outcome) {
-    const Figures& figures = outcome.figures;
-    std::printf(" %.2f, %.0f, %.1e |", figures.rms_normal, figures.max_normal, figures.folded_area);
-  }
-
-  Tally tallies_[2];
-  double fit_ = 0, all_ = 0;
-  std::vector<std::string> wrong_;
-};
-
-void add_mesh(const Case& what, Backend& backend, Table& table) {
+void add_mesh(const Case& what, Backend& backend, OutcomeTable& table) {
   MeshFitOptions before;
   before.refine = RefineChoice::Off;
   before.chooses_creases = false;
@@ -122,7 +28,8 @@ void add_mesh(const Case& what, Backend& backend, Table& table) {
   std::vector<Outcome> others;
   for (const auto& [flags, options] : mesh_flags())
     others.push_back(fitted(what, flags, options, backend));
-  table.add(what, fitted(what, "", before, backend), fitted(what, "", {}, backend), others);
+  const Outcome as_before = fitted(what, "", before, backend);
+  table.add(what, &as_before, fitted(what, "", {}, backend), others);
 }
 
 struct Cloud {
@@ -164,7 +71,7 @@ std::vector<Cloud> noisy_clouds() {
 
 Outcome reconstructed(const Cloud& cloud, const std::string& flags,
                       const ReconstructOptions& options, const Mesher& mesher, Backend& backend) {
-  Outcome outcome{flags, {}, 0};
+  Outcome outcome{flags, {}, {}, 0};
   const auto start = std::chrono::steady_clock::now();
   Case made = cloud.truth;
   made.mesh = reconstruct(cloud.points, mesher, options).mesh;
@@ -172,12 +79,12 @@ Outcome reconstructed(const Cloud& cloud, const std::string& flags,
   fit.method = InterpolationMethod::Fair;  // what the command takes for points
   fit.quads = QuadChoice::Off;             // they are paired already
   const FittedMesh fitted = fit_mesh(made.mesh, made.name, backend, fit);
-  outcome.milliseconds = since(start);
+  outcome.milliseconds = milliseconds_since(start);
   outcome.figures = measure(made, fitted, backend);
   return outcome;
 }
 
-void add_cloud(const Cloud& cloud, const Mesher& mesher, Backend& backend, Table& table) {
+void add_cloud(const Cloud& cloud, const Mesher& mesher, Backend& backend, OutcomeTable& table) {
   std::vector<Outcome> others;
   for (const int rounds : {0, 1, 2, 4}) {
     for (const double tolerance : {1e-4, 1e-3, 2e-3}) {
@@ -192,8 +99,8 @@ void add_cloud(const Cloud& cloud, const Mesher& mesher, Backend& backend, Table
   ReconstructOptions before;
   before.measure_noise = false;
   before.smooth_rounds = 0;
-  table.add(cloud.truth, reconstructed(cloud, "", before, mesher, backend),
-            reconstructed(cloud, "", {}, mesher, backend), others);
+  const Outcome as_before = reconstructed(cloud, "", before, mesher, backend);
+  table.add(cloud.truth, &as_before, reconstructed(cloud, "", {}, mesher, backend), others);
 }
 
 // Coarse parts against fine ones.
@@ -257,7 +164,7 @@ std::vector<std::string> print_default_table(const std::vector<NamedCase>& meshe
                                              const Mesher* mesher) {
   constexpr std::int32_t kMostVertices = 5000;
   const auto backend = make_cpu_backend();
-  Table table;
+  OutcomeTable table(true);
   for (const NamedCase& named : meshes) {
     const Case made = named.make();
     if (made.mesh.vertex_count() <= kMostVertices && (made.truth || made.has_smooth_source))

@@ -96,6 +96,57 @@ void compare_with_truth(Figures& figures, const SurfaceMesh& surface, const Trut
   note_distances(figures, surface.positions, feet);
 }
 
+// Of each vertex its part, a connected one, counted in the order of their first vertices.
+struct Parts {
+  std::vector<std::int32_t> of_vertex;
+  std::int32_t count = 0;
+
+  explicit Parts(const PolygonMesh& mesh) : of_vertex(mesh.positions.size()) {
+    std::iota(of_vertex.begin(), of_vertex.end(), 0);
+    const auto first = [&](std::int32_t v) {
+      while (of_vertex[v] != v) v = of_vertex[v] = of_vertex[of_vertex[v]];
+      return v;
+    };
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+      for (const std::int32_t v : mesh.face(f)) {
+        const auto [low, high] = std::minmax({first(mesh.face(f)[0]), first(v)});
+        of_vertex[high] = low;
+      }
+    }
+    // The first vertex of a part comes before all others of it.
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+      of_vertex[v] = of_vertex[v] == v ? count++ : of_vertex[of_vertex[v]];
+  }
+};
+
+// Where parts cross, what is nearest may be another's: both shapes' parts are drawn apart before
+// they are compared, if they have as many.
+void draw_apart(SurfaceMesh& surface, const FittedMesh& fitted, const PolygonMesh& given,
+                PolygonMesh& source) {
+  const Parts parts(given), true_parts(source);
+  if (parts.count == 1 || parts.count != true_parts.count) return;
+  const glm::dvec3 step(2 * fitted.fit.placement.diagonal, 0, 0);
+  for (std::int32_t v = 0; v < source.vertex_count(); ++v)
+    source.positions[v] += step * static_cast<double>(true_parts.of_vertex[v]);
+  const Parts fitted_parts(fitted.mesh);
+  std::vector<std::int32_t> given_part(fitted_parts.count, 0);
+  for (std::int32_t v = 0; v < fitted.mesh.vertex_count(); ++v) {
+    const std::int32_t own = fitted.source_vertices.empty() ? v : fitted.source_vertices[v];
+    if (own >= 0)
+      given_part[fitted_parts.of_vertex[v]] = parts.of_vertex[own];  // else it was added
+  }
+  std::vector<std::int32_t> of_row(surface.positions.size(), 0);
+  std::int64_t row_face = 0;
+  for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
+    const std::int32_t part = given_part[fitted_parts.of_vertex[fitted.mesh.face(f)[0]]];
+    const std::int64_t end = row_face + descendant_count(surface, fitted.mesh.face_size(f));
+    for (; row_face < end; ++row_face)
+      for (const std::int32_t row : surface.face(row_face)) of_row[row] = part;
+  }
+  for (std::size_t row = 0; row < of_row.size(); ++row)
+    surface.positions[row] += step * static_cast<double>(of_row[row]);
+}
+
 }  // namespace
 
 const std::vector<Method>& methods() {
@@ -146,14 +197,15 @@ Figures measure(const Case& what, const Method& method) {
 }
 
 Figures measure(const Case& what, const FittedMesh& fitted, Backend& backend) {
-  const SurfaceMesh surface =
-      evaluate(fitted.mesh, fitted.fit, backend, fitted.evaluate_options(2));
+  SurfaceMesh surface = evaluate(fitted.mesh, fitted.fit, backend, fitted.evaluate_options(2));
   Figures figures;
   if (what.truth) {
     compare_with_truth(figures, surface, what.truth);
   } else {
+    PolygonMesh source = what.source;
+    draw_apart(surface, fitted, what.mesh, source);
     const SourceComparison comparison =
-        compare_with_source(*blocks_of(surface, fitted.mesh), what.source);
+        compare_with_source(*blocks_of(surface, fitted.mesh), source);
     note_quality(figures, comparison.quality, 8 * std::numbers::pi);
     figures.max_distance = comparison.distances.max;
     figures.rms_distance = comparison.distances.rms;

@@ -16,6 +16,7 @@
 #include "quality/figures.h"
 #include "quality/irregular_cases.h"
 #include "quality/irregular_table.h"
+#include "quality/prop_table.h"
 #include "quality/verdict.h"
 #include "quality/wild_cases.h"
 #include "quality/wild_table.h"
@@ -29,7 +30,7 @@ struct Arguments {
   std::vector<std::string> only, except;
   std::string folder;  // where meshes are written instead of being measured
   bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
-       defaults = false, creases = false, irregular = false;
+       defaults = false, creases = false, irregular = false, props = false;
   IrregularOptions of_irregular;
   std::vector<std::string> files;
 };
@@ -82,6 +83,7 @@ std::vector<NamedCase> all_irregular(const Arguments& arguments) {
 std::vector<NamedCase> all_cases(const Arguments& arguments) {
   if (arguments.irregular) return all_irregular(arguments);
   if (arguments.wild) return wild_cases();
+  if (arguments.props) return prop_cases();
   std::vector<NamedCase> cases = analytic_cases();
   for (NamedCase& held_out : second_held_out_cases()) cases.push_back(std::move(held_out));
   if (arguments.choice || arguments.defaults)
@@ -113,6 +115,7 @@ std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
                                       const Arguments& arguments) {
   if (cases.empty()) return {};
   if (arguments.wild) return print_wild_table(cases);
+  if (arguments.props) return print_prop_table(cases);
   if (arguments.irregular) return print_irregular_table(cases, arguments.of_irregular);
   if (arguments.choice) return print_choice_table(cases);
   if (arguments.defaults) {
@@ -166,6 +169,8 @@ int main(int argc, char** argv) {
                "which surface is taken by measurement, and which is nearer to the shape");
   app.add_flag("--defaults", arguments.defaults,
                "what comes out without a flag, beside the best of all flags");
+  app.add_flag("--props", arguments.props,
+               "the same of props, parts and vehicles as technical artists have them");
   CLI::Option* irregular = app.add_flag(
       "--irregular", arguments.irregular,
       "facets of meshes of uneven triangles, against their shapes and those of manifold-3d");

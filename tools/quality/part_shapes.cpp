@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace planish::quality {
 
@@ -91,6 +92,30 @@ std::vector<std::array<std::int32_t, 3>> cut_ears(Keyhole shape) {
   return triangles;
 }
 
+// With its holes bridged, the rightmost first: the others see past its bridge. And all loops.
+std::pair<Keyhole, std::vector<std::vector<std::int32_t>>> bridged(const Profile& profile) {
+  Keyhole shape;
+  std::vector<std::vector<std::int32_t>> loops;
+  const auto add_loop = [&](const Loop& loop) {
+    std::vector<std::int32_t>& indices = loops.emplace_back(loop.size());
+    std::iota(indices.begin(), indices.end(), static_cast<std::int32_t>(shape.points.size()));
+    shape.points.insert(shape.points.end(), loop.begin(), loop.end());
+  };
+  add_loop(profile.outline);
+  for (const Loop& hole : profile.holes) add_loop(hole);
+  shape.polygon = loops[0];
+  std::stable_sort(loops.begin() + 1, loops.end(), [&](const auto& a, const auto& b) {
+    const auto right = [&](const std::vector<std::int32_t>& loop) {
+      double x = -HUGE_VAL;
+      for (const std::int32_t v : loop) x = std::max(x, shape.points[v].x);
+      return x;
+    };
+    return right(a) > right(b);
+  });
+  for (std::size_t i = 1; i < loops.size(); ++i) shape.bridge(loops[i]);
+  return {std::move(shape), std::move(loops)};
+}
+
 Loop arc(const dvec2& centre, double radius, double from, double to, std::int32_t count) {
   Loop points;
   for (std::int32_t i = 0; i <= count; ++i) {
@@ -114,28 +139,12 @@ Loop round_hole(const dvec2& centre, double radius, std::int32_t count) {
   return points;
 }
 
-PolygonMesh extruded_part(const Profile& profile, double height) {
-  Keyhole shape;
-  std::vector<std::vector<std::int32_t>> loops;
-  const auto add_loop = [&](const Loop& loop) {
-    std::vector<std::int32_t>& indices = loops.emplace_back(loop.size());
-    std::iota(indices.begin(), indices.end(), static_cast<std::int32_t>(shape.points.size()));
-    shape.points.insert(shape.points.end(), loop.begin(), loop.end());
-  };
-  add_loop(profile.outline);
-  for (const Loop& hole : profile.holes) add_loop(hole);
-  shape.polygon = loops[0];
-  // The rightmost hole first: the others see past its bridge.
-  std::stable_sort(loops.begin() + 1, loops.end(), [&](const auto& a, const auto& b) {
-    const auto right = [&](const std::vector<std::int32_t>& loop) {
-      double x = -HUGE_VAL;
-      for (const std::int32_t v : loop) x = std::max(x, shape.points[v].x);
-      return x;
-    };
-    return right(a) > right(b);
-  });
-  for (std::size_t i = 1; i < loops.size(); ++i) shape.bridge(loops[i]);
+std::vector<std::array<std::int32_t, 3>> ears_of(const Profile& profile) {
+  return cut_ears(bridged(profile).first);
+}
 
+PolygonMesh extruded_part(const Profile& profile, double height) {
+  const auto [shape, loops] = bridged(profile);
   const auto n = static_cast<std::int32_t>(shape.points.size());
   PolygonMesh mesh;
   for (const double z : {0.0, height}) {

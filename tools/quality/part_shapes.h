@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <vector>
@@ -17,8 +18,10 @@ struct Profile {
 };
 
 /// The profile's area as triangles in the manner of CAD programs: ears cut off in order, holes
-/// bridged, so that long fans and needles arise; extruded from z = 0 to `height` by walls of two
-/// triangles a side. Closed.
+/// bridged, so that long fans and needles arise. Corners are numbered from the outline on, then
+/// hole by hole.
+[[nodiscard]] std::vector<std::array<std::int32_t, 3>> ears_of(const Profile& profile);
+/// The same, extruded from z = 0 to `height` by walls of two triangles a side. Closed.
 [[nodiscard]] PolygonMesh extruded_part(const Profile& profile, double height);
 
 /// `count` points, counter-clockwise.

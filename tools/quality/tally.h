@@ -19,7 +19,9 @@ struct Tally {
   void add(double taken, double better) {
     ++count;
     right += !is_farther_off(taken, better);
-    if (is_farther_off(taken, better)) excess = std::max(excess, taken / better);
+    // What is right to the last digit is no measure of how wrong another is.
+    if (is_farther_off(taken, better))
+      excess = std::max(excess, taken / std::max(better, kAlikeDegrees));
   }
 };
 
