@@ -88,6 +88,13 @@ SurfaceQuality quality_of(const FittedMesh& fitted, int level, const Callbacks& 
   return surface_quality(*surface->level(level), fitted.mesh, folds.is_beside, callbacks);
 }
 
+// Folds beside what is sharp hide between the places of coarser levels. The fair method looks for
+// them by itself, see DeepLook; those of a dense mesh are not to be seen.
+bool may_hide_folds(const FittedMesh& fitted) {
+  return fitted.options.method == InterpolationMethod::Progressive && !fitted.found.edges.empty() &&
+         !fitted.density.is_dense();
+}
+
 // Where level 1 neither misses the tolerance nor folds.
 bool is_sound(FittedMesh& fitted, const Callbacks& callbacks) {
   if (!fitted.fit.interpolation.converged) return false;
@@ -103,8 +110,8 @@ bool is_close(FittedMesh& fitted, const Callbacks& callbacks) {
   // Level 2 tells needles and hubs that look whole between the places of level 1. Those of a dense
   // mesh are near enough to each other.
   return fitted.density.is_dense() ||
-         quality_of(fitted, 2, share_of(callbacks, 0.5, 1)).folded_area_elsewhere <
-             kSoundFoldedArea;
+         quality_of(fitted, may_hide_folds(fitted) ? 3 : 2, share_of(callbacks, 0.5, 1))
+                 .folded_area_elsewhere < kSoundFoldedArea;
 }
 
 // The surfaces that were made: the best one is kept, of the others what they are like.
@@ -174,9 +181,15 @@ class Contest {
       doubts[part] += added.doubt;
       ++added_counts[part];
     }
+    std::vector<PartSums> hidden;
+    if (may_hide_folds(fitted))
+      hidden = quality_of_parts(*surface->level(3), fitted.mesh, folds.is_beside,
+                                {of_face, parts_.count}, {});
     PartSums all;
     for (std::size_t p = 0; p < own.size(); ++p) {
-      const PartSums& part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
+      PartSums part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
+      if (!hidden.empty())
+        part.folded_elsewhere = std::max(part.folded_elsewhere, share(hidden[p]) * part.area);
       candidate.parts.push_back({.faces = own[p],
                                  .is_by_lot = own[p] == CandidateFaces::Quads && is_by_lot_[p],
                                  .folded_area = share(part),
@@ -305,26 +318,28 @@ void enter_surfaces(Contest& contest, ReadyFit ready, CandidateFaces faces, bool
     FittedMesh made = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
     return contest.add(std::move(made), {faces}, shares.next(kMeasure));
   }
+  const auto is_enough = [&](FittedMesh& first) {
+    if (!is_close(first, shares.next(kMeasure))) return false;
+    contest.add(std::move(first), {faces}, shares.next(kMeasure),
+                "it does not fold, and its normals are near the faces'");
+    return true;
+  };
+  // First the one that is likelier to be enough.
   std::optional<FittedMesh> fair;
-  std::string alone;
   if (!ready.given && !ready.fitted.found.edges.empty()) {
     fair = fit_one(for_fair(ready.fitted, ready), ready.name, backend, shares.next(2 * kFit));
-    if (is_sound(*fair, shares.next(kMeasure))) alone = "it does not fold beside what is sharp";
+    if (is_enough(*fair)) return;
   }
-  std::optional<FittedMesh> progressive;
-  if (alone.empty()) {
-    progressive = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
-    if (is_close(*progressive, shares.next(kMeasure)))
-      return contest.add(*std::move(progressive), {faces}, shares.next(kMeasure),
-                         "it does not fold, and its normals are near the faces'");
-    if (!fair)
-      fair = fit_one(for_fair(*progressive, ready), ready.name, backend, shares.next(2 * kFit));
+  FittedMesh progressive = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
+  if (!fair) {
+    if (is_enough(progressive)) return;
+    fair = fit_one(for_fair(progressive, ready), ready.name, backend, shares.next(2 * kFit));
   }
   std::optional<FittedMesh> refined;
   if (adds) refined = refined_of(*fair, {}, ready.name, backend, shares.next(2 * kFit));
   // The fair one first: where both are alike it passes the vertices to rounding.
-  contest.add(*std::move(fair), {faces}, shares.next(kMeasure), alone);
-  if (progressive) contest.add(*std::move(progressive), {faces}, shares.next(kMeasure));
+  contest.add(*std::move(fair), {faces}, shares.next(kMeasure));
+  contest.add(std::move(progressive), {faces}, shares.next(kMeasure));
   if (refined) contest.add(*std::move(refined), {CandidateFaces::Refined}, shares.next(kMeasure));
 }
 
