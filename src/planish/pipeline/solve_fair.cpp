@@ -55,7 +55,6 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                          .decisions = decisions,
                          .cures_folds = options.cures_folds,
                          .planes = planes};
-  if (decisions) require_valid(*decisions, mesh.vertex_count(), mesh.face_count());
   auto* const builder = dynamic_cast<FairBuilder*>(&backend);
   if (!builder) return fair_net(mesh, subdivision, given, fair);
   return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);

@@ -27,6 +27,8 @@ std::vector<std::uint32_t> download_words(Submitter& submitter, const Buffer& so
 FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
                        std::span<const glm::dvec3> given, const FairOptions& options) {
   require_valid(options);
+  if (options.decisions)
+    require_valid(*options.decisions, topology.vertex_count, topology.face_count);
   const HostScope host(options.callbacks);
   options.callbacks.report("solve", 0);
   PLANISH_ASSERT(std::ssize(given) == topology.vertex_count);
