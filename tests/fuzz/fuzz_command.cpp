@@ -92,7 +92,8 @@ void fuzz_write_text(std::span<const std::byte> bytes, FileFormat) {
   std::string lines;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines += (begin > 0 ? "\n" : "") + command::visible_text(text.substr(begin, end - begin));
+    if (begin > 0) lines += '\n';
+    lines += command::visible_text(text.substr(begin, end - begin));
     begin = end + 1;
   }
   require(without_references(command::html_lines(text)) == lines);

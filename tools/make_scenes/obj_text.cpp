@@ -44,7 +44,7 @@ std::string obj_text(const PolygonMesh& mesh, std::string_view comment) {
     text += "\nf";
     for (std::int32_t c = mesh.face_offsets[face]; c < mesh.face_offsets[face + 1]; ++c) {
       append(text, mesh.face_vertices[c] + 1);
-      if (!mesh.face_uvs.empty()) text += "/" + std::to_string(mesh.face_uvs[c] + 1);
+      if (!mesh.face_uvs.empty()) (text += '/') += std::to_string(mesh.face_uvs[c] + 1);
     }
   }
   // Tags count vertices from 0, faces from 1.
