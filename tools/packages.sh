@@ -8,7 +8,8 @@ run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf
 # To build and run the tests and benchmarks: reference implementations, a software Vulkan device
 # and its validation layers.
 test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libegl-dev
-  libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3 zsh fish man-db bsdextrautils"
+  libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3 zsh fish man-db bsdextrautils
+  xz-utils git"
 
 # The glTF validator and the tests of pages' code.
 node_packages="nodejs npm"

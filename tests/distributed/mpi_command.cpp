@@ -12,8 +12,9 @@ ProcessResult MpiCommand::on(int ranks, std::vector<std::string> arguments,
   all.emplace_back(PLANISH_MPI_PROGRAM);
   all.insert(all.end(), arguments.begin(), arguments.end());
   PlanishProcess::Options options;
+  // All ranks are here: no other network is looked at, which may be none, or none that is allowed.
   options.environment = {"OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
-                         "HOME=/tmp"};
+                         "OMPI_MCA_btl_tcp_if_include=lo", "HOME=/tmp"};
   if (!fault.empty()) options.environment.push_back("PLANISH_MPI_FAULT=" + fault);
   return run_planish(all, options);
 }
