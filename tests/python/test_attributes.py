@@ -40,12 +40,18 @@ def test_a_mesh_gives_back_what_it_was_given(cube):
 
 @pytest.mark.parametrize("method", ["progressive", "fair"])
 @pytest.mark.parametrize("level", [0, 1, 3])
-def test_numbers_are_linear_between_vertices(cube, method, level):
-    fit = planish.fit(riding(cube), method=method)
+def test_numbers_go_from_vertex_to_vertex(cube, method, level):
+    mesh = riding(cube)
+    x, y = cube[0][:, 0], cube[0][:, 1]
+    shares = np.stack([0.5 * x * x, y / 3, 1 - 0.5 * x * x - y / 3], axis=1)
+    attributes = dict(mesh.attributes) | {"shares": shares}
+    fit = planish.fit(planish.Mesh(*cube, colors=mesh.colors, attributes=attributes), method=method)
     surface = fit.evaluate(level)
-    flow, heat = surface.attributes["flow"], surface.attributes["heat"]
-    # Of one linear function both: one follows from the other wherever it is.
-    assert np.allclose(heat, flow @ np.array([1, 2, 3]) / 7, atol=1e-5)
+    heat = surface.attributes["heat"]
+    assert np.allclose(heat[:8], mesh.attributes["heat"], atol=1e-5)
+    assert heat.min() >= mesh.attributes["heat"].min() and heat.max() <= mesh.attributes["heat"].max()
+    # Shares of a whole stay such.
+    assert np.allclose(surface.attributes["shares"].sum(axis=1), 1, atol=1e-5)
     assert np.array_equal(surface.attributes["wide"][:8], np.arange(72).reshape(8, 9))
     assert len(heat) == len(surface.positions) == len(surface.colors)
     # The corners of the cube and the means of its faces and edges.

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
-#include <opensubdiv/far/primvarRefiner.h>
 
 #include <algorithm>
 #include <atomic>
@@ -15,7 +14,6 @@
 #include "planish/mesh/quad_cut.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
-#include "support/doo_sabin_tables.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -252,49 +250,6 @@ TEST(SurfaceBlocks, BitsDoNotDependOnThreads) {
   EXPECT_EQ(one.uvs, four.uvs);
   EXPECT_EQ(one.face_uvs, four.face_uvs);
   EXPECT_EQ(one.colors, four.colors);
-}
-
-// OpenSubdiv's own linear interpolation, level by level.
-struct Color {
-  glm::dvec4 value{0.0};
-  void Clear() { value = glm::dvec4(0.0); }
-  void AddWithWeight(const Color& other, double weight) { value += weight * other.value; }
-};
-
-TEST(SurfaceBlocks, ColoursAreInterpolatedAsOpenSubdivDoes) {
-  for (auto [name, mesh] : test::all_meshes()) {
-    SCOPED_TRACE(name);
-    mesh.colors.resize(mesh.positions.size());
-    for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
-      mesh.colors[v] = {0.1f * static_cast<float>(v % 7), 0.2f * static_cast<float>(v % 3),
-                        0.01f * static_cast<float>(v), 1.0f};
-    }
-    for (int level = 1; level <= 3; ++level) {
-      test::QuadSplit split(mesh);
-      split.refine(level);
-      std::vector<Color> colors(mesh.colors.size());
-      for (std::size_t v = 0; v < colors.size(); ++v) colors[v].value = glm::dvec4(mesh.colors[v]);
-      const OpenSubdiv::Far::PrimvarRefinerReal<double> refiner(split.refiner());
-      for (int l = 1; l <= level; ++l) {
-        std::vector<Color> finer(static_cast<std::size_t>(split.level(l).GetNumVertices()));
-        refiner.InterpolateVarying(l, colors, finer);
-        colors = std::move(finer);
-      }
-      const DooSabinSurface base(mesh, {});
-      const SurfaceMesh surface = collect(*base.level(level), {});
-      const MeshTopology topology(mesh);
-      const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
-      const test::SubdivisionChain subdivision(split, features, Weights::DooSabin);
-      const test::LimitRows limits(subdivision, level);
-      const PatchMesh patches(topology, features);
-      const auto order = limits.in_order_of(PatchNumbering(patches, level));
-      ASSERT_EQ(order.size(), surface.colors.size());
-      for (std::size_t row = 0; row < order.size(); ++row) {
-        const glm::dvec4 wanted = colors[limits.place(order[row]).vertex].value;
-        ASSERT_LT(glm::length(glm::dvec4(surface.colors[row]) - wanted), 2e-7) << row;
-      }
-    }
-  }
 }
 
 TEST(SurfaceBlocks, VerticesThatOnlyHolesNameAreLeftOut) {

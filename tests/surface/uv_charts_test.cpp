@@ -3,12 +3,14 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <span>
 #include <utility>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
+#include "planish/surface/level_faces.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -286,6 +288,86 @@ TEST(UvCharts, GoAroundASphere) {
     if (std::abs(p.z) < 0.8) worst = std::max(worst, std::abs(turn) * radius);
   }
   EXPECT_LT(worst, 2.5e-3);  // a cell is 1 / 32 wide
+}
+
+// Four numbers that are affine in the place, in the range that is given.
+TEST(ValueCharts, StayWhereTheyWereOnFlatSurfaces) {
+  for (const auto& [name, plain] : flat_meshes()) {
+    PolygonMesh mesh = plain;
+    const auto value = [](const glm::dvec3& p) {
+      return glm::dvec4(mapped(p), mapped(p).y - 3 * mapped(p).x, 0.5);
+    };
+    glm::dvec4 lowest(1e9), highest(-1e9);
+    for (const glm::dvec3& p : given_points(mesh)) {
+      mesh.colors.emplace_back(value(p));
+      lowest = glm::min(lowest, value(p));
+      highest = glm::max(highest, value(p));
+    }
+    for (int level = 0; level <= 3; ++level) {
+      const SurfaceMesh surface = cage_surface(mesh, level);
+      double worst = 0;
+      for (std::size_t row = 0; row < surface.positions.size(); ++row) {
+        const glm::dvec4 wanted = glm::clamp(value(surface.positions[row]), lowest, highest);
+        worst = std::max(worst, glm::distance(glm::dvec4(surface.colors[row]), wanted) /
+                                    glm::distance(lowest, highest));
+      }
+      EXPECT_LT(worst, 1e-6) << name << ", level " << level;
+    }
+  }
+}
+
+// Where all neighbours have one value, there is no other; rows lie between the values around them.
+TEST(ValueCharts, DoNotSwingOver) {
+  for (PolygonMesh mesh :
+       {test::jittered(test::icosphere(3), 0.1, 5), test::torus(12, 9, 1.0, 0.4)}) {
+    for (const glm::dvec3& p : mesh.positions)
+      mesh.colors.emplace_back(p.x > 0.1 ? 0.25f : 0.75f, std::sin(40 * p.y), p.x, p.z > 0 ? 1 : 0);
+    std::vector<glm::dvec4> lowest(mesh.positions.size(), glm::dvec4(1e9)), highest(lowest.size());
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      for (const std::int32_t v : mesh.face(f))
+        for (const std::int32_t w : mesh.face(f)) {
+          lowest[v] = glm::min(lowest[v], glm::dvec4(mesh.colors[w]));
+          highest[v] = glm::max(highest[v], glm::dvec4(mesh.colors[w]));
+        }
+    const SurfaceMesh surface = cage_surface(mesh, 3);
+    const std::vector<std::int32_t> ancestors = ancestor_faces(surface, mesh);
+    for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+      glm::dvec4 low(1e9), high(-1e9);
+      for (const std::int32_t v : mesh.face(ancestors[f])) {
+        low = glm::min(low, lowest[v]);
+        high = glm::max(high, highest[v]);
+      }
+      for (const std::int32_t row : surface.face(f))
+        for (int k = 0; k < 4; ++k) {
+          ASSERT_GE(surface.colors[row][k], low[k] - 1e-6);
+          ASSERT_LE(surface.colors[row][k], high[k] + 1e-6);
+        }
+    }
+    for (std::size_t row = 0; row < surface.base_vertices.size(); ++row)
+      EXPECT_EQ(surface.colors[row], mesh.colors[surface.base_vertices[row]]);
+  }
+}
+
+// A colour that goes smoothly over the plane: nearer to it than what is linear between vertices.
+TEST(ValueCharts, AreNearerToSmoothOnesThanLinearOnes) {
+  PolygonMesh mesh = test::flat_grid(12, 12);
+  const auto value = [](const glm::dvec3& p) { return std::sin(0.7 * p.x) * std::cos(0.5 * p.y); };
+  for (const glm::dvec3& p : given_points(mesh))
+    mesh.colors.emplace_back(static_cast<float>(value(p)), 0, 0, 1);
+  const SurfaceMesh surface = cage_surface(mesh, 4);
+  double worst = 0, of_linear = 0;
+  for (std::size_t row = 0; row < surface.positions.size(); ++row) {
+    const glm::dvec3& p = surface.positions[row];
+    if (p.x < 2 || p.x > 10 || p.y < 2 || p.y > 10) continue;
+    worst = std::max(worst, std::abs(surface.colors[row].x - value(p)));
+    const double x = std::floor(p.x), y = std::floor(p.y), u = p.x - x, v = p.y - y;
+    const auto at = [&](double dx, double dy) { return value({x + dx, y + dy, 0}); };
+    const double linear =
+        (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
+    of_linear = std::max(of_linear, std::abs(linear - value(p)));
+  }
+  EXPECT_GT(of_linear, 0.05);
+  EXPECT_LT(worst, 0.5 * of_linear);
 }
 
 }  // namespace

@@ -168,7 +168,7 @@ const char* mesh_keywords() {
         of its uvs or -1; left out, uvs are one for each vertex or one for each corner.
     colors: numbers (n, 3) or (n, 4), linear from 0 to 1; of uint8 sRGB from 0 to 255.
     groups: names, or tuples (name, material); face_groups: integers (m,), the group of each face.
-    attributes: a dict of names and numbers (n,) or (n, k): linear on the surface, float32.
+    attributes: a dict of names and numbers (n,) or (n, k): float32; on the surface they go smoothly from vertex to vertex, within those given.
 )";
 }
 

@@ -4,41 +4,43 @@
 #include <vector>
 
 #include "planish/core/stop.h"
-#include "planish/limit/bilinear_at.h"
 #include "planish/limit/field_at.h"
 #include "planish/surface/doo_sabin_blocks.h"
 
 namespace planish {
 namespace {
 
-std::span<const AdaptivePlace> part_of(const RawVector<AdaptivePlace>& places, RowRange range) {
-  return std::span(places).subspan(static_cast<std::size_t>(range.first),
-                                   static_cast<std::size_t>(range.count));
+// Those of the mesh come first, also where no corner names them.
+template <class Vector, class Stored>
+void write_corner_rows(const LimitSurface& surface, const ChartField<Vector>& field,
+                       std::span<const AdaptivePlace> places, std::span<const Stored> given,
+                       std::span<Stored> values) {
+  field_at(surface, field, places,
+           [&](std::size_t i, const Vector& value) { values[i] = Stored(value); });
+  std::ranges::copy(given, values.begin());
 }
 
 }  // namespace
 
-bool AdaptiveBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
-                            std::span<glm::dvec2> values) const {
-  field_at(lies_on_, lies_on_.surface().uv_field_of(given), part_of(adaptive_.uv_places, uvs),
-           [&](std::size_t i, const glm::dvec2& uv) { values[i] = uv; });
-  // Those of the mesh come first, also where no corner names them.
-  const auto own = static_cast<std::int64_t>(given.size());
-  for (std::int64_t row = uvs.first; row < std::min(uvs.first + uvs.count, own); ++row)
-    values[row - uvs.first] = given[row];
+bool AdaptiveBlocks::uvs_of(std::span<const glm::dvec2> given, std::span<glm::dvec2> values) const {
+  write_corner_rows(lies_on_, lies_on_.surface().uv_field_of(given), adaptive_.uv_places, given,
+                    values);
   return true;
 }
 
-bool AdaptiveBlocks::rows_of(std::span<const glm::vec4> given, RowRange rows,
-                             std::span<glm::vec4> values) const {
-  const MeshTopology& topology = lies_on_.topology();
-  const auto& vertices = lies_on_.surface().used().vertices;
-  const auto at = [&](std::int32_t corner) {
-    return glm::dvec4(given[vertices[topology.vertex_of(corner)]]);
-  };
-  bilinear_at<glm::dvec4>(
-      topology, part_of(adaptive_.places, rows), at,
-      [&](std::size_t i, const glm::dvec4& value) { values[i] = glm::vec4(value); });
+bool AdaptiveBlocks::corners_of(std::span<const glm::vec4> given,
+                                std::span<glm::vec4> values) const {
+  write_corner_rows(lies_on_, lies_on_.surface().corner_field_of(given), adaptive_.uv_places, given,
+                    values);
+  return true;
+}
+
+bool AdaptiveBlocks::rows_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const {
+  std::vector<glm::vec4> used;
+  for (const std::int32_t vertex : lies_on_.surface().used().vertices)
+    used.push_back(given[vertex]);
+  field_at(lies_on_, lies_on_.surface().vertex_field_of(used), adaptive_.places,
+           [&](std::size_t i, const glm::dvec4& value) { values[i] = glm::vec4(value); });
   return true;
 }
 

@@ -15,10 +15,9 @@ class AdaptiveBlocks final : public MeshBlocks {
   AdaptiveBlocks(const AdaptiveSurface& surface, const LimitSurface& lies_on)
       : MeshBlocks(surface.mesh, surface.ancestors), adaptive_(surface), lies_on_(lies_on) {}
 
-  bool uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
-              std::span<glm::dvec2> values) const override;
-  bool rows_of(std::span<const glm::vec4> given, RowRange rows,
-               std::span<glm::vec4> values) const override;
+  bool uvs_of(std::span<const glm::dvec2> given, std::span<glm::dvec2> values) const override;
+  bool corners_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const override;
+  bool rows_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const override;
   /// Positions and normals that another surface of the mesh has at the places of these rows,
   /// without faces. Throws Error{Cancelled}.
   [[nodiscard]] SurfaceMesh rows_on(const LimitSurface& other) const;

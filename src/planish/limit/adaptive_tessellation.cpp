@@ -16,7 +16,6 @@
 #include "planish/core/parallel.h"
 #include "planish/limit/adaptive_faces.h"
 #include "planish/limit/adaptive_rows.h"
-#include "planish/limit/bilinear_at.h"
 #include "planish/limit/field_at.h"
 #include "planish/limit/triangle_turns.h"
 #include "planish/limit/used_rows.h"
@@ -261,28 +260,21 @@ void Tessellation::carry(const AdaptiveSurface& surface, SurfaceMesh& result) co
   const PolygonMesh& mesh = base_.mesh();
   const auto level_one = static_cast<std::size_t>(numbering_.row_count());
   const auto places = std::span(surface.places).subspan(level_one);
-  const auto vertex = [&](std::int32_t corner) {
-    return static_cast<std::size_t>(topology_.vertex_of(corner));
-  };
   if (!mesh.colors.empty()) {
     result.colors.resize(surface.places.size());
-    bilinear_at<glm::dvec4>(
-        topology_, places, [&](std::int32_t c) { return glm::dvec4(mesh.colors[vertex(c)]); },
-        [&](std::size_t i, const glm::dvec4& color) {
-          result.colors[level_one + i] = glm::vec4(color);
-        });
+    field_at(surface_, base_.color_field(), places, [&](std::size_t i, const glm::dvec4& color) {
+      result.colors[level_one + i] = glm::vec4(color);
+    });
   }
   for (std::size_t k = 0; k < result.attributes.size(); ++k) {
     const VertexAttribute& given = mesh.attributes[k];
     VertexAttribute& made = result.attributes[k];
     made.values.resize(static_cast<std::size_t>(given.width) * surface.places.size());
-    for (int first = 0; first < given.width; first += 4)
-      bilinear_at<glm::dvec4>(
-          topology_, places,
-          [&](std::int32_t c) { return glm::dvec4(given.four(vertex(c), first)); },
-          [&](std::size_t i, const glm::dvec4& four) {
-            made.set_four(level_one + i, first, glm::vec4(four));
-          });
+    for (const NumberRun& run : runs_of(mesh.attributes, k))
+      field_at(surface_, base_.number_field(run.four), places,
+               [&](std::size_t i, const glm::dvec4& four) {
+                 made.set_run(level_one + i, run, glm::vec4(four));
+               });
   }
   if (!uv_numbering_) return;
   const auto uvs = static_cast<std::size_t>(uv_numbering_->row_count());

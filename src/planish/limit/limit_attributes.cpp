@@ -1,7 +1,7 @@
 #include "planish/limit/limit_attributes.h"
 
 #include "planish/core/parallel.h"
-#include "planish/patches/patch_attributes.h"
+#include "planish/limit/field_at.h"
 
 namespace planish {
 
@@ -9,17 +9,19 @@ std::vector<float> attribute_at(const LimitSurface& surface, std::size_t index,
                                 std::span<const SurfaceParameter> places) {
   constexpr std::size_t kGrain = 1024;
   const MeshTopology& topology = surface.topology();
-  const VertexAttribute& given = surface.surface().mesh().attributes[index];
+  const PolygonMesh& mesh = surface.surface().mesh();
+  const VertexAttribute& given = mesh.attributes[index];
   VertexAttribute made = attribute_of_size(given.name, given.width, places.size());
-  parallel_each(places.size(), kGrain, [&](std::size_t i) {
-    const CornerParameter at = corner_parameter(topology, places[i]);
-    for (int first = 0; first < given.width; first += 4) {
-      const auto square = square_values(topology, at.corner, [&](std::int32_t corner) {
-        return glm::dvec4(given.four(static_cast<std::size_t>(topology.vertex_of(corner)), first));
-      });
-      made.set_four(i, first, glm::vec4(bilinear(square, at.u, at.v)));
-    }
-  });
+  for (const NumberRun& run : runs_of(mesh.attributes, index)) {
+    const ChartField<glm::dvec4>& field = surface.surface().number_field(run.four);
+    parallel_for(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      FieldAt<glm::dvec4> value(surface, field);
+      for (std::size_t i = begin; i < end; ++i) {
+        const CornerParameter at = corner_parameter(topology, places[i]);
+        made.set_run(i, run, glm::vec4(value(at.corner, {at.u, at.v})));
+      }
+    });
+  }
   return std::move(made.values);
 }
 

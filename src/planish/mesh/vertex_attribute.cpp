@@ -36,6 +36,51 @@ std::uint64_t numbers_of(std::span<const VertexAttribute> attributes) {
   return sum;
 }
 
+void VertexAttribute::set_run(std::size_t vertex, const NumberRun& run, const glm::vec4& four) {
+  const std::size_t first =
+      static_cast<std::size_t>(width) * vertex + static_cast<std::size_t>(run.column);
+  for (int k = 0; k < run.count; ++k)
+    values[first + static_cast<std::size_t>(k)] = four[run.lane + k];
+}
+
+std::vector<NumberRun> runs_of(std::span<const VertexAttribute> attributes, std::size_t index) {
+  // Where an attribute would not fit into a four that is begun, the next one begins.
+  std::size_t before = 0;
+  const auto begin = [&](const VertexAttribute& attribute) {
+    if (before % 4 + static_cast<std::size_t>(attribute.width) > 4) before += (4 - before % 4) % 4;
+  };
+  for (const VertexAttribute& attribute : attributes.first(index)) {
+    begin(attribute);
+    before += static_cast<std::size_t>(attribute.width);
+  }
+  begin(attributes[index]);
+  const int width = attributes[index].width;
+  std::vector<NumberRun> runs;
+  for (int column = 0; column < width;) {
+    const std::size_t number = before + static_cast<std::size_t>(column);
+    const int lane = static_cast<int>(number % 4), count = std::min(4 - lane, width - column);
+    runs.push_back({number / 4, lane, column, count});
+    column += count;
+  }
+  return runs;
+}
+
+std::vector<glm::vec4> four_of(std::span<const VertexAttribute> attributes, std::size_t four) {
+  const std::size_t count = attributes.empty() ? 0 : attributes.front().count();
+  std::vector<glm::vec4> values(count, glm::vec4(0.0f));
+  for (std::size_t index = 0; index < attributes.size(); ++index) {
+    const VertexAttribute& from = attributes[index];
+    for (const NumberRun& run : runs_of(attributes, index)) {
+      if (run.four != four) continue;
+      for (std::size_t v = 0; v < count; ++v)
+        for (int k = 0; k < run.count; ++k)
+          values[v][run.lane + k] = from.values[static_cast<std::size_t>(from.width) * v +
+                                                static_cast<std::size_t>(run.column + k)];
+    }
+  }
+  return values;
+}
+
 std::vector<VertexAttribute> attributes_of(std::span<const VertexAttribute> given,
                                            std::span<const std::int32_t> vertices) {
   std::vector<VertexAttribute> result;

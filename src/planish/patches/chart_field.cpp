@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <numeric>
 
 #include "planish/core/parallel.h"
@@ -20,6 +21,8 @@ constexpr double kLeastTurn = 0.1;
 // Of what values change by along a seam, up to which both sides are one chart, moved: what numbers
 // of 32 bits leave, and much less than what is seen.
 constexpr double kMoved = 1e-4;
+// Of the largest value: what numbers of 32 bits leave.
+constexpr double kValueRounding = 1e-7;
 // Of a triangle, of the squares of its sides, above which it has two sides.
 constexpr double kLeastArea = 1e-9;
 
@@ -112,6 +115,7 @@ struct ChartField<Vector>::Around {
   // Scratch.
   std::vector<std::uint8_t> is_seam, is_sharp, is_moved;
   std::vector<double> weights, shares;  // of pieces
+  std::vector<Vector> value_shares;     // likewise, of each number
   std::vector<Gradient> gradients;      // likewise
   std::vector<double> face_shares;      // of corners
 
@@ -148,22 +152,27 @@ auto ChartField<Vector>::integral_over(std::int32_t face) const -> Integral {
     return limits_[topology_.vertex_of(first + (i == size ? 0 : i))];
   };
   const glm::dvec3 origin = at(0);
+  glm::dvec3 normal(0.0);
   for (std::int32_t i = 1; i + 1 < size; ++i)
-    made.normal += 0.5 * glm::cross(at(i) - origin, at(i + 1) - origin);
-  made.area = glm::length(made.normal);
+    normal += 0.5 * glm::cross(at(i) - origin, at(i + 1) - origin);
+  const double area = glm::length(normal);
   const Vector value = given(first);
-  for (std::int32_t i = 1; i + 1 < size; ++i) {
+  for (std::int32_t i = 1; kIsCoordinates && i + 1 < size; ++i) {
     const Vector a = given(first + i) - value, b = given(first + i + 1) - value;
-    made.turn += a.x * b.y - a.y * b.x;
+    made.turn += static_cast<typename Integral::Real>(a.x * b.y - a.y * b.x);
   }
-  if (!(made.area > 0)) return {};
-  made.normal /= made.area;
+  if (!(area > 0)) return {};
+  normal /= area;
+  Gradient gradient{};
   for (std::int32_t i = 0; i < size; ++i) {
     const Vector mean =
         0.5 * ((given(first + i) - value) + (given(first + (i + 1 == size ? 0 : i + 1)) - value));
-    const glm::dvec3 outward = glm::cross(at(i + 1) - at(i), made.normal);
-    for (int k = 0; k < 3; ++k) made.gradient[static_cast<std::size_t>(k)] += outward[k] * mean;
+    const glm::dvec3 outward = glm::cross(at(i + 1) - at(i), normal);
+    for (int k = 0; k < 3; ++k) gradient[static_cast<std::size_t>(k)] += outward[k] * mean;
   }
+  made.normal = normal;
+  made.area = static_cast<typename Integral::Real>(area);
+  for (std::size_t k = 0; k < 3; ++k) made.gradient[k] = Stored(gradient[k]);
   return made;
 }
 
@@ -263,13 +272,13 @@ void ChartField<Vector>::fit(std::span<const Integral> faces, Around& around) co
     const glm::dvec3& at = around.pieces.front().at;
     const glm::dvec3 next = limits_[topology_.vertex_of(topology_.next(c))] - at;
     const glm::dvec3 prev = limits_[topology_.vertex_of(topology_.prev(c))] - at;
-    const double square = glm::dot(next, next) * glm::dot(prev, prev);
+    const double square = glm::dot(next, next) * glm::dot(prev, prev), area = face.area;
     // Areas, but of large polygons no more than beside the vertex.
     const double share =
-        face.area > 0 && square > 0 ? std::min(1.0, std::sqrt(square) / face.area) / square : 0.0;
+        area > 0 && square > 0 ? std::min(1.0, std::sqrt(square) / area) / square : 0.0;
     around.face_shares[i] = share;
-    around.weights[around.piece_link[around.piece[i]]] += share * face.area;
-    around.normals[around.sector[i]] += share * face.area * face.normal;
+    around.weights[around.piece_link[around.piece[i]]] += share * area;
+    around.normals[around.sector[i]] += share * area * glm::dvec3(face.normal);
   }
   for (glm::dvec3& normal : around.normals) {
     const double length = glm::length(normal);
@@ -282,15 +291,21 @@ void ChartField<Vector>::fit(std::span<const Integral> faces, Around& around) co
     const std::int32_t link = around.piece_link[around.piece[i]];
     const double weight = around.weights[link];
     const double share = weight > 0 ? around.face_shares[i] / weight : 0.0;
-    const Vector turn =
-        times(face.gradient, normal) / std::max(1 + glm::dot(face.normal, normal), kLeastTurn);
+    const glm::dvec3 own(face.normal);
+    const Gradient of_face = {Vector(face.gradient[0]), Vector(face.gradient[1]),
+                              Vector(face.gradient[2])};
+    const Vector turn = times(of_face, normal) / std::max(1 + glm::dot(own, normal), kLeastTurn);
     Gradient& gradient = around.gradients[link];
     for (int k = 0; k < 3; ++k)
       gradient[static_cast<std::size_t>(k)] +=
-          share * (face.gradient[static_cast<std::size_t>(k)] - (face.normal + normal)[k] * turn);
+          share * (of_face[static_cast<std::size_t>(k)] - (own + normal)[k] * turn);
   }
   for (std::size_t p = 0; p < around.pieces.size(); ++p)
     around.pieces[p].gradient = around.gradients[around.piece_link[p]];
+  if (around.pieces.size() == 1) {
+    around.pieces[0].of_fan = around.pieces[0].gradient;
+    return;
+  }
   // The mean of those of fans that are linked.
   around.gradients.assign(around.pieces.size(), Gradient{});
   around.weights.assign(around.pieces.size(), 0.0);
@@ -372,12 +387,23 @@ void ChartField<Vector>::find_handles(std::int32_t vertex, std::span<const glm::
   }
 }
 
+template <class Vector>
+void ChartField<Vector>::shrink(std::span<const glm::dvec3> points, std::span<const Integral> faces,
+                                Around& around) const {
+  if constexpr (kIsCoordinates) {
+    shrink_to_faces(points, faces, around);
+  } else {
+    shrink_to_ranges(points, around);
+  }
+}
+
 // Each control value reaches no further than the line from the middle of its face to that of an
 // edge, as it does by far on regular meshes; one share for all that a chart has here, so that it
 // stays one map.
 template <class Vector>
-void ChartField<Vector>::shrink(std::span<const glm::dvec3> points, std::span<const Integral> faces,
-                                Around& around) const {
+void ChartField<Vector>::shrink_to_faces(std::span<const glm::dvec3> points,
+                                         std::span<const Integral> faces,
+                                         Around& around) const requires kIsCoordinates {
   around.shares.assign(around.pieces.size(), 1.0);
   bool shrinks = false;
   for (std::size_t i = 0; i < around.corners.size(); ++i) {
@@ -406,6 +432,82 @@ void ChartField<Vector>::shrink(std::span<const glm::dvec3> points, std::span<co
     for (Vector& of_axis : piece.gradient) of_axis *= share;
     for (Vector& of_axis : piece.of_fan) of_axis *= share;
     piece.handle *= share;
+  }
+}
+
+// What a step from a corner's vertex changes values by where they change linearly along both of the
+// corner's edges.
+template <class Vector>
+Vector ChartField<Vector>::along_edges(std::int32_t corner, const glm::dvec3& step) const {
+  const std::int32_t vertex = topology_.vertex_of(corner);
+  const auto to = [&](std::int32_t other) {
+    return limits_[topology_.vertex_of(other)] - limits_[vertex];
+  };
+  const std::int32_t next = topology_.next(corner), prev = topology_.prev(corner);
+  const glm::dvec3 a = to(next), b = to(prev);
+  const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b),
+               area = aa * bb - ab * ab;
+  if (!(area > kLeastArea * aa * bb)) return Vector(0.0);
+  const double along_a = glm::dot(step, a), along_b = glm::dot(step, b);
+  return (along_a * bb - along_b * ab) / area * (given(next) - given(corner)) +
+         (along_b * aa - along_a * ab) / area * (given(prev) - given(corner));
+}
+
+// To what the face has at its other corners, or as far as its own map goes; one share for all that
+// a chart has here, so that it stays one map.
+template <class Vector>
+void ChartField<Vector>::shrink_to_ranges(std::span<const glm::dvec3> points, Around& around) const
+    requires(!kIsCoordinates) {
+  around.value_shares.assign(around.pieces.size(), Vector(1.0));
+  bool shrinks = false;
+  const auto keep = [&](std::int32_t corner, const Piece& piece, const glm::dvec3& step,
+                        const Vector& change) {
+    const Vector value = piece.value + change;
+    Vector lowest = piece.value, highest = piece.value;
+    const auto may_be = [&](const Vector& other) {
+      lowest = glm::min(lowest, other);
+      highest = glm::max(highest, other);
+    };
+    const Vector slack = kValueRounding * glm::max(glm::abs(lowest_), glm::abs(highest_));
+    const auto excess = [&] { return glm::abs(value - glm::clamp(value, lowest, highest)); };
+    const auto is_within = [&] { return glm::all(glm::lessThanEqual(excess(), slack)); };
+    const std::int32_t face = topology_.face_of(corner), first = topology_.first_corner(face);
+    for (std::int32_t k = first; k < first + topology_.face_size(face); ++k) may_be(given(k));
+    if (is_within()) return;
+    may_be(piece.value + along_edges(corner, step));
+    if (is_within()) return;
+    const Vector bound = glm::clamp(value, lowest, highest) - piece.value, beyond = excess();
+    Vector& shares = around.value_shares[around.fan_link[piece.fan]];
+    for (int k = 0; k < Vector::length(); ++k) {
+      if (beyond[k] <= slack[k]) continue;
+      for (int other = 0; other < Vector::length(); ++other)
+        if (attributes_[static_cast<std::size_t>(other)] ==
+            attributes_[static_cast<std::size_t>(k)])
+          shares[other] = std::min(shares[other], bound[k] / change[k]);
+    }
+    shrinks = true;
+  };
+  for (std::size_t i = 0; i < around.corners.size(); ++i) {
+    const std::int32_t c = around.corners[i];
+    const Piece& piece = around.pieces[around.piece[i]];
+    const glm::dvec3 step = points[c] - piece.at;
+    keep(c, piece, step, times(piece.gradient, step));
+    if (piece.curve0 < 0) continue;
+    const auto keep_curve = [&](std::int32_t edge) {
+      const std::int32_t curve = curve_at(piece.vertex, edge);
+      keep(c, piece, points[curve] - piece.at,
+           curve == piece.curve0 ? piece.handle : -piece.handle);
+    };
+    const std::int32_t behind = topology_.ccw(c);
+    if (mesh_.is_sharp(c)) keep_curve(topology_.edge_of(c));
+    if (behind < 0 || mesh_.is_sharp(behind)) keep_curve(topology_.edge_of(topology_.prev(c)));
+  }
+  if (!shrinks) return;
+  for (Piece& piece : around.pieces) {
+    const Vector& shares = around.value_shares[around.fan_link[piece.fan]];
+    for (Vector& of_axis : piece.gradient) of_axis *= shares;
+    for (Vector& of_axis : piece.of_fan) of_axis *= shares;
+    piece.handle *= shares;
   }
 }
 
@@ -449,25 +551,35 @@ void ChartField<Vector>::write_own(std::int32_t vertex, std::span<const glm::dve
   for (std::size_t i = 0; i < around.corners.size(); ++i) {
     const std::int32_t c = around.corners[i];
     const Piece& piece = around.pieces[around.piece[i]];
-    own_[c] = piece.map(points[c]);
+    own_[c] = Stored(piece.map(points[c]));
     const auto write = [&](std::int32_t edge) {
       const std::int32_t curve = curve_at(vertex, edge);
-      own_[curve] = curve_value(piece, curve, points[curve],
-                                [&](std::int32_t corner) { return around.fan_of(corner); });
+      own_[curve] = Stored(curve_value(piece, curve, points[curve],
+                                       [&](std::int32_t corner) { return around.fan_of(corner); }));
     };
     if (mesh_.is_sharp(c)) write(topology_.edge_of(c));
     if (topology_.ccw(c) < 0) write(topology_.edge_of(topology_.prev(c)));
   }
   if (mesh_.features().vertex_kinds[vertex] == VertexKind::Corner)
     own_[mesh_.first_corner_vertex() + mesh_.features().corner_of_vertex[vertex]] =
-        around.pieces.front().value;
+        Stored(around.pieces.front().value);
 }
 
 template <class Vector>
 ChartField<Vector>::ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
                                std::span<const std::int32_t> indices,
-                               std::span<const Vector> values, std::span<const glm::dvec3> limits)
-    : mesh_(mesh), topology_(mesh.topology()), indices_(indices), values_(values) {
+                               std::span<const Stored> values, std::span<const glm::dvec3> limits,
+                               const std::array<int, 4>& attributes)
+    : mesh_(mesh),
+      topology_(mesh.topology()),
+      indices_(indices),
+      values_(values),
+      attributes_(attributes) {
+  if (!values.empty()) lowest_ = highest_ = Vector(values.front());
+  for (const Stored& value : values) {
+    lowest_ = glm::min(lowest_, Vector(value));
+    highest_ = glm::max(highest_, Vector(value));
+  }
   edge_of_sharp_.resize(static_cast<std::size_t>(mesh.features().sharp_edge_count));
   for (std::size_t e = 0; e < mesh.features().sharp_of_edge.size(); ++e)
     if (const std::int32_t sharp = mesh.features().sharp_of_edge[e]; sharp >= 0)
@@ -537,7 +649,8 @@ void ChartField<Vector>::add_sums() {
       for (int k = 0; k < 3; ++k) three[i][k] = k < count ? own_[i][first + k] : 0.0;
     mesh_.update_sums(three);
     for (auto i = static_cast<std::size_t>(mesh_.state_size()); i < three.size(); ++i)
-      for (int k = 0; k < count; ++k) own_[i][first + k] = three[i][k];
+      for (int k = 0; k < count; ++k)
+        own_[i][first + k] = static_cast<typename Stored::value_type>(three[i][k]);
   }
 }
 
@@ -576,16 +689,16 @@ Vector ChartField<Vector>::column(std::int32_t point, std::int32_t corner) const
     const std::int32_t tail = topology_.corner_of(edge_of_sharp_[place / 2]);
     vertex = topology_.vertex_of(place % 2 == 0 ? tail : topology_.next(tail));
   } else if (point >= mesh_.state_size() && mesh_.is_face_ring(mesh_.ring_of_sum(point))) {
-    return own_[point];
+    return Vector(own_[point]);
   }
   for (const std::int32_t seen : {corner, topology_.next(corner), topology_.prev(corner)}) {
     if (topology_.vertex_of(seen) != vertex) continue;
     const std::int32_t piece = piece_of_corner_[seen];
     const bool is_own =
         piece < 0 || (point < topology_.corner_count() && piece_of_corner_[point] == piece);
-    return is_own ? own_[point] : on_piece(piece, point);
+    return is_own ? Vector(own_[point]) : on_piece(piece, point);
   }
-  return own_[point];
+  return Vector(own_[point]);
 }
 
 template <class Vector>
@@ -600,9 +713,10 @@ void ChartField<Vector>::columns(const PatchPlace& place, std::int32_t corner,
       (piece_of_corner_[corner] >= 0 || piece_of_corner_[topology_.next(corner)] >= 0 ||
        piece_of_corner_[topology_.prev(corner)] >= 0);
   for (std::size_t k = 0; k < indices.size(); ++k)
-    values[k] = at_seam ? column(indices[k], corner) : own_[indices[k]];
+    values[k] = at_seam ? column(indices[k], corner) : Vector(own_[indices[k]]);
 }
 
 template class ChartField<glm::dvec2>;
+template class ChartField<glm::dvec4>;
 
 }  // namespace planish

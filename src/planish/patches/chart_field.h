@@ -3,25 +3,45 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "planish/core/range.h"
 #include "planish/core/raw_vector.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
 
 namespace planish {
 
+/// What each corner of a mesh has of its texture coordinates: one past the given ones where it has
+/// none.
+struct CornerUvs {
+  explicit CornerUvs(const PolygonMesh& mesh)
+      : indices(mesh.face_uvs), count(static_cast<std::int32_t>(mesh.uvs.size())) {
+    bool missing = false;
+    for (std::int32_t& uv : indices) {
+      if (uv < 0) uv = static_cast<std::int32_t>(mesh.uvs.size()), missing = true;
+    }
+    if (missing) ++count;
+  }
+  std::vector<std::int32_t> indices;
+  std::int32_t count;
+};
+
 /// Where a surface has the vertices of its mesh, by its control points of level 1; of vertices
 /// without faces 0.
 [[nodiscard]] RawVector<glm::dvec3> vertex_limits(const PatchMesh& mesh,
                                                   std::span<const glm::dvec3> points);
 
-/// What is given at the corners of a mesh, such as texture coordinates, as a field on its surface.
+/// What is given at the corners of a mesh as a field on its surface: texture coordinates (two
+/// numbers), or colours and other values (four).
 /// The field has control values where the surface has control points, and its rows are the
 /// surface's, so that it lies on the surface where it lay on the mesh: where it is an affine
 /// function of the place on flat faces, it is the same function on their flat surface. Given
@@ -35,25 +55,38 @@ namespace planish {
 /// there, as if there were no seam. Curve points go by the chart's values along the curve: a
 /// straight border stays straight.
 ///
-/// The field must not fold where the values at the corners do not: the map of a chart around a
-/// vertex is shrunk towards the vertex's value until each control value lies in its own quarter of
-/// the face, or no further past it than its control point. Affine functions are never shrunk.
+/// Coordinates must not fold where those at the corners do not: the map of a chart around a vertex
+/// is shrunk towards the vertex's value until each control value lies in its own quarter of the
+/// face, or no further past it than its control point. Values must not swing over: the map is
+/// shrunk until each control value lies between those at the face's corners, or no further than the
+/// face's own affine map, and no row leaves the range of what is given. Affine functions are never
+/// shrunk; numbers of one attribute are shrunk alike, so that shares of a whole add up to it.
 template <class Vector>
 class ChartField {
  public:
+  /// Whether these are texture coordinates.
+  static constexpr bool kIsCoordinates = Vector::length() == 2;
+  /// What is given, and kept: values in float, as files have them.
+  using Stored = std::conditional_t<kIsCoordinates, Vector, glm::vec4>;
+
   /// `points`: the state of level 1 with the sums of large rings (PatchMesh::point_count()); they
   /// need not outlive the field, all else must. `indices` names one of the values at each corner;
   /// those behind them are 0. `limits`: vertex_limits(), where some of the vertices' faces are
-  /// missing here.
+  /// missing here. `attributes`: a number for each attribute that the four are of.
   ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
-             std::span<const std::int32_t> indices, std::span<const Vector> values,
-             std::span<const glm::dvec3> limits = {});
+             std::span<const std::int32_t> indices, std::span<const Stored> values,
+             std::span<const glm::dvec3> limits = {}, const std::array<int, 4>& attributes = {});
 
   [[nodiscard]] const PatchMesh& mesh() const { return mesh_; }
   [[nodiscard]] std::span<const std::int32_t> indices() const { return indices_; }
   [[nodiscard]] Vector given(std::int32_t corner) const {
     const auto index = static_cast<std::size_t>(indices_[corner]);
-    return index < values_.size() ? values_[index] : Vector(0.0);
+    return index < values_.size() ? Vector(values_[index]) : Vector(0.0);
+  }
+  /// Of a row: values within those that are given.
+  [[nodiscard]] Vector row(const Vector& value) const {
+    if constexpr (kIsCoordinates) return value;
+    return glm::clamp(value, lowest_, highest_);
   }
   /// Control values of a place, in the order of its class's columns, as the corner's face sees
   /// them.
@@ -75,11 +108,12 @@ class ChartField {
       return value + times(gradient, point - at);
     }
   };
+  // Of a face; in the precision of what is given.
   struct Integral {
-    glm::dvec3 normal{0.0};
-    double area = 0;
-    Gradient gradient{};
-    double turn = 0;  // the area of the values, below 0 where they go around the other way
+    using Real = typename Stored::value_type;
+    glm::vec<3, Real> normal{0};
+    Real area = 0, turn = 0;  // turn: of the values, below 0 where they go around the other way
+    std::array<Stored, 3> gradient{};
   };
   struct Around;
 
@@ -96,6 +130,11 @@ class ChartField {
   void find_handles(std::int32_t vertex, std::span<const glm::dvec3> points, Around& around) const;
   void shrink(std::span<const glm::dvec3> points, std::span<const Integral> faces,
               Around& around) const;
+  void shrink_to_faces(std::span<const glm::dvec3> points, std::span<const Integral> faces,
+                       Around& around) const requires kIsCoordinates;
+  [[nodiscard]] Vector along_edges(std::int32_t corner, const glm::dvec3& step) const;
+  void shrink_to_ranges(std::span<const glm::dvec3> points, Around& around) const
+      requires(!kIsCoordinates);
   void write_own(std::int32_t vertex, std::span<const glm::dvec3> points, const Around& around);
   [[nodiscard]] std::int32_t curve_at(std::int32_t vertex, std::int32_t edge) const;
   template <class FanOf>
@@ -109,16 +148,18 @@ class ChartField {
   const PatchMesh& mesh_;
   const MeshTopology& topology_;
   std::span<const std::int32_t> indices_;
-  std::span<const Vector> values_;
+  std::span<const Stored> values_;
+  std::array<int, 4> attributes_;
+  Vector lowest_{0.0}, highest_{0.0};
   std::vector<std::int32_t> edge_of_sharp_;
-  RawVector<Vector> own_;
+  RawVector<Stored> own_;
   // Of vertices at seams; empty where there is none.
   RawVector<std::int32_t> piece_of_corner_;  // -1: no seam at the vertex
   std::vector<Piece> pieces_;
   RawVector<glm::dvec3> limits_, points_;
 };
 
-/// Rows of a field at a level, as BilinearRows has those of what is linear.
+/// Rows of a field at a level.
 template <class Vector>
 class ChartRows {
  public:
@@ -189,7 +230,7 @@ class ChartRows {
     const std::span<const double> weights = weights_->rows(sample);
     Vector sum = values_[0];
     for (std::size_t k = 1; k < values_.size(); ++k) sum += weights[k - 1] * values_[k];
-    return sum;
+    return field_.row(sum);
   }
 
   const ChartField<Vector>& field_;

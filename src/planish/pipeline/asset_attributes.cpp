@@ -190,7 +190,7 @@ class AssetAttributes::Maker {
     std::vector<glm::dvec2> values;
     if (is_doo_sabin()) {
       values.resize(static_cast<std::size_t>(surface_.info().uv_count));
-      (void)surface_.uvs_of(given, {0, surface_.info().uv_count}, values);
+      (void)surface_.uvs_of(given, values);
       return values;
     }
     PolygonMesh cage = fitted_.fit.cage;
@@ -235,26 +235,30 @@ class AssetAttributes::Maker {
   std::unique_ptr<const LinearSurface> linear_;
 };
 
-// Of what corners have, two numbers at a time, as texture coordinates are; within those given.
+// Of what corners have, where texture coordinates stand.
 std::vector<float> AssetAttributes::Maker::uv_rows(const AssetArray& array) const {
   const auto width = static_cast<std::size_t>(array.width);
-  const std::size_t given_count = array.values.size() / width;
-  std::vector<float> rows(width * static_cast<std::size_t>(surface_.info().uv_count));
-  for (std::size_t first = 0; first < width; first += 2) {
-    const std::size_t count = std::min(width - first, std::size_t{2});
-    std::vector<glm::dvec2> given(given_count, glm::dvec2(0.0));
-    for (std::size_t i = 0; i < given_count; ++i)
-      for (std::size_t k = 0; k < count; ++k)
-        given[i][static_cast<int>(k)] = array.values[width * i + first + k];
-    glm::dvec2 low(0.0), high(0.0);
-    if (!given.empty()) low = high = given.front();
-    for (const glm::dvec2& value : given) low = glm::min(low, value), high = glm::max(high, value);
-    const std::vector<glm::dvec2> made = uvs_of(given);
-    for (std::size_t row = 0; row < made.size(); ++row)
-      for (std::size_t k = 0; k < count; ++k)
-        rows[width * row + first + k] =
-            static_cast<float>(glm::clamp(made[row], low, high)[static_cast<int>(k)]);
+  std::vector<glm::vec4> given(array.values.size() / width, glm::vec4(0.0f));
+  for (std::size_t i = 0; i < given.size(); ++i)
+    for (std::size_t k = 0; k < width; ++k)
+      given[i][static_cast<int>(k)] = array.values[width * i + k];
+  std::vector<glm::vec4> made(static_cast<std::size_t>(surface_.info().uv_count));
+  if (is_doo_sabin()) {
+    (void)surface_.corners_of(given, made);
+  } else {
+    // Other schemes know texture coordinates alone.
+    std::vector<glm::dvec2> two(given.size());
+    for (int first = 0; first < array.width; first += 2) {
+      for (std::size_t i = 0; i < given.size(); ++i)
+        two[i] = {given[i][first], given[i][first + 1]};
+      const std::vector<glm::dvec2> rows = uvs_of(two);
+      for (std::size_t row = 0; row < made.size(); ++row)
+        for (int k = 0; k < 2; ++k) made[row][first + k] = static_cast<float>(rows[row][k]);
+    }
   }
+  std::vector<float> rows(width * made.size());
+  for (std::size_t row = 0; row < made.size(); ++row)
+    for (std::size_t k = 0; k < width; ++k) rows[width * row + k] = made[row][static_cast<int>(k)];
   return rows;
 }
 

@@ -56,19 +56,12 @@ std::vector<float> rows_of_vertices(std::span<const float> given, int width,
     for (int k = 0; k < 3; ++k)
       vertices[v] += static_cast<float>(added.weights[k]) * vertices[added.vertices[k]];
   }
-  std::vector<float> values(numbers * static_cast<std::size_t>(surface.info().row_count));
-  const std::vector<RowRange> ranges = surface.row_blocks(kAttributeRows);
-  parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<glm::vec4> made;
-    for (std::size_t r = begin; r < end; ++r) {
-      made.resize(static_cast<std::size_t>(ranges[r].count));
-      (void)surface.rows_of(vertices, ranges[r], made);
-      for (std::size_t i = 0; i < made.size(); ++i)
-        for (std::size_t k = 0; k < numbers; ++k)
-          values[numbers * (static_cast<std::size_t>(ranges[r].first) + i) + k] =
-              made[i][static_cast<int>(k)];
-    }
-  });
+  std::vector<glm::vec4> made(static_cast<std::size_t>(surface.info().row_count));
+  (void)surface.rows_of(vertices, made);
+  std::vector<float> values(numbers * made.size());
+  for (std::size_t i = 0; i < made.size(); ++i)
+    for (std::size_t k = 0; k < numbers; ++k)
+      values[numbers * i + k] = made[i][static_cast<int>(k)];
   return values;
 }
 

@@ -15,7 +15,7 @@ namespace planish {
 inline constexpr std::int64_t kAttributeRows = std::int64_t{1} << 14;
 
 /// Numbers that vertices of the given mesh have, `width` of 1 to 4 each, at all rows of the surface
-/// of its fit: linear between vertices, as colours are. The surface has to know its mesh (see
+/// of its fit, as colours have them. The surface has to know its mesh (see
 /// SurfaceBlocks::rows_of()).
 [[nodiscard]] std::vector<float> rows_of_vertices(std::span<const float> given, int width,
                                                   const FittedMesh& fitted,

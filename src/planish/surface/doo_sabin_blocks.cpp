@@ -7,6 +7,27 @@
 
 namespace planish {
 
+namespace {
+
+constexpr std::size_t kFieldRows = std::size_t{1} << 14;
+
+// of(range) of all rows, on all threads.
+template <class Of>
+void for_row_ranges(std::int64_t count, const Of& of) {
+  parallel_for(
+      static_cast<std::size_t>(count), kFieldRows, [&](std::size_t begin, std::size_t end) {
+        of(RowRange{static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end - begin)});
+      });
+}
+
+template <class T>
+std::span<T> rows_in(std::span<T> values, RowRange range) {
+  return values.subspan(static_cast<std::size_t>(range.first),
+                        static_cast<std::size_t>(range.count));
+}
+
+}  // namespace
+
 void DooSabinBlocks::take_base_vertices() {
   const PatchNumbering& numbering = surface_.numbering();
   const auto count = static_cast<std::size_t>(numbering.item_count(PatchNumbering::Part::Vertices));
@@ -83,48 +104,38 @@ DegenerateRows DooSabinBlocks::rows(RowRange range, const RowTarget& target) con
                      ? surface_.rows(base_.state(), base_.placement(), range, target)
                      : rows_from_device(range, target);
   }
-  if (!target.colors.empty())
-    linear_rows(range, target.colors,
-                [&](std::int32_t vertex) { return base_.mesh().colors[vertex]; });
+  if (!target.colors.empty()) write_values(base_.color_field(), range, target.colors);
   return degenerate;
 }
 
-bool DooSabinBlocks::rows_of(std::span<const glm::vec4> given, RowRange range,
-                             std::span<glm::vec4> values) const {
-  linear_rows(range, values,
-              [&](std::int32_t vertex) { return given[base_.used().vertices[vertex]]; });
+bool DooSabinBlocks::rows_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const {
+  std::vector<glm::vec4> used;
+  for (const std::int32_t vertex : base_.used().vertices) used.push_back(given[vertex]);
+  const ChartField<glm::dvec4> field = base_.vertex_field_of(used);
+  for_row_ranges(info_.row_count,
+                 [&](RowRange range) { write_values(field, range, rows_in(values, range)); });
   return true;
 }
 
 void DooSabinBlocks::attribute(std::size_t index, RowRange range, std::span<float> values) const {
-  const VertexAttribute& given = base_.mesh().attributes[index];
-  const auto count = static_cast<std::size_t>(range.count);
-  std::vector<glm::vec4> four(count);
-  for (int first = 0; first < given.width; first += 4) {
-    linear_rows(range, four, [&](std::int32_t vertex) {
-      return given.four(static_cast<std::size_t>(vertex), first);
-    });
-    const int columns = std::min(given.width - first, 4);
-    for (std::size_t i = 0; i < count; ++i)
-      for (int k = 0; k < columns; ++k)
-        values[static_cast<std::size_t>(given.width) * i + static_cast<std::size_t>(first + k)] =
-            four[i][k];
+  const auto width = static_cast<std::size_t>(base_.mesh().attributes[index].width);
+  std::vector<glm::vec4> four(static_cast<std::size_t>(range.count));
+  for (const NumberRun& run : runs_of(base_.mesh().attributes, index)) {
+    write_values(base_.number_field(run.four), range, four);
+    for (std::size_t i = 0; i < four.size(); ++i)
+      for (int k = 0; k < run.count; ++k)
+        values[width * i + static_cast<std::size_t>(run.column + k)] = four[i][run.lane + k];
   }
 }
 
-template <class OfVertex>
-void DooSabinBlocks::linear_rows(RowRange range, std::span<glm::vec4> values,
-                                 const OfVertex& of_vertex) const {
+void DooSabinBlocks::write_values(const ChartField<glm::dvec4>& field, RowRange range,
+                                  std::span<glm::vec4> values) const {
   const PatchNumbering& numbering = surface_.numbering();
-  const auto of_corner = [&](std::int32_t corner) {
-    return of_vertex(topology_.vertex_of(corner));
-  };
-  const auto at = [&](std::int32_t corner) { return glm::dvec4(of_corner(corner)); };
   const std::int64_t vertices = numbering.end_row(PatchNumbering::Part::Vertices);
   for (std::int64_t row = range.first; row < std::min(range.first + range.count, vertices); ++row)
     values[row - range.first] =
-        of_corner(numbering.item_corner(PatchNumbering::Part::Vertices, row));
-  BilinearRows<glm::dvec4, decltype(at)>(topology_, numbering, at)
+        field.given(numbering.item_corner(PatchNumbering::Part::Vertices, row));
+  ChartRows<glm::dvec4>(field, numbering, surface_.classes())
       .write(range, [&](std::int64_t row, const glm::dvec4& value) {
         values[row - range.first] = glm::vec4(value);
       });
@@ -222,31 +233,46 @@ void DooSabinBlocks::corners_from_device(RowRange faces, std::span<glm::dvec3> p
   }
 }
 
-void DooSabinBlocks::uvs(RowRange range, std::span<glm::dvec2> values) const {
-  if (write_given_uvs(base_.mesh().uvs, range, values)) write_uvs(base_.uv_field(), range, values);
+template <class Vector, class Stored, class Field>
+void DooSabinBlocks::write_corner_rows(std::span<const Stored> given, RowRange range,
+                                       std::span<Stored> values, const Field& field) const {
+  const std::int64_t count = base_.corner_uvs().count, last = range.first + range.count;
+  for (std::int64_t row = range.first; row < std::min(last, count); ++row) {
+    const auto at = static_cast<std::size_t>(row);
+    values[row - range.first] = at < given.size() ? given[at] : Stored(0.0);
+  }
+  if (last <= count) return;
+  ChartRows<Vector>(field(), *uv_numbering_, surface_.classes())
+      .write(range, [&](std::int64_t row, const Vector& value) {
+        values[row - range.first] = Stored(value);
+      });
 }
 
-bool DooSabinBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange range,
-                            std::span<glm::dvec2> values) const {
-  if (write_given_uvs(given, range, values)) write_uvs(base_.uv_field_of(given), range, values);
+template <class Vector, class Stored, class Field>
+void DooSabinBlocks::write_all_corner_rows(std::span<const Stored> given, std::span<Stored> values,
+                                           const Field& make_field) const {
+  const ChartField<Vector> field = make_field();
+  for_row_ranges(info_.uv_count, [&](RowRange range) {
+    write_corner_rows<Vector>(given, range, rows_in(values, range),
+                              [&]() -> const ChartField<Vector>& { return field; });
+  });
+}
+
+void DooSabinBlocks::uvs(RowRange range, std::span<glm::dvec2> values) const {
+  write_corner_rows<glm::dvec2>(
+      std::span<const glm::dvec2>(base_.mesh().uvs), range, values,
+      [&]() -> const ChartField<glm::dvec2>& { return base_.uv_field(); });
+}
+
+bool DooSabinBlocks::uvs_of(std::span<const glm::dvec2> given, std::span<glm::dvec2> values) const {
+  write_all_corner_rows<glm::dvec2>(given, values, [&] { return base_.uv_field_of(given); });
   return true;
 }
 
-bool DooSabinBlocks::write_given_uvs(std::span<const glm::dvec2> given, RowRange range,
-                                     std::span<glm::dvec2> values) const {
-  const std::int64_t count = base_.corner_uvs().count, last = range.first + range.count;
-  for (std::int64_t row = range.first; row < std::min(last, count); ++row) {
-    const auto uv = static_cast<std::size_t>(row);
-    values[row - range.first] = uv < given.size() ? given[uv] : glm::dvec2(0.0);
-  }
-  return last > count;
-}
-
-void DooSabinBlocks::write_uvs(const ChartField<glm::dvec2>& field, RowRange range,
-                               std::span<glm::dvec2> values) const {
-  ChartRows<glm::dvec2>(field, *uv_numbering_, surface_.classes())
-      .write(range,
-             [&](std::int64_t row, const glm::dvec2& uv) { values[row - range.first] = uv; });
+bool DooSabinBlocks::corners_of(std::span<const glm::vec4> given,
+                                std::span<glm::vec4> values) const {
+  write_all_corner_rows<glm::dvec4>(given, values, [&] { return base_.corner_field_of(given); });
+  return true;
 }
 
 void DooSabinBlocks::write_faces(const PatchNumbering& numbering, RowRange faces,

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
-#include "planish/patches/patch_attributes.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/surface/doo_sabin_surface.h"
 
@@ -76,10 +75,9 @@ class DooSabinBlocks final : public SurfaceBlocks {
   }
   void attribute(std::size_t index, RowRange rows, std::span<float> values) const override;
   void uvs(RowRange range, std::span<glm::dvec2> values) const override;
-  bool uvs_of(std::span<const glm::dvec2> given, RowRange range,
-              std::span<glm::dvec2> values) const override;
-  bool rows_of(std::span<const glm::vec4> given, RowRange range,
-               std::span<glm::vec4> values) const override;
+  bool uvs_of(std::span<const glm::dvec2> given, std::span<glm::dvec2> values) const override;
+  bool corners_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const override;
+  bool rows_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const override;
   void corners(RowRange faces, std::span<glm::dvec3> positions,
                std::span<glm::vec3> normals) const override {
     if (!device_rows_.empty()) return corners_from_device(faces, positions, normals);
@@ -109,13 +107,17 @@ class DooSabinBlocks final : public SurfaceBlocks {
   }
 
  private:
-  template <class OfVertex>
-  void linear_rows(RowRange range, std::span<glm::vec4> values, const OfVertex& of_vertex) const;
-  // Those of the mesh come first; whether others follow in the range.
-  bool write_given_uvs(std::span<const glm::dvec2> given, RowRange range,
-                       std::span<glm::dvec2> values) const;
-  void write_uvs(const ChartField<glm::dvec2>& field, RowRange range,
-                 std::span<glm::dvec2> values) const;
+  // Rows of values of vertices.
+  void write_values(const ChartField<glm::dvec4>& field, RowRange range,
+                    std::span<glm::vec4> values) const;
+  // Rows of texture coordinates, those of the mesh first: with the field that field() gives, which
+  // is asked for where others follow.
+  template <class Vector, class Stored, class Field>
+  void write_corner_rows(std::span<const Stored> given, RowRange range, std::span<Stored> values,
+                         const Field& field) const;
+  template <class Vector, class Stored, class Field>
+  void write_all_corner_rows(std::span<const Stored> given, std::span<Stored> values,
+                             const Field& make_field) const;
   void point_corners(RowRange faces, std::span<glm::dvec3> positions,
                      std::span<glm::vec3> normals) const;
   DegenerateRows quad_corners(RowRange faces, std::span<glm::dvec3> positions,

@@ -2,6 +2,9 @@
 
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
+#include <array>
+
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/hole_flags.h"
@@ -87,15 +90,40 @@ ChartField<glm::dvec2> DooSabinSurface::uv_field_of(std::span<const glm::dvec2> 
   return {patches_, state_, corner_uvs().indices, values, vertex_limits_};
 }
 
-const ChartField<glm::dvec2>& DooSabinSurface::uv_field() const {
-  const std::lock_guard lock(uv_mutex_);
+template <class Field, class Make>
+const Field& DooSabinSurface::made_once(std::unique_ptr<const Field>& field,
+                                        const Make& make) const {
   // A thread that waits in here must not begin other work, which may ask for the field.
-  if (!uv_field_) {
-    oneapi::tbb::this_task_arena::isolate([&] {
-      uv_field_ = std::make_unique<const ChartField<glm::dvec2>>(uv_field_of(used_.mesh.uvs));
-    });
+  if (!field) {
+    oneapi::tbb::this_task_arena::isolate([&] { field = std::make_unique<const Field>(make()); });
   }
-  return *uv_field_;
+  return *field;
+}
+
+const ChartField<glm::dvec2>& DooSabinSurface::uv_field() const {
+  const std::lock_guard lock(field_mutex_);
+  return made_once(uv_field_, [&] { return uv_field_of(used_.mesh.uvs); });
+}
+
+const ChartField<glm::dvec4>& DooSabinSurface::color_field() const {
+  const std::lock_guard lock(field_mutex_);
+  return made_once(color_field_, [&] { return vertex_field_of(used_.mesh.colors); });
+}
+
+const ChartField<glm::dvec4>& DooSabinSurface::number_field(std::size_t four) const {
+  const std::lock_guard lock(field_mutex_);
+  NumberField& made = number_fields_[four];
+  return made_once(made.field, [&] {
+    const std::span<const VertexAttribute> all = used_.mesh.attributes;
+    made.values = four_of(all, four);
+    std::array<int, 4> attributes{};
+    for (std::size_t index = 0; index < all.size(); ++index)
+      for (const NumberRun& run : runs_of(all, index))
+        if (run.four == four)
+          std::fill_n(attributes.begin() + run.lane, run.count, static_cast<int>(index));
+    return ChartField<glm::dvec4>(patches_, state_, used_.mesh.face_vertices, made.values,
+                                  vertex_limits_, attributes);
+  });
 }
 
 void DooSabinSurface::require(LastLevel what, int level, std::uint64_t limit_bytes,

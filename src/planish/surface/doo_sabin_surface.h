@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -12,7 +13,6 @@
 #include "planish/mesh/placement.h"
 #include "planish/mesh/prepared_mesh.h"
 #include "planish/patches/chart_field.h"
-#include "planish/patches/patch_attributes.h"
 #include "planish/patches/patch_evaluator.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/surface/evaluate.h"
@@ -67,6 +67,8 @@ class DooSabinSurface {
   /// The same where the surface keeps them itself, to be changed while nobody reads.
   [[nodiscard]] std::span<glm::dvec3> own_state() {
     uv_field_.reset();
+    color_field_.reset();
+    number_fields_.clear();
     return own_state_;
   }
   /// The mesh's texture coordinates on the surface, made when first asked for, from any thread,
@@ -74,6 +76,17 @@ class DooSabinSurface {
   [[nodiscard]] const ChartField<glm::dvec2>& uv_field() const;
   /// The same of other values, by the indices that the mesh has.
   [[nodiscard]] ChartField<glm::dvec2> uv_field_of(std::span<const glm::dvec2> values) const;
+  /// The colours of the mesh on the surface, or four numbers of its attributes (four_of()); made
+  /// and kept as texture coordinates are.
+  [[nodiscard]] const ChartField<glm::dvec4>& color_field() const;
+  [[nodiscard]] const ChartField<glm::dvec4>& number_field(std::size_t four) const;
+  /// The same of other values of vertices, or of what corner_uvs() names; both must outlive it.
+  [[nodiscard]] ChartField<glm::dvec4> vertex_field_of(std::span<const glm::vec4> values) const {
+    return {patches_, state_, used_.mesh.face_vertices, values, vertex_limits_};
+  }
+  [[nodiscard]] ChartField<glm::dvec4> corner_field_of(std::span<const glm::vec4> values) const {
+    return {patches_, state_, corner_uvs().indices, values, vertex_limits_};
+  }
   /// Of a part of a larger surface: where that has the vertices (vertex_limits()), as the part does
   /// not have all faces around its rim's. Before a field is asked for.
   void take_vertex_limits(RawVector<glm::dvec3> limits) { vertex_limits_ = std::move(limits); }
@@ -89,6 +102,9 @@ class DooSabinSurface {
   DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions& options, Begin);
   void take_cage(const Placement& placement);
   void require(LastLevel what, int level, std::uint64_t limit_bytes, bool has_evaluator) const;
+  // Makes what is not there yet, one at a time.
+  template <class Field, class Make>
+  const Field& made_once(std::unique_ptr<const Field>& field, const Make& make) const;
 
   UsedPart used_;
   std::shared_ptr<const SharpFeatures> features_;
@@ -100,9 +116,15 @@ class DooSabinSurface {
   std::span<const glm::dvec3> state_;
   RawVector<glm::dvec3> vertex_limits_;  // of a part
   mutable std::once_flag has_corner_uvs_;
-  mutable std::mutex uv_mutex_;
   mutable std::unique_ptr<const CornerUvs> corner_uvs_;
+  mutable std::mutex field_mutex_;
   mutable std::unique_ptr<const ChartField<glm::dvec2>> uv_field_;
+  mutable std::unique_ptr<const ChartField<glm::dvec4>> color_field_;
+  struct NumberField {
+    std::vector<glm::vec4> values;
+    std::unique_ptr<const ChartField<glm::dvec4>> field;
+  };
+  mutable std::map<std::size_t, NumberField> number_fields_;
 };
 
 }  // namespace planish

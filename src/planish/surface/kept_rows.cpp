@@ -118,13 +118,14 @@ class KeptRows final : public SurfaceBlocks {
   void attribute(std::size_t index, RowRange rows, std::span<float> values) const override {
     surface_.attribute(index, rows, values);
   }
-  bool uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
-              std::span<glm::dvec2> values) const override {
-    return surface_.uvs_of(given, uvs, values);
+  bool uvs_of(std::span<const glm::dvec2> given, std::span<glm::dvec2> values) const override {
+    return surface_.uvs_of(given, values);
   }
-  bool rows_of(std::span<const glm::vec4> given, RowRange rows,
-               std::span<glm::vec4> values) const override {
-    return surface_.rows_of(given, rows, values);
+  bool corners_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const override {
+    return surface_.corners_of(given, values);
+  }
+  bool rows_of(std::span<const glm::vec4> given, std::span<glm::vec4> values) const override {
+    return surface_.rows_of(given, values);
   }
   void corners(RowRange faces, std::span<glm::dvec3> positions,
                std::span<glm::vec3> normals) const override;

@@ -52,8 +52,9 @@ constexpr std::uint64_t kFixedBytes = 256u << 20;
 // without unused vertices, connectivity, the control point of level 1), and the tiles of all
 // threads.
 constexpr std::uint64_t kPatchCornerBytes = 100;
-// Of a field of texture coordinates while it is made.
-constexpr std::uint64_t kFieldCornerBytes = 100;
+// Of a field of texture coordinates or values while it is made; what is left of one of values, of
+// four numbers at each corner and vertex.
+constexpr std::uint64_t kFieldCornerBytes = 100, kValueCornerBytes = 16 + 4;
 constexpr std::uint64_t kPatchFixedBytes = 32u << 20;
 // What is kept of a surface while it is written (kept_rows.h): rows up to a bound, the cut of each
 // quad; texture coordinates and groups make a vertex of each corner beside the values.
@@ -87,7 +88,10 @@ std::uint64_t patch_bytes(std::span<const LevelCounts> levels, LastLevel last,
   const auto faces = static_cast<std::uint64_t>(levels.back().faces);
   const auto vertices = static_cast<std::uint64_t>(levels.back().vertices);
   std::uint64_t bytes = kPatchFixedBytes + kPatchCornerBytes * corners;
-  if (attributes.uvs) bytes += kFieldCornerBytes * corners;
+  // Where attributes of one and of four numbers take turns, two of five numbers begin a four.
+  const std::uint64_t fours = (attributes.colors ? 1 : 0) + (attributes.numbers + 1) / 2;
+  if (attributes.uvs || fours > 0) bytes += kFieldCornerBytes * corners;
+  bytes += kValueCornerBytes * fours * corners;
   if (attributes.device_rows) bytes += kDeviceRowBytes * vertices;
   bytes += kNumberBytes * attributes.numbers * vertices;
   if (last == LastLevel::Blocks) {

@@ -94,17 +94,19 @@ class SurfaceBlocks {
   virtual void uvs(RowRange uvs, std::span<glm::dvec2> values) const = 0;
   /// Numbers of rows of the attribute of that index, one row after another.
   virtual void attribute(std::size_t index, RowRange rows, std::span<float> values) const = 0;
-  /// Texture coordinates of other values in the place of the mesh's texture coordinates, as many.
-  /// False, and nothing is written, where nobody knows the mesh any more.
+  /// All texture coordinates of other values in the place of the mesh's texture coordinates, as
+  /// many. False, and nothing is written, where nobody knows the mesh any more.
   virtual bool uvs_of([[maybe_unused]] std::span<const glm::dvec2> given,
-                      [[maybe_unused]] RowRange uvs,
                       [[maybe_unused]] std::span<glm::dvec2> values) const {
     return false;
   }
-  /// Rows of what is given to each vertex of the mesh, linear between them as colours are. False as
-  /// above.
+  /// The same of other values in their place, which go as colours do.
+  virtual bool corners_of([[maybe_unused]] std::span<const glm::vec4> given,
+                          [[maybe_unused]] std::span<glm::vec4> values) const {
+    return false;
+  }
+  /// All rows of what is given to each vertex of the mesh, as those of colours. False as above.
   virtual bool rows_of([[maybe_unused]] std::span<const glm::vec4> given,
-                       [[maybe_unused]] RowRange rows,
                        [[maybe_unused]] std::span<glm::vec4> values) const {
     return false;
   }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/patches/patch_attributes.h"
+#include "planish/patches/chart_field.h"
 #include "planish/patches/patch_surface.h"
 
 namespace planish::vulkan {

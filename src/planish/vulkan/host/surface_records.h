@@ -9,7 +9,7 @@
 #include "planish/doosabin/sharp_features.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/mesh_topology.h"
-#include "planish/patches/patch_attributes.h"
+#include "planish/patches/chart_field.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/patches/patch_surface.h"
 #include "planish/stencil/stencil_table.h"

@@ -19,8 +19,8 @@ struct AssetGroup {
   int tangent_set = -1;        ///< of those, whose tangents it has; -1: none
 };
 
-/// Numbers of each vertex, linear between them on the surface as colours are; where vertices at one
-/// place differ, of each corner instead, on the surface as texture coordinates are.
+/// Numbers of each vertex, on the surface as colours are; where vertices at one place differ, of
+/// each corner instead, where texture coordinates are.
 struct AssetArray {
   std::string name;  ///< "COLOR_1", "_TEMPERATURE", "target/0/COLOR_0"
   int width = 1;
