@@ -11,9 +11,9 @@
 
 #include "picture.h"
 #include "planish/core/error.h"
+#include "planish/files/image/png.h"
 #include "planish/files/input_files.h"
 #include "planish/files/mesh_file.h"
-#include "png.h"
 
 namespace planish::render {
 namespace {

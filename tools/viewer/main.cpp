@@ -12,7 +12,7 @@
 #include "headless.h"
 #include "legend.h"
 #include "planish/core/error.h"
-#include "render/png.h"
+#include "planish/files/image/png.h"
 #include "run_script.h"
 #include "terminal/exit_codes.h"
 #include "window.h"
@@ -70,7 +70,7 @@ void run_headless(const Arguments& arguments, Scene scene,
                          static_cast<std::uint32_t>(arguments.settings.iterations))
                   .c_str(),
               took.count(), error_text(error).c_str());
-  if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, headless.picture());
+  if (!arguments.png.empty()) write_png(arguments.png, arguments.width, headless.picture());
 }
 
 void run_crowd(const Arguments& arguments, Scene scene, const InstanceOptions& instance_options) {
@@ -94,7 +94,7 @@ void run_crowd(const Arguments& arguments, Scene scene, const InstanceOptions& i
   for (std::size_t k = 0; k < figures.instances.size(); ++k)
     std::printf("%6u at level %d\n", figures.instances[k], options.levels[k]);
   std::printf("%6u off screen\n", figures.unseen);
-  if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, crowd.picture());
+  if (!arguments.png.empty()) write_png(arguments.png, arguments.width, crowd.picture());
 }
 
 // What is wrong with a script is said before a device is sought.
@@ -117,7 +117,7 @@ void run_edit(const Arguments& arguments, Scene scene, const InstanceOptions& in
               error_text(session.editor().error_bound()).c_str());
   if (!arguments.png.empty()) {
     headless.show(session, Headless::Solved::Anew);
-    render::write_png(arguments.png, arguments.width, headless.picture());
+    write_png(arguments.png, arguments.width, headless.picture());
   }
 }
 

@@ -5,7 +5,7 @@
 #include "edit_hand.h"
 #include "planish/core/error.h"
 #include "planish/core/refuse.h"
-#include "render/png.h"
+#include "planish/files/image/png.h"
 
 namespace planish::viewer {
 namespace {
@@ -85,8 +85,7 @@ class ScriptRun {
     // From a cold start, so that the same points are the same picture, whatever was before.
     headless_.show(session_, Headless::Solved::Anew);
     ++frames_;
-    render::write_png(step.path, static_cast<int>(headless_.options().extent.width),
-                      headless_.picture());
+    write_png(step.path, static_cast<int>(headless_.options().extent.width), headless_.picture());
   }
   void act(const steps::Save& step) { save(session_, step.part, step.path, save_); }
 

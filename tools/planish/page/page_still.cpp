@@ -6,9 +6,9 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/point_bounds.h"
+#include "planish/files/image/png.h"
 #include "render/camera.h"
 #include "render/colours.h"
-#include "render/png.h"
 #include "render/rasterise.h"
 
 namespace planish::command {
@@ -122,7 +122,7 @@ std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up) {
       }
     }
   });
-  return render::png_of(kStillWidth, 4, pixels);
+  return png_of(kStillWidth, 4, pixels);
 }
 
 }  // namespace planish::command

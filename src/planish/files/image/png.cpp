@@ -1,4 +1,4 @@
-#include "png.h"
+#include "planish/files/image/png.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -7,7 +7,13 @@
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 
-namespace planish::render {
+namespace planish {
+namespace {
+
+// Set once: files are written on several threads.
+[[maybe_unused]] const bool kIsPackedWell = (stbi_write_png_compression_level = 9, true);
+
+}  // namespace
 
 std::vector<std::byte> png_of(int width, int channels, std::span<const std::uint8_t> pixels) {
   std::vector<std::byte> bytes;
@@ -18,7 +24,6 @@ std::vector<std::byte> png_of(int width, int channels, std::span<const std::uint
   };
   const int row_bytes = channels * width;
   const int height = static_cast<int>(pixels.size() / static_cast<std::size_t>(row_bytes));
-  stbi_write_png_compression_level = 9;
   if (!stbi_write_png_to_func(take, &bytes, width, height, channels, pixels.data(), row_bytes))
     throw Error(ErrorCode::OutOfMemory, "no memory for a PNG");
   return bytes;
@@ -31,4 +36,4 @@ void write_png(const std::filesystem::path& path, int width, std::span<const std
   file.commit();
 }
 
-}  // namespace planish::render
+}  // namespace planish

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace planish::render {
+namespace planish {
 
 /// 8-bit rows, top row first, of `channels` bytes a pixel (3: RGB, 4: with alpha, not multiplied),
 /// as PNG. Throws Error{OutOfMemory}.
@@ -17,4 +17,4 @@ namespace planish::render {
 /// Error{OutOfMemory}.
 void write_png(const std::filesystem::path& path, int width, std::span<const std::uint8_t> pixels);
 
-}  // namespace planish::render
+}  // namespace planish
