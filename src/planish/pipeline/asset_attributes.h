@@ -33,6 +33,8 @@ class AssetAttributes {
   /// Of a surface that is written with them, under the mesh's name and about 0, since nodes place
   /// it; this must outlive the options.
   void add_to(GltfOptions& options) const;
+  /// Of the groups with a set of them (AssetGroup::tangent_set).
+  [[nodiscard]] const SurfaceTangents& tangents() const { return tangents_; }
   /// The largest sum of a row's weights that found no place, and of those below 0; 0 to 1.
   [[nodiscard]] double largest_lost_weight() const { return lost_weight_; }
 

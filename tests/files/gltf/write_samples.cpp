@@ -15,7 +15,9 @@
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_surface.h"
 #include "planish/pipeline/asset_attributes.h"
+#include "planish/pipeline/baked_gltf.h"
 #include "planish/pipeline/fit_file.h"
+#include "planish/pipeline/fitted_level.h"
 
 namespace planish {
 namespace {
@@ -60,6 +62,55 @@ void write_levels_of_detail(const std::filesystem::path& folder, GltfCompression
   const bool is_packed = compression != GltfCompression::None;
   (void)write_asset(folder / (is_packed ? "packed details.gltf" : "details.glb"), folder, asset,
                     surfaces, {});
+}
+
+// Level 0 with baked maps: of an asset, one of whose charts is mirrored, and whose meshes share a
+// material; of a mesh by itself.
+void write_baked(const std::filesystem::path& folder) {
+  test::AssetSample sample;
+  sample.mirror_texture();
+  sample.json["meshes"].push_back(sample.json["meshes"][0]);
+  sample.json["nodes"].push_back({{"mesh", 3}, {"skin", 0}});
+  sample.json["scenes"][0]["nodes"].push_back(9);
+  const std::string bytes = sample.glb();
+  const GltfAsset asset(
+      {.bytes = std::as_bytes(std::span(bytes)), .name = "asset.glb", .path = {}});
+  const auto backend = make_cpu_backend({});
+  MeshFitOptions how;
+  how.refine = RefineChoice::Off;
+  constexpr int kSize = 64;
+  std::list<AssetMesh> meshes;
+  std::list<FittedMesh> fitted;
+  std::list<FittedLevel> levels;
+  std::list<AssetAttributes> attributes;
+  std::list<BakedAssetMesh> baked;
+  std::vector<AssetSurface> surfaces;
+  for (const std::int64_t number : asset.surfaces()) {
+    const AssetMesh& mesh = meshes.emplace_back(asset.read(number, true));
+    const FittedMesh& fit = fitted.emplace_back(fit_mesh(mesh.file.mesh, mesh.name, *backend, how));
+    const FittedLevel& low = levels.emplace_back(fitted_level(fit, *backend, {.level = 0}));
+    const FittedLevel fine = fitted_level(fit, *backend, {.level = bake_level(fit.mesh, kSize)});
+    AssetSurface& surface = surfaces.emplace_back(
+        AssetSurface{.mesh = number, .surface = low.blocks.get(), .vertices = &mesh.vertices});
+    attributes.emplace_back(mesh, fit, *low.blocks, *backend, Callbacks{}).add_to(surface.options);
+    baked
+        .emplace_back(asset, mesh, fit, *low.blocks, attributes.back(), *fine.blocks,
+                      BakeFileOptions{.size = kSize, .name = mesh.name, .callbacks = {}})
+        .add_to(surface);
+  }
+  for (const char* name : {"tangents_baked.glb", "baked.gltf"})
+    (void)write_asset(folder / name, folder, asset, surfaces, {});
+  PolygonMesh mesh = asset.read(0).file.mesh;
+  prepare_bake(mesh);
+  const FittedMesh fit = fit_mesh(mesh, "mesh", *backend, how);
+  const FittedLevel low = fitted_level(fit, *backend, {.level = 0});
+  const FittedLevel fine = fitted_level(fit, *backend, {.level = bake_level(fit.mesh, kSize)});
+  const BakedSurface alone(fit, *low.blocks, *fine.blocks, {},
+                           {.size = kSize, .name = "mesh", .callbacks = {}});
+  GltfOptions options;
+  alone.add_to(options);
+  write_gltf(folder / "tangents_baked_alone.glb", *low.blocks, options);
+  write_gltf(folder / "baked alone.gltf", *low.blocks, options);
 }
 
 void write_samples(const std::filesystem::path& folder) {
@@ -142,6 +193,7 @@ void write_samples(const std::filesystem::path& folder) {
     std::filesystem::create_directory(folder / "given");
     std::ofstream(folder / "given" / "asset.glb", std::ios::binary) << test::AssetSample().glb();
   }
+  write_baked(folder);
   write_levels_of_detail(folder, GltfCompression::None);
   write_levels_of_detail(folder, GltfCompression::Quantize);
   write_gltf(folder / "everything.gltf", test::wavy_grid(30, 20, everything.origin), everything);

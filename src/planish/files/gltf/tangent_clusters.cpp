@@ -117,7 +117,8 @@ void TangentClusterMaker::add_quads(RowRange faces, TangentClusters& made) {
     if (set < 0) continue;
     add({.shape = shape_of(corner, static_cast<std::size_t>(4 * (end - f)), made),
          .set = set,
-         .first_cut = static_cast<std::size_t>(f)},
+         .first_cut = static_cast<std::size_t>(f),
+         .face = faces.first + f},
         corner, made);
   }
 }
@@ -135,8 +136,11 @@ void TangentClusterMaker::add_polygons(RowRange faces, TangentClusters& made) {
         static_cast<std::size_t>(info.first_corner(faces.first + f + 1) - first) - corner;
     if (size == 4) {
       const glm::dvec3* p = positions_.data() + corner;
-      add({.shape = shape_of(corner, 4, made), .set = set, .first_cut = made.cuts.size()}, corner,
-          made);
+      add({.shape = shape_of(corner, 4, made),
+           .set = set,
+           .first_cut = made.cuts.size(),
+           .face = faces.first + f},
+          corner, made);
       made.cuts.push_back(is_cut_from_1(p[0], p[1], p[2], p[3]) ? 1 : 0);
       continue;
     }
@@ -148,7 +152,8 @@ void TangentClusterMaker::add_polygons(RowRange faces, TangentClusters& made) {
       made.clusters.push_back({.shape = kTriangle,
                                .set = set,
                                .first_vertex = corners_.size(),
-                               .first_cut = made.cuts.size()});
+                               .first_cut = made.cuts.size(),
+                               .face = faces.first + f});
       for (std::size_t k = 0; k < 3; ++k) corners_.push_back(corner + triangles_[t + k]);
       made.cuts.push_back(0);
     }

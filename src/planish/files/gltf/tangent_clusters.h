@@ -22,6 +22,7 @@ struct TangentCluster {
   std::size_t shape = 0;
   int set = 0;  ///< of texture coordinates
   std::size_t first_vertex = 0, first_cut = 0;
+  std::int64_t face = 0;  ///< of the surface, its first; all descend from one of the mesh
 };
 
 /// The triangles of some faces, as write_gltf() writes them, by clusters.

@@ -11,9 +11,11 @@
 #include "planish/core/version.h"
 #include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/asset/write_asset.h"
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/meshopt_stream.h"
+#include "planish/files/gltf/normal_texture.h"
 
 namespace planish {
 namespace {
@@ -187,6 +189,80 @@ void AssetDocument::add_level(std::int64_t mesh, const AssetVertices& vertices,
   levels.push_back({std::ssize(meshes), document.scale, document.translation, least_coverage});
   meshes.push_back(std::move(level));
   new_extensions_.insert(kLodExtension);
+}
+
+std::int64_t AssetDocument::add_image(std::span<const std::byte> bytes, const std::string& type) {
+  json& views = json_["bufferViews"];
+  const std::int64_t view = views_.next(views);
+  views[view] = {{"buffer", 0}, {"byteOffset", keep(bytes)}, {"byteLength", bytes.size()}};
+  json& images = json_["images"];
+  images.push_back({{"bufferView", view}, {"mimeType", type}});
+  return std::ssize(images) - 1;
+}
+
+namespace {
+
+constexpr const char* kVariants = "KHR_materials_variants";
+
+// use(number) for each place where a primitive names a material.
+template <class Json, class Use>
+void for_materials(Json& primitive, const Use& use) {
+  if (primitive.contains("material")) use(primitive["material"]);
+  if (!primitive.contains("extensions") || !primitive["extensions"].contains(kVariants)) return;
+  for (auto& mapping : primitive["extensions"][kVariants]["mappings"])
+    if (mapping.contains("material")) use(mapping["material"]);
+}
+
+}  // namespace
+
+// In the place of another one.
+void AssetDocument::put_material(json& primitive, std::int64_t given, std::int64_t number) {
+  primitive["material"] = number;
+  bool has_others = false;
+  for_materials(primitive, [&](json& material) {
+    if (material == given) material = number;
+    has_others |= material != number;
+  });
+  if (has_others)
+    warnings_.push_back(
+        {"bake-variants", std::string(asset_.file().name) +
+                              ": variants of materials keep the normal textures that they have; "
+                              "only the material of a primitive itself gets a baked one"});
+}
+
+void AssetDocument::set_normal_maps(std::int64_t mesh, const GltfDocument& document,
+                                    const AssetSurface& surface,
+                                    std::span<const std::int64_t> images) {
+  const auto map_of = [&](std::size_t primitive) {
+    return surface
+        .map_of_group[static_cast<std::size_t>(std::max(document.primitives[primitive].group, 0))];
+  };
+  std::vector<std::vector<json*>> of_maps(images.size());
+  json& primitives = json_["meshes"][mesh]["primitives"];
+  for (std::size_t i = 0; i < document.primitives.size(); ++i)
+    if (const int map = map_of(i); map >= 0 && images[static_cast<std::size_t>(map)] >= 0)
+      of_maps[static_cast<std::size_t>(map)].push_back(&primitives[i]);
+  for (std::size_t m = 0; m < images.size(); ++m) {
+    if (of_maps[m].empty()) continue;
+    json& materials = json_["materials"];
+    if (materials.is_null()) materials = json::array();
+    const std::int64_t given = of_maps[m].front()->value("material", std::int64_t{-1});
+    // Names of it elsewhere than in these primitives.
+    std::int64_t uses = 0, own = 0;
+    for (json& any : json_["meshes"])
+      for (json& primitive : any["primitives"])
+        for_materials(primitive, [&](const json& number) { uses += number == given ? 1 : 0; });
+    for (json* primitive : of_maps[m])
+      for_materials(*primitive, [&](const json& number) { own += number == given ? 1 : 0; });
+    std::int64_t number = given;
+    if (given < 0 || uses > own) {
+      json copy = given < 0 ? json::object() : materials[given];
+      number = std::ssize(materials);
+      materials.push_back(std::move(copy));
+    }
+    set_normal_texture(json_, json_["materials"][number], images[m], surface.normal_maps[m].set);
+    for (json* primitive : of_maps[m]) put_material(*primitive, given, number);
+  }
 }
 
 void AssetDocument::add_extras(const json& extras) {

@@ -17,6 +17,8 @@
 
 namespace planish {
 
+struct AssetSurface;  // write_asset.h
+
 /// An asset's document while surfaces come in the place of triangles. New accessors and buffer
 /// views take the places of those that nothing else names, so that no number in the rest of the
 /// document changes, which may be one of an extension that nobody here knows.
@@ -36,6 +38,12 @@ class AssetDocument {
   /// place_levels(). It has what the mesh has besides triangles, too.
   void add_level(std::int64_t mesh, const AssetVertices& vertices, const GltfDocument& document,
                  const nlohmann::json& made, double least_coverage);
+  /// An image in the buffer; before the first surface. Returns its number.
+  std::int64_t add_image(std::span<const std::byte> bytes, const std::string& type);
+  /// Gives the materials of a mesh that was replaced these normal textures: `images` of its maps.
+  /// Materials that other primitives have, too, are copied.
+  void set_normal_maps(std::int64_t mesh, const GltfDocument& document, const AssetSurface& surface,
+                       std::span<const std::int64_t> images);
   /// Adds what stands in `extras` to asset.extras, unless the asset has that already.
   void add_extras(const nlohmann::json& extras);
   /// The text, with `uri` for the buffer of a .gltf. Throws Error{UnreadableInput} where the asset
@@ -59,6 +67,7 @@ class AssetDocument {
   void keep_views();
   [[nodiscard]] bool stays(const JsonPlace& uri) const;
   void keep_images();
+  void put_material(nlohmann::json& primitive, std::int64_t given, std::int64_t number);
   std::vector<std::int64_t> append_accessors(const GltfDocument& document,
                                              const nlohmann::json& made);
   nlohmann::json primitives_of(std::int64_t mesh, const AssetVertices& vertices,

@@ -70,11 +70,11 @@ std::uint64_t GltfAsset::byte_count() const {
   return bytes;
 }
 
-AssetMesh GltfAsset::read(std::int64_t number) const {
-  return guard_json(file_.name, [&] { return read_unguarded(number); });
+AssetMesh GltfAsset::read(std::int64_t number, bool wants_tangents) const {
+  return guard_json(file_.name, [&] { return read_unguarded(number, wants_tangents); });
 }
 
-AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
+AssetMesh GltfAsset::read_unguarded(std::int64_t number, bool wants_tangents) const {
   const JsonPlace place = root_["meshes"][number];
   AssetMesh mesh{.number = number, .name = place.path(), .file = {}, .vertices = {}};
   if (const auto name = place.find("name"); name && name->is_text() && !name->text().empty())
@@ -88,7 +88,8 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   mesh.file.stands_alone = !mesh.vertices.moves() && !mesh.vertices.rides_on_uvs();
   require_joints(number, mesh.vertices);
   for (AssetGroup& group : mesh.vertices.groups) {
-    const int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());
+    int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());
+    if (set < 0 && wants_tangents) set = 0;
     if (set < group.uv_sets) group.tangent_set = set;
   }
   cut_mirrored_charts(mesh.file.mesh, mesh.vertices);

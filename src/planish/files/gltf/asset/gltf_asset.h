@@ -39,8 +39,10 @@ class GltfAsset {
   /// What of the file is held until all is written: itself, buffers and images beside it, what it
   /// has packed. An upper estimate. Throws Error{UnreadableInput}.
   [[nodiscard]] std::uint64_t byte_count() const;
-  /// One of those, by its number. Throws Error{UnreadableInput}, Error{OutOfMemory}.
-  [[nodiscard]] AssetMesh read(std::int64_t number) const;
+  /// One of those, by its number. `wants_tangents`: groups with texture coordinates whose material
+  /// asks for no tangents get those of the first set. Throws Error{UnreadableInput},
+  /// Error{OutOfMemory}.
+  [[nodiscard]] AssetMesh read(std::int64_t number, bool wants_tangents = false) const;
   /// Whether its nodes may get children that scale it: they neither skin, instance nor morph it.
   [[nodiscard]] bool may_be_scaled(std::int64_t number) const;
 
@@ -49,7 +51,7 @@ class GltfAsset {
   [[nodiscard]] const FileBytes& file() const { return file_; }
 
  private:
-  [[nodiscard]] AssetMesh read_unguarded(std::int64_t number) const;
+  [[nodiscard]] AssetMesh read_unguarded(std::int64_t number, bool wants_tangents) const;
   // Its nodes' skins have the joints that its vertices name.
   void require_joints(std::int64_t number, const AssetVertices& vertices) const;
 

@@ -76,6 +76,13 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
   std::set<std::int64_t> replaced;
   for (const AssetSurface& surface : surfaces) replaced.insert(surface.mesh);
   AssetDocument document(asset, replaced, keeps_files);
+  // Images come before surfaces.
+  std::vector<std::vector<std::int64_t>> images;
+  for (const AssetSurface& surface : surfaces) {
+    std::vector<std::int64_t>& of_maps = images.emplace_back();
+    for (const AssetNormalMap& map : surface.normal_maps)
+      of_maps.push_back(map.png.empty() ? -1 : document.add_image(map.png, "image/png"));
+  }
   const auto is_writing = std::make_shared<bool>(false);
   const auto options = std::make_shared<const std::vector<GltfOptions>>(
       options_of_all(asset, surfaces, common, is_writing));
@@ -95,6 +102,8 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
     } else {
       document.add_level(one.mesh, *one.vertices, payload.document, made, one.least_coverage);
     }
+    if (!one.normal_maps.empty())
+      document.set_normal_maps(one.mesh, payload.document, one, images[i]);
     if (made["asset"].contains("extras")) document.add_extras(made["asset"]["extras"]);
     whole.vertex_count += payload.vertex_count;
     whole.triangle_count += payload.triangle_count;

@@ -12,6 +12,12 @@
 
 namespace planish {
 
+/// The normal texture that a mesh's groups of one material get.
+struct AssetNormalMap {
+  std::span<const std::byte> png;
+  int set = 0;  ///< of texture coordinates
+};
+
 /// What comes in the place of a mesh's triangles.
 struct AssetSurface {
   std::int64_t mesh = 0;                    ///< its number in the asset
@@ -23,6 +29,10 @@ struct AssetSurface {
   /// Name, attributes, compression and extras, which asset.extras has where this is the only
   /// surface; neither origin nor turn, since nodes stay.
   GltfOptions options;
+  /// Normal textures of materials, which become the mesh's own where others have them, too: by
+  /// group a number of the maps, or -1; empty: materials stay as they are.
+  std::vector<AssetNormalMap> normal_maps{};
+  std::vector<int> map_of_group{};
 };
 
 /// The asset with surfaces instead of triangles: one primitive for each AssetGroup, with its
