@@ -138,12 +138,8 @@ void tell_of_map(const NormalMap& map, const PolygonMesh& mesh, std::span<const 
                     1, map.outside_face});
 }
 
-// Two triangles with their vertices in an array that may double as it grows, and where they lie; a
-// texel, what is known of it, its ring, and a PNG that may double, too.
-void require_free(std::uint64_t face_count, int size) {
-  constexpr std::uint64_t kFaceBytes = 240, kTexelBytes = 32;
-  const auto side = static_cast<std::uint64_t>(size);
-  const std::uint64_t bytes = face_count * kFaceBytes + side * side * kTexelBytes;
+void require_free(std::int64_t face_count, int size) {
+  const std::uint64_t bytes = bake_bytes(face_count, size);
   const std::uint64_t free = available_memory_bytes();
   if (bytes <= free) return;
   throw Error(ErrorCode::OutOfMemory,
@@ -197,6 +193,14 @@ int bake_level(const PolygonMesh& mesh, int size) {
   return level;
 }
 
+// Two triangles with their vertices in an array that may double as it grows, and where they lie; a
+// texel as it is packed, which takes more than what is known of it before.
+std::uint64_t bake_bytes(std::int64_t face_count, int size) {
+  constexpr std::uint64_t kFaceBytes = 240, kTexelBytes = 16;
+  const auto side = static_cast<std::uint64_t>(size);
+  return static_cast<std::uint64_t>(face_count) * kFaceBytes + side * side * kTexelBytes;
+}
+
 std::vector<int> BakeMapsOptions::sets() const {
   std::vector<int> sets;
   for (const int map : map_of_group)
@@ -242,8 +246,7 @@ std::vector<BakedMap> bake_maps(const PolygonMesh& mesh, const SurfaceBlocks& lo
   std::optional<SurfaceTangents> fine_tangents;
   if (std::ranges::any_of(options.maps, [](const WantedMap& map) { return bool{map.detail}; }))
     fine_tangents = surface_tangents(fine, fine_uvs.tangents(sets));
-  require_free(static_cast<std::uint64_t>(low.info().face_count + fine.info().face_count),
-               options.size);
+  require_free(low.info().face_count + fine.info().face_count, options.size);
   const BakeSheet low_sheet = sheet_of(low, low_uvs, sets, &low_tangents);
   const BakeSheet fine_sheet =
       sheet_of(fine, fine_uvs, sets, fine_tangents ? &*fine_tangents : nullptr);

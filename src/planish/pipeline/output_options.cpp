@@ -8,6 +8,7 @@
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/pipeline/option_rows.h"
 #include "planish/pipeline/option_words.h"
+#include "planish/surface/bake_normals.h"
 
 namespace planish {
 namespace {
@@ -54,6 +55,23 @@ FitOption attributes_option() {
                    {}};
   for (const auto& word : kFieldWords) option.words.push_back(word.text);
   return option;
+}
+
+FitOption bake_option() {
+  return {
+      {.name = "bake",
+       .stage = Stage::Output,
+       .kind = Kind::Whole,
+       .limits = {.least = kLeastBakeSize, .most = kMostBakeSize},
+       .choices = "N",
+       .example = "1024",
+       .help = "glTF: the input's own mesh with normal textures of N x N texels, by its texture "
+               "coordinates, with which it looks as the surface does",
+       .ranks = {"", "ranks write 3D Tiles; planish fit bakes"}},
+      [](FitSettings& settings, const OptionValue& value, Where) {
+        settings.bake = static_cast<int>(value.whole);
+      },
+      {}};
 }
 
 FitOption device_option() {
@@ -164,6 +182,7 @@ std::vector<FitOption> file_options() {
                            "(Blender 3.4 has none)",
                    .ranks = {"none", "tiles of ranks are not compressed; take none"}},
                   kCompressionWords, &FitSettings::compression),
+      bake_option(),
       device_option(),
   };
 }

@@ -20,6 +20,9 @@ MeshFitOptions mesh_fit_options(const FitSettings& settings) {
   options.chooses_creases = settings.creases.chooses;
   options.quads = settings.quads;
   options.refine = settings.refine;
+  // The mesh under a baked map is the input's.
+  if (settings.bake > 0 && settings.refine == RefineChoice::Auto)
+    options.refine = RefineChoice::Off;
   options.weld = settings.weld;
   options.fit.scheme = settings.scheme;
   options.fit.weights = settings.weights;
@@ -81,6 +84,14 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
   if (settings.adaptive.any() && settings.attributes.any()) {
     refuse(spell("attributes"), "fields are made on levels; take {} instead of {} and {}",
            spell("levels"), spell("chord_errors"), spell("angle"));
+  }
+  if (settings.bake > 0 && settings.refine == RefineChoice::On) {
+    refuse(spell("refine"), "a baked map is of the input's own vertices; leave it or {} out",
+           spell("bake"));
+  }
+  if (settings.bake > 0 && settings.adaptive.any()) {
+    refuse(spell("bake"), "a baked map is of level 0; leave {} and {} out", spell("chord_errors"),
+           spell("angle"));
   }
   if (settings.scheme == Scheme::DooSabin) return;
   const std::string scheme = option_text(settings, "scheme");

@@ -75,6 +75,7 @@ struct FitSettings {
   LodChoice lods = LodChoice::Files;
   FileReach textures = FileReach::Beside;  ///< of files that the input names
   GltfCompression compression = GltfCompression::None;
+  int bake = 0;                          ///< texels along a side of baked maps; 0: none
   std::int64_t tile_vertices = 262'144;  ///< about so many has a file of 3D Tiles
   bool skirts = false;                   ///< along the boundaries of tiles
   StepSettings step;

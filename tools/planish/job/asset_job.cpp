@@ -11,6 +11,7 @@
 #include "job/job_fit.h"
 #include "job/job_input.h"
 #include "job/timed.h"
+#include "output/baked_maps.h"
 #include "output/digest.h"
 #include "output/output_levels.h"
 #include "planish/core/formatted.h"
@@ -43,6 +44,7 @@ struct PartLevel {
   LevelFields fields;
   std::unique_ptr<JobLevel> level;
   std::unique_ptr<const AssetAttributes> attributes;
+  std::unique_ptr<const BakedAssetMesh> baked;  // where maps are wanted
 };
 
 FittedJob job_of(const AssetJob& work, AssetPart& part) {
@@ -56,7 +58,8 @@ void prepare_part(const AssetJob& work, AssetPart& part, std::int64_t number) {
                  .input = work.report.input,
                  .device = work.report.device,
                  .settings = work.report.settings};
-  part.mesh = timed(part.report.timing.read, [&] { return work.asset.read(number); });
+  part.mesh = timed(part.report.timing.read,
+                    [&] { return work.asset.read(number, work.job.settings.bake > 0); });
   if (work.asset.surfaces().size() > 1) {
     part.report.label = named_message(work.report.label, part.mesh.name);
     part.report.is_told_with_others = true;
@@ -161,6 +164,15 @@ std::list<AssetPart> fit_parts(const AssetJob& work) {
   return fit_meshes(work.asset, steps);
 }
 
+// One mesh of several may get no map, which its report says.
+void require_maps(const std::list<PartLevel>& levels) {
+  const auto has_none = [](const PartLevel& level) {
+    return level.baked && !level.baked->why_none().empty();
+  };
+  if (std::ranges::all_of(levels, has_none))
+    throw Error(ErrorCode::UnusableMesh, levels.front().baked->why_none());
+}
+
 std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts,
                                const Fineness& fineness) {
   std::list<PartLevel> levels;
@@ -185,9 +197,15 @@ std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts
                                                      made.options.gltf.callbacks);
     });
     made.attributes->add_to(made.options.gltf);
+    made.baked =
+        baked_mesh(job, work.asset, part.mesh, *part.surface, *made.level, *made.attributes);
+    if (made.baked && !made.baked->why_none().empty())
+      add_warning(part.report, work.context.console,
+                  {"bake-left-out", made.baked->why_none() + "; it stays without a map"});
     part.report.lost_joint_weight =
         std::max(part.report.lost_joint_weight, made.attributes->largest_lost_weight());
   }
+  require_maps(levels);
   return levels;
 }
 
@@ -215,10 +233,15 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
     written.faces += counts.faces;
     written.quads += counts.quads;
     written.triangles += counts.triangles;
-    return AssetSurface{.mesh = part.mesh.number,
-                        .surface = &level.level->blocks(),
-                        .vertices = &part.mesh.vertices,
-                        .options = one.options};
+    AssetSurface surface{.mesh = part.mesh.number,
+                         .surface = &level.level->blocks(),
+                         .vertices = &part.mesh.vertices,
+                         .options = one.options};
+    if (level.baked) {
+      level.baked->add_to(surface);
+      note_maps(level.baked->maps(), part.mesh.name, work.job.settings.bake, written);
+    }
+    return surface;
   };
   const std::vector<AssetSurface> surfaces =
       surfaces_of(parts, details, left_out_of(planned.finenesses()), surface_of);

@@ -12,6 +12,7 @@
 #include "build_info.h"
 #include "job/threads.h"
 #include "memory/large_arrays.h"
+#include "output/baked_maps.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
@@ -113,12 +114,14 @@ std::vector<std::string> failed_row(const Job& job) {
 
 void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults) {
   planned.job.overwrites = claims.overwrites();
+  faults.note([&] { settle_bake(planned.job); });
   for (const OutputRequest& request : planned.job.outputs) {
     faults.note([&] {
       for (PlannedOutput& output : plan_output(request, claims))
         planned.outputs.push_back(std::move(output));
     });
   }
+  if (planned.job.settings.bake > 0) faults.note([&] { require_bakeable(planned.outputs); });
   faults.note([&] { require_tileable(planned.outputs, planned.job.settings); });
   faults.note([&] { require_step_surfaces(planned.outputs, planned.job.settings); });
   if (planned.job.settings.attributes.any())

@@ -1,6 +1,7 @@
 #include "job/forecast.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <thread>
 
@@ -12,6 +13,7 @@
 #include "page/page.h"
 #include "page/page_still.h"
 #include "planish/core/error.h"
+#include "planish/pipeline/bake_maps.h"
 #include "planish/pipeline/choose_fit.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/surface/memory_need.h"
@@ -34,6 +36,10 @@ constexpr double kVertexSeconds = 6, kPointSeconds = 0.6, kPageSeconds = 4, kBen
 // The same of a vertex that may be left: two to ten further fits, each measured; with other schemes
 // than Doo-Sabin, whose levels are made whole for that.
 constexpr double kLeavingSeconds = 25, kLeavingPrimalSeconds = 120;
+
+// And of places of a baked map, of which it has so many along a side at least; its PNG included.
+constexpr double kBakeSeconds = 0.2;
+constexpr int kBakeSide = 4096;
 
 // Bytes of host memory, upper values of what the command took: tools/planish/README.md has them.
 constexpr std::uint64_t kPageVertexBytes = 210 + 36, kBendBytes = 48, kBendUvBytes = 96;
@@ -218,6 +224,21 @@ std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& setti
   return held.peak();
 }
 
+// Maps of a mesh, whose size in a file nobody knows.
+void add_bake(const PolygonMesh& mesh, const Settings& settings,
+              const std::vector<PlannedOutput>& outputs, Forecast& forecast) {
+  const int level = bake_level(mesh, settings.bake);
+  const auto faces = static_cast<std::int64_t>(
+      std::ldexp(static_cast<double>(mesh.face_vertices.size()), 2 * (level - 1)));
+  forecast.making_bytes += bake_bytes(mesh.face_count() + faces, settings.bake);
+  const double side = std::max(settings.bake, kBakeSide);
+  const auto maps = static_cast<double>(std::max<std::size_t>(mesh.groups.size(), 1));
+  forecast.seconds +=
+      1e-6 * (kBakeSeconds * side * side * maps + kPointSeconds * static_cast<double>(faces));
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    if (outputs[i].kind == OutputKind::Surface) forecast.outputs[i].bytes.reset();
+}
+
 // One mesh's, its memory beside HeldBytes.
 Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
                           const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
@@ -269,6 +290,7 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
     forecast.making_bytes = rides.making;
   }
   forecast.seconds += 1e-6 * kBendSeconds * bends;
+  if (settings.bake > 0) add_bake(mesh, settings, outputs, forecast);
   return forecast;
 }
 

@@ -3,6 +3,7 @@
 #include "job/job_surface.h"
 #include "job/measure_surface.h"
 #include "job/timed.h"
+#include "output/baked_maps.h"
 #include "output/further_buffers.h"
 #include "output/output_levels.h"
 #include "output/step_output.h"
@@ -156,11 +157,14 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
     SurfaceOutputOptions options = common;
     LevelFields fields;
     JobLevel surface = surface_of(work, all, fineness, fields, options);
+    const auto baked = baked_surface(work, all, surface, options.gltf);
+    if (baked) baked->add_to(options.gltf);
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
       const PlannedOutput& planned = work.outputs[i];
       if (planned.kind == OutputKind::Surface && planned.fineness == fineness &&
           info_of(planned.format).has_fineness()) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
+        if (baked) note_maps(baked->maps(), {}, work.job.settings.bake, written[i]);
       }
     }
     if (!fineness.is_adaptive() && fineness.level == scene_level) make_scene(work, all, surface);

@@ -85,6 +85,19 @@ OrderedJson step_json(const StepFigures& step) {
           {"largest_gap", step.check.largest_gap}};
 }
 
+OrderedJson bake_json(const WrittenOutput& output) {
+  OrderedJson json{{"size", output.bake_size}, {"maps", OrderedJson::array()}};
+  for (const WrittenMap& map : output.maps) {
+    OrderedJson& entry = json["maps"].emplace_back();
+    if (!map.mesh.empty()) entry["mesh"] = map.mesh;
+    entry["material"] = map.material;
+    entry["bytes"] = map.bytes;
+    entry["covered"] = map.covered;
+    entry["overlapped"] = map.overlapped;
+  }
+  return json;
+}
+
 OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
   OrderedJson json = OrderedJson::array();
   for (const WrittenOutput& output : outputs) {
@@ -115,6 +128,7 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
                                 {"geometric_error", level.geometric_error}});
     }
     if (output.step) entry["step"] = step_json(*output.step);
+    if (output.bake_size > 0) entry["bake"] = bake_json(output);
     json.push_back(entry);
   }
   return json;

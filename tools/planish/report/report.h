@@ -27,6 +27,14 @@ struct WrittenTiles {
   double geometric_error = 0;  ///< the largest of its tiles, in model units
 };
 
+/// A normal texture that was baked into a file.
+struct WrittenMap {
+  std::string mesh;  ///< of an asset
+  std::string material;
+  std::uint64_t bytes = 0;             ///< of its image
+  double covered = 0, overlapped = 0;  ///< see NormalMap
+};
+
 /// A file as written.
 struct WrittenOutput {
   std::string path;  ///< "-" for stdout
@@ -42,6 +50,8 @@ struct WrittenOutput {
   double as_written_error = 0;
   std::vector<WrittenTiles> tile_levels;  ///< of a tile set
   std::optional<StepFigures> step;        ///< of a STEP file, which has no fineness
+  int bake_size = 0;                      ///< of its maps; 0: none are baked
+  std::vector<WrittenMap> maps;
 };
 
 /// A page for people; its path is empty where there is none.
