@@ -207,6 +207,9 @@ TEST_F(Needs, OfBakedMapsAreKnown) {
   write("plate.obj", mapped_plate(1, 40));
   for (const char* size : {"64", "2048"})
     expect_enough({"plate.obj", "-o", "p.glb", "--bake", size});
+  // A page holds where the texture is.
+  write("large.obj", mapped_plate(1, 120));
+  expect_enough({"large.obj", "--page", "p.html"});
   // Nobody knows how well a map packs.
   const std::string text = fit({"plate.obj", "-o", "q.glb", "--bake", "64", "--dry-run"}).out;
   EXPECT_THAT(text, HasSubstr("q.glb  (level 0, 1,681 vertices, 1,600 faces)"));

@@ -70,6 +70,7 @@ def make_pages(planish, scenes, folder):
     hostile.write_bytes((scenes / "cube.obj").read_bytes())
     run("fit", str(scenes / "mixed_polygons.obj"), "--page", "one.html", "--report", "one.json",
         "--interpolation", "progressive", "--device", "cpu", "-f")
+    run("fit", str(scenes / "mapped_cube.obj"), "--page", "mapped.html", "--device", "cpu", "-f")
     run("fit", hostile.name, "--page", "hostile.html", "--device", "cpu", "-f")
     jobs = [{"name": name, "input": str(scenes / "bearing_block.obj"), "interpolation": name,
              "levels": [1]} for name in ["progressive", "fair"]]
@@ -189,6 +190,34 @@ def check_one(chromium, folder, report):
     tab.close()
 
 
+def check_board(chromium, folder):
+    """The texture as a board of squares, where there is one."""
+    for view, link in [("webgl", ""), ("no webgl", "soft=1")]:
+        tab = chromium.open(folder / "mapped.html", link)
+        tab.ready()
+        smooth = look(tab)["sum"]
+        tab.evaluate("document.getElementById('canvas').focus()")
+        tab.key("9")
+        seen = look(tab)
+        check(f"{view}: a board is drawn", seen["covered"] > 0.05 and seen["colours"] > 4
+              and seen["sum"] != smooth
+              and tab.evaluate("document.getElementById('mode').value") == "checker"
+              and not tab.evaluate("document.getElementById('stripesLabel').hidden"),
+              f"{seen['covered']:.0%} covered, {seen['colours']} colours")
+        tab.evaluate("document.getElementById('stripes').value = 5;"
+                     "document.getElementById('tools').dispatchEvent(new Event('input'))")
+        check(f"{view}: of squares as large as is said", look(tab)["sum"] != seen["sum"])
+        tab.close()
+    tab = chromium.open(folder / "one.html", "mode=checker")
+    tab.ready()
+    check("without texture coordinates there is no board",
+          tab.evaluate("document.getElementById('mode').value") == "smooth")
+    tab.evaluate("document.getElementById('canvas').focus()")
+    tab.key("9")
+    check("nor by its key", tab.evaluate("document.getElementById('mode').value") == "smooth")
+    tab.close()
+
+
 def check_two(chromium, folder):
     tab = chromium.open(folder / "two.html", "mode=deviation&other=1")
     tab.ready()
@@ -276,6 +305,7 @@ def main():
     start = time.monotonic()
     with browser.Browser(browser.SOFTWARE_GL) as chromium:
         check_one(chromium, folder, report)
+        check_board(chromium, folder)
         check_two(chromium, folder)
         check_looks(chromium, folder)
         check_hostile(chromium, folder)

@@ -57,11 +57,11 @@ std::vector<std::uint8_t> bytes_of_base64(std::string_view text) {
   return bytes;
 }
 
-PageReader::PageReader(nlohmann::json head, std::string_view base64)
+PageReader::PageReader(nlohmann::json head, std::string_view base64, const std::string& prefix)
     : head_(std::move(head)), bytes_(inflated(bytes_of_base64(base64))) {
-  const auto sizes = list("sizes"), corners = list("corners");
+  const auto sizes = list("sizes"), corners = list(prefix + "corners");
   Level base;
-  base.count = head_["base"];
+  base.count = head_[prefix + "base"];
   auto at = corners.begin();
   for (const std::int64_t size : sizes) {
     base.faces.emplace_back(at, at + size);
@@ -69,7 +69,7 @@ PageReader::PageReader(nlohmann::json head, std::string_view base64)
   }
   levels_.push_back(base);
   for (int l = 0; l < head_["level"]; ++l)
-    split(list("cuts" + std::to_string(l)), head_["split"] == "triangles");
+    split(list(prefix + "cuts" + std::to_string(l)), head_["split"] == "triangles");
 }
 
 const nlohmann::json& PageReader::section(const std::string& name) const {

@@ -12,8 +12,8 @@ namespace planish::test {
 /// A page's bytes, undone by other code than wrote them: as the viewer does it, in C++.
 class PageReader {
  public:
-  /// `head` and base64 as they stand in a page.
-  PageReader(nlohmann::json head, std::string_view base64);
+  /// `head` and base64 as they stand in a page. `prefix`: "uv_" for the faces of the texture.
+  PageReader(nlohmann::json head, std::string_view base64, const std::string& prefix = "");
 
   [[nodiscard]] const nlohmann::json& head() const { return head_; }
   [[nodiscard]] std::vector<std::int64_t> list(const std::string& name) const;

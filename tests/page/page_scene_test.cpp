@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 
 #include "page/page_reader.h"
@@ -108,6 +109,69 @@ void expect_read_back(const SceneCase& c, int level, const test::PageReader& rea
           << "face " << f;
     }
   }
+}
+
+// Each corner of a mesh with texture coordinates of its own where `apart` says so.
+PolygonMesh mapped(PolygonMesh mesh, const std::function<bool(std::int32_t face)>& apart) {
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    for (const std::int32_t v : mesh.face(f)) {
+      const auto& p = mesh.positions[static_cast<std::size_t>(v)];
+      const glm::dvec2 uv(p.x + (apart(f) ? 3.0 : 0.0), p.y + 0.3 * p.z);
+      const auto known = std::ranges::find(mesh.uvs, uv);
+      mesh.face_uvs.push_back(static_cast<std::int32_t>(known - mesh.uvs.begin()));
+      if (known == mesh.uvs.end()) mesh.uvs.push_back(uv);
+    }
+  return mesh;
+}
+
+// A board of squares lies where the texture does, seams included, with triangles and holes too.
+TEST(PageScene, TextureCoordinatesAreReadBack) {
+  std::vector<SceneCase> cases;
+  for (const SceneCase& c : scene_cases()) {
+    cases.push_back(
+        {c.name + " of one chart", mapped(c.mesh, [](std::int32_t) { return false; }), c.scheme});
+    cases.push_back({c.name + " of charts",
+                     mapped(c.mesh, [](std::int32_t f) { return f % 3 == 0; }), c.scheme});
+  }
+  for (const SceneCase& c : cases) {
+    for (int level = 0; level <= 2; ++level) {
+      SCOPED_TRACE(c.name + " level " + std::to_string(level));
+      const SurfaceMesh surface = surface_of(c, level);
+      const PagePayload payload = encode_scene(scene_of(c, surface), level);
+      const test::PageReader reader(nlohmann::json::parse(payload.head.dump()), payload.packed,
+                                    "uv_");
+      const auto values = reader.values("uv");
+      const auto& faces = reader.levels().back().faces;
+      ASSERT_EQ(faces.size(), static_cast<std::size_t>(surface.face_count()));
+      ASSERT_EQ(values.size(), 2 * static_cast<std::size_t>(reader.levels().back().count));
+      const auto& box = reader.head()["uv_box"];
+      std::size_t corner = 0;
+      for (const auto& face : faces)
+        for (const std::int64_t v : face) {
+          const glm::dvec2 wanted =
+              surface.uvs[static_cast<std::size_t>(surface.face_uvs[corner++])];
+          for (int k = 0; k < 2; ++k) {
+            const double size = box["size"][k].get<double>();
+            const double made =
+                box["low"][k].get<double>() +
+                size *
+                    static_cast<double>(
+                        values[2 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)]) /
+                    65535;
+            ASSERT_NEAR(made, wanted[k], size / 65535) << corner;
+          }
+        }
+    }
+  }
+}
+
+TEST(PageScene, TexturesThatAreNotEverywhereAreLeftOut) {
+  SceneCase c{"prism", mapped(test::prism(5), [](std::int32_t) { return false; })};
+  c.mesh.face_uvs[2] = -1;
+  const PagePayload payload = encode_scene(scene_of(c, surface_of(c, 1)), 1);
+  EXPECT_FALSE(payload.head.contains("uv_box"));
+  const SceneCase bare{"prism", test::prism(5)};
+  EXPECT_FALSE(encode_scene(scene_of(bare, surface_of(bare, 1)), 1).head.contains("uv_box"));
 }
 
 TEST(PageScene, IsReadBackAsTheSurfaceOfEveryLevel) {

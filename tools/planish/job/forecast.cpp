@@ -42,7 +42,8 @@ constexpr double kBakeSeconds = 0.2;
 constexpr int kBakeSide = 4096;
 
 // Bytes of host memory, upper values of what the command took: tools/planish/README.md has them.
-constexpr std::uint64_t kPageVertexBytes = 210 + 36, kBendBytes = 48, kBendUvBytes = 96;
+constexpr std::uint64_t kPageVertexBytes = 210 + 36, kPageUvBytes = 110, kBendBytes = 48,
+                        kBendUvBytes = 96;
 constexpr std::uint64_t kTileVertexBytes = 180;
 // Of a page's still picture: four samples of 8 bytes and a pixel of 4.
 constexpr std::uint64_t kStillBytes = std::uint64_t{36} * kStillWidth * kStillHeight;
@@ -290,6 +291,11 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
     forecast.making_bytes = rides.making;
   }
   forecast.seconds += 1e-6 * kBendSeconds * bends;
+  if (page_bytes > 0 && attributes.uvs) {
+    const auto levels = levels_to(mesh_counts_of(prepared), settings.scheme, kPageLevel);
+    forecast.peak_bytes +=
+        kPageUvBytes * static_cast<std::uint64_t>(page_counts(levels, page_bytes).vertices);
+  }
   if (settings.bake > 0) add_bake(mesh, settings, outputs, forecast);
   return forecast;
 }

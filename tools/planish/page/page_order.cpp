@@ -179,4 +179,12 @@ PageOrder page_order(const SurfaceMesh& surface, const PolygonMesh& mesh) {
   return order;
 }
 
+PageOrder texture_order(const SurfaceMesh& surface, const PolygonMesh& mesh) {
+  SurfaceMesh charts;
+  charts.level = surface.level;
+  charts.face_offsets = surface.face_offsets;
+  charts.face_vertices = surface.face_uvs;
+  return page_order(charts, mesh);
+}
+
 }  // namespace planish::command

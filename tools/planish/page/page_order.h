@@ -35,4 +35,8 @@ struct PageOrder {
 /// The order of a surface that was refined from `mesh`.
 [[nodiscard]] PageOrder page_order(const SurfaceMesh& surface, const PolygonMesh& mesh);
 
+/// The same of its texture coordinates, which every corner has: `rows` are places among them, and
+/// seams are where sharp edges are else.
+[[nodiscard]] PageOrder texture_order(const SurfaceMesh& surface, const PolygonMesh& mesh);
+
 }  // namespace planish::command

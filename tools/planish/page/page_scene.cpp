@@ -236,6 +236,25 @@ nlohmann::ordered_json add_fields(const PageScene& scene, std::size_t count, Pag
   return fields;
 }
 
+// Where the texture is, for a board of squares on it. Returns its box.
+nlohmann::ordered_json add_uvs(const PageScene& scene, int level, PageCoder& coder) {
+  const PageOrder& order = scene.uv_order;
+  const std::span uvs(scene.uvs.data(), order.counts[level]);
+  std::vector<glm::dvec3> places;
+  for (const glm::dvec2& uv : uvs) places.emplace_back(uv, 0.0);
+  const Box box = box_of(places);
+  std::vector<std::uint16_t> values;
+  for (const glm::dvec3& place : places)
+    for (int k = 0; k < 2; ++k)
+      values.push_back(static_cast<std::uint16_t>(
+          std::lround((place[k] - box.low[k]) / box.size[k] * kPositionSteps)));
+  coder.add_list("uv_corners", order.faces.vertices);
+  for (int l = 0; l < level; ++l)
+    coder.add_list("uv_cuts" + std::to_string(l), order.splits[l].cuts);
+  coder.add_values("uv", values, 2, 2, order);
+  return json_of(box);
+}
+
 nlohmann::ordered_json folds_json(const PageScene& scene) {
   nlohmann::ordered_json folds = nlohmann::ordered_json::array();
   for (const PageFold& fold : scene.folds) {
@@ -271,6 +290,11 @@ PageScene make_page_scene(const PageSceneInput& input) {
     scene.positions.push_back(input.surface.positions[row]);
     scene.normals.push_back(input.surface.normals[row]);
   }
+  if (!input.mesh.face_uvs.empty() && std::ranges::min(input.mesh.face_uvs) >= 0) {
+    require_finite(std::span<const glm::dvec2>(input.surface.uvs), 0, "texture coordinate", name);
+    scene.uv_order = texture_order(input.surface, input.mesh);
+    for (const std::int32_t row : scene.uv_order.rows) scene.uvs.push_back(input.surface.uvs[row]);
+  }
   if (input.surface.level > 0) add_folds(input, scene);
   scene.cage = input.cage;
   scene.file_vertices.resize(input.mesh.positions.size());
@@ -300,6 +324,8 @@ PagePayload encode_scene(const PageScene& scene, int level) {
   coder.add_values("normal", octahedral({scene.normals.data(), count}), 2, 2, order);
   const nlohmann::ordered_json fields = add_fields(scene, count, coder);
   coder.add_values("cage", quantised(scene.cage.positions, cage_box), 2, 3, none);
+  nlohmann::ordered_json uv_box;
+  if (!scene.uvs.empty()) uv_box = add_uvs(scene, level, coder);
   const Edges edges = edges_of(scene.cage);
   coder.add_list("cage_from", edges.from);
   coder.add_list("cage_along", edges.along);
@@ -320,6 +346,10 @@ PagePayload encode_scene(const PageScene& scene, int level) {
                   {"folds", folds_json(scene)},
                   {"fields", fields},
                   {"sections", coder.sections()}};
+  if (!scene.uvs.empty()) {
+    payload.head["uv_base"] = scene.uv_order.counts[0];
+    payload.head["uv_box"] = uv_box;
+  }
   payload.packed = coder.base64();
   return payload;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <string>
@@ -41,6 +42,9 @@ struct PageScene {
   PageOrder order;
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> normals;
+  /// Texture coordinates in an order of their own; empty: not every corner has one.
+  std::vector<glm::dvec2> uvs;
+  PageOrder uv_order;
   std::vector<PageField> fields;
   std::vector<PageFold> folds;
   std::size_t folded_faces = 0;  ///< of which `folds` names the largest

@@ -22,6 +22,9 @@ const MAPS = {
   share: evenly(colours('d4d4d4 df8140 de7028 da6818 d86310 d76009 d65e04 d55e00')),
 };
 
+/** Of a board of squares. */
+const CHECKS_DARK = [0.13, 0.35, 0.55], CHECKS_LIGHT = [0.95, 0.93, 0.88];
+
 /** The colour of a map at 0 to 1. */
 function colourAt(map, t) {
   const place = Math.max(0, Math.min(1, t)) * (STOPS - 1);

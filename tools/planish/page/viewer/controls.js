@@ -50,7 +50,7 @@ function onKey(event) {
     move(30 * arrow[0], 30 * arrow[1]);
   } else if (arrow) {
     turn(0.1 * arrow[0], 0.1 * arrow[1]);
-  } else if (key >= '1' && key <= '8') {
+  } else if (key >= '1' && key <= '9' && !$('mode').options[key - 1].disabled) {
     $('mode').value = MODES[key - 1][0];
     refresh();
     writeLink();

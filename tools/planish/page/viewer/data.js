@@ -149,22 +149,24 @@ function splitLevel(level, cuts, triangles) {
   return { ...faces, parents, parentOffsets, lines, count: edges.count };
 }
 
-/** Triangles of a level's faces; those with more than four corners are cut as `cut` says. */
+/**
+ * The corners of the triangles of a level's faces; those with more than four are cut as `cut` says.
+ */
 function trianglesOf({ offsets, corners }, cut, apart) {
-  const indices = [];
+  const places = [];
   for (let f = 0, at = 0; f + 1 < offsets.length; f++) {
     const begin = offsets[f], n = offsets[f + 1] - begin;
-    const [a, b, c, d] = corners.subarray(begin, begin + 4);
+    const far = (a, b) => apart(corners[begin + a], corners[begin + b]);
     if (n === 3) {
-      indices.push(a, b, c);
+      places.push(begin, begin + 1, begin + 2);
     } else if (n === 4) {  // along the shorter diagonal
-      if (apart(b, d) < apart(a, c)) indices.push(a, b, d, b, c, d);
-      else indices.push(a, b, c, a, c, d);
+      if (far(1, 3) < far(0, 2)) places.push(begin, begin + 1, begin + 3, begin + 1, begin + 2, begin + 3);
+      else places.push(begin, begin + 1, begin + 2, begin, begin + 2, begin + 3);
     } else {
-      for (let k = 3 * (n - 2); k > 0; k--) indices.push(corners[begin + cut[at++]]);
+      for (let k = 3 * (n - 2); k > 0; k--) places.push(begin + cut[at++]);
     }
   }
-  return Uint32Array.from(indices);
+  return Uint32Array.from(places);
 }
 
 /** Lines of the control cage: lower ends, and how far it is to the upper ones. */
@@ -202,7 +204,16 @@ async function readScene(head, base64) {
     scene.values[field.name] = readValues(bytes, section(field.name), levels, 1);
   }
   const cut = list('triangles'), apart = (a, b) => squaredDistance(scene, a, b);
-  for (const level of levels) level.indices = trianglesOf(level, cut, apart);
+  const places = levels.map((level) => trianglesOf(level, cut, apart));
+  levels.forEach((level, l) => { level.indices = places[l].map((c) => level.corners[c]); });
+  if (section('uv')) {
+    const charts = [{ offsets, corners: list('uv_corners'), count: head.uv_base, lines: [] }];
+    for (let l = 0; l < head.level; l++) {
+      charts.push(splitLevel(charts[l], list(`uv_cuts${l}`), head.split === 'triangles'));
+    }
+    scene.uvs = readValues(bytes, section('uv'), charts, 2);
+    levels.forEach((level, l) => { level.uvs = places[l].map((c) => charts[l].corners[c]); });
+  }
   scene.centre = head.box.low.map((low, k) => low + head.box.size[k] / 2);
   scene.radius = Math.hypot(...head.box.size) / 2;
   return scene;

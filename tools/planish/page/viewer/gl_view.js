@@ -4,11 +4,13 @@ const VERTEX_SHADER = `#version 300 es
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 normal;
 layout(location = 2) in float value;
+layout(location = 3) in vec2 uv;
 uniform vec3 low, size, target;
 uniform mat3 turn;
 uniform float away, pull, pointSize;
-uniform vec4 lens;
+uniform vec4 lens, chart;
 out vec3 at, upright;
+out vec2 place;
 out float amount;
 void main() {
   at = turn * (low + size * position - target) - vec3(0, 0, away);
@@ -17,6 +19,7 @@ void main() {
   n.xy -= sign(n.xy) * max(-n.z, 0.0);
   upright = turn * normalize(n);
   amount = value;
+  place = chart.xy + chart.zw * uv;
   gl_PointSize = pointSize;
   // Lines and points lie on the surface: a little nearer, they are not hidden by it.
   vec3 p = at * (1.0 - pull);
@@ -26,6 +29,7 @@ void main() {
 const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
 in vec3 at, upright;
+in vec2 place;
 in float amount;
 out vec4 color;
 uniform int look, kind;
@@ -54,6 +58,10 @@ vec3 shaded(vec3 n, vec3 view) {
   float face = max(dot(n, view), 0.0);
   if (look == 0) return smoothly(n, view);
   if (look == 3) return mapped() * (0.62 + 0.38 * face);
+  if (look == 6) {
+    float a = band(place.x * stripes * 0.5 + 0.25), b = band(place.y * stripes * 0.5 + 0.25);
+    return mix(vec3(${CHECKS_DARK}), vec3(${CHECKS_LIGHT}), a * b + (1.0 - a) * (1.0 - b)) * (0.62 + 0.38 * face);
+  }
   float t = look == 1 ? acos(clamp(reflect(-view, n).y, -1.0, 1.0)) / 3.14159 * stripes
                       : dot(n, normalize(vec3(0.4, 1.0, 0.3))) * stripes * 0.5;
   return mix(vec3(0.06), vec3(0.96), band(t)) * (0.7 + 0.3 * face);
@@ -74,7 +82,7 @@ void main() {
   color = vec4(back ? mix(seen, vec3(0.55, 0.25, 0.55), 0.45) : seen, 1.0);
 }`;
 
-const LOOKS = { smooth: 0, zebra: 1, isophotes: 2, map: 3, line: 4, point: 5 };
+const LOOKS = { smooth: 0, zebra: 1, isophotes: 2, map: 3, line: 4, point: 5, checker: 6 };
 const KINDS = { amount: 0, share: 1, signed: 2 };
 
 class GlView {
@@ -139,7 +147,7 @@ class GlView {
       surface: this.vertices(scene.positions, scene.normals),
       cage: this.vertices(scene.cage),
       given: this.vertices(scene.given),
-      values: {},
+      values: {}, charts: [],
     };
     gl.bindVertexArray(null);
     for (const [name, values] of Object.entries(scene.values)) {
@@ -151,6 +159,23 @@ class GlView {
     mesh.cageLines = indices(scene.cageLines);
     this.uploaded.set(scene, mesh);
     return mesh;
+  }
+
+  /** Triangles by themselves: along seams a vertex has several places in the texture. */
+  charts(scene, { indices, uvs }) {
+    const gl = this.gl;
+    const spread = (values, places, n) => {
+      const all = new Uint16Array(n * places.length);
+      for (let i = 0; i < places.length; i++) {
+        for (let k = 0; k < n; k++) all[n * i + k] = values[n * places[i] + k];
+      }
+      return all;
+    };
+    const array = this.vertices(spread(scene.positions, indices, 4), spread(scene.normals, indices, 2));
+    this.buffer(gl.ARRAY_BUFFER, spread(scene.uvs, uvs, 2));
+    gl.enableVertexAttribArray(3);
+    gl.vertexAttribPointer(3, 2, gl.UNSIGNED_SHORT, true, 0, 0);
+    return array;
   }
 
   begin() {
@@ -212,14 +237,25 @@ class GlView {
   }
 
   drawSurface(scene, mesh, view) {
-    const gl = this.gl;
+    const gl = this.gl, level = scene.levels[view.level];
+    const checks = view.mode === 'checker' && scene.uvs;
+    if (checks) {
+      gl.bindVertexArray(mesh.charts[view.level] ??= this.charts(scene, level));
+      const { low, size } = scene.head.uv_box;
+      gl.uniform4f(this.at.chart, low[0], low[1], size[0], size[1]);
+      this.box(scene.head.box);
+      gl.uniform1f(this.at.pull, 0);
+      gl.uniform1i(this.at.look, LOOKS.checker);
+      gl.drawArrays(gl.TRIANGLES, 0, level.indices.length);
+    }
     gl.bindVertexArray(mesh.surface);
     this.box(scene.head.box);
     gl.uniform1f(this.at.pull, 0);
+    if (checks) return;
     if (view.map) this.useMap(scene, mesh, view, view.map);
-    gl.uniform1i(this.at.look, view.map ? LOOKS.map : LOOKS[view.mode]);
+    gl.uniform1i(this.at.look, view.map ? LOOKS.map : LOOKS[view.mode === 'checker' ? 'smooth' : view.mode]);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.indices[view.level]);
-    gl.drawElements(gl.TRIANGLES, scene.levels[view.level].indices.length, gl.UNSIGNED_INT, 0);
+    gl.drawElements(gl.TRIANGLES, level.indices.length, gl.UNSIGNED_INT, 0);
   }
 
   drawPoints(scene, mesh, view) {

@@ -22,6 +22,10 @@ async function show(job, beside = null) {
   clearPicked();
   $('level').max = Math.max(scene.levels.length, other?.levels.length ?? 0) - 1;
   for (const id of ['divider', 'left', 'right']) $(id).hidden = !other;
+  // A board needs texture coordinates.
+  const board = $('mode').options[MODES.length - 1];
+  board.disabled = !scene.uvs && !other?.uvs;
+  if (board.disabled && board.selected) $('mode').value = 'smooth';
   $('left').textContent = scene.head.label;
   $('right').textContent = other?.head.label ?? '';
   $('other').value = beside ?? '';

@@ -3,7 +3,8 @@
 const $ = (id) => document.getElementById(id);
 const MODES = [['smooth', 'Smooth surface'], ['zebra', 'Reflection lines (zebra)'],
   ['isophotes', 'Isophotes'], ['error', 'Interpolation error'], ['deviation', 'Normal deviation'],
-  ['fold', 'Folds'], ['mean', 'Mean curvature'], ['gauss', 'Gaussian curvature']];
+  ['fold', 'Folds'], ['mean', 'Mean curvature'], ['gauss', 'Gaussian curvature'],
+  ['checker', 'Texture checker board']];
 const CHECKS = { m: 'mesh', l: 'lines', c: 'cage', p: 'points' };
 const ERROR_NOISE = 1e-12;  // of the diagonal: what rounding leaves
 
@@ -46,7 +47,7 @@ function currentView() {
   const level = Math.min(Number($('level').value), motion.moving ? motion.coarsest : Infinity);
   return {
     mode, level, ratio: pixelRatio(), top: topOf, stripes: Number($('stripes').value),
-    map: MODES.findIndex(([name]) => name === mode) > 2 ? mode : null,
+    map: fieldOf(state.scene, mode) ? mode : null,
     mesh: checked('mesh'), lines: checked('lines'), cage: checked('cage'), points: checked('points'),
     facets: checked('facets'), wireInk: styleColour('--wire'), cageInk: styleColour('--cage'),
   };

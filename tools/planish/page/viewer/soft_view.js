@@ -41,10 +41,11 @@ class SoftView {
     const number = scene.levels.findLastIndex((level, l) => l <= view.level && small(level, l));
     const level = scene.levels[number];
     const seen = this.project(scene, frame, level.count);
-    const paint = softPaint(scene, view, seen);
+    const paint = softPaint(scene, view, seen, level);
     const left = Math.round(from * this.width), right = Math.round(to * this.width);
     for (let t = 0; t < level.indices.length; t += 3) {
-      this.triangle(seen, level.indices.subarray(t, t + 3), left, right, paint);
+      this.triangle(seen, level.indices.subarray(t, t + 3), left, right,
+          (corners, weights, back) => paint(corners, weights, back, t));
     }
     this.overlays.push({ scene, view, from, to });
   }
@@ -128,13 +129,14 @@ class SoftView {
 }
 
 /** The colour of a place in a triangle: vertices, their weights, whether its back is seen. */
-function softPaint(scene, view, { normal, eye }) {
+function softPaint(scene, view, { normal, eye }, level) {
   const field = view.map && fieldOf(scene, view.map), values = field && scene.values[view.map];
   const top = values && (values.BYTES_PER_ELEMENT === 2 ? 65535 : 255);
   const mix = (array, corners, weights) => [0, 1, 2].map((k) =>
     array[3 * corners[0] + k] * weights[0] + array[3 * corners[1] + k] * weights[1] +
     array[3 * corners[2] + k] * weights[2]);
-  const shade = (n, facing, backward, corners, weights) => {
+  const checks = view.mode === 'checker' && scene.uvs;
+  const shade = (n, facing, backward, corners, weights, first) => {
     const face = Math.max(facing, 0);
     if (field) {
       const step = corners.reduce((sum, v, k) => sum + values[v] * weights[k], 0);
@@ -143,7 +145,14 @@ function softPaint(scene, view, { normal, eye }) {
           placeOnScale(field.kind, fraction, field.limit / view.top(view.map)));
       return color.map((part) => part * (0.62 + 0.38 * face));
     }
-    if (view.mode === 'smooth') {
+    if (checks) {
+      const { low, size } = scene.head.uv_box;
+      const squares = [0, 1].map((k) => Math.floor(view.stripes * weights.reduce((sum, weight, c) =>
+        sum + weight * (low[k] + size[k] * checks[2 * level.uvs[first + c] + k] / 65535), 0)));
+      return ((squares[0] + squares[1]) % 2 ? CHECKS_DARK : CHECKS_LIGHT)
+        .map((part) => part * (0.62 + 0.38 * face));
+    }
+    if (view.mode === 'smooth' || view.mode === 'checker') {
       const light = Math.max(0, 0.447 * n[0] + 0.716 * n[1] + 0.537 * n[2]);
       return [0.78, 0.80, 0.83].map((part) => part * (0.43 + 0.11 * n[1] + 0.5 * light));
     }
@@ -153,11 +162,11 @@ function softPaint(scene, view, { normal, eye }) {
     const light = Math.abs(t - Math.floor(t) - 0.5) > 0.25 ? 0.96 : 0.06;
     return Array(3).fill(light * (0.7 + 0.3 * face));
   };
-  return (corners, weights, back) => {
+  return (corners, weights, back, first) => {
     const long = mix(normal, corners, weights), place = mix(eye, corners, weights);
     const length = Math.hypot(...long) * (back ? -1 : 1), away = Math.hypot(...place);
     const n = long.map((x) => x / length), backward = place.map((x) => -x / away);
-    const color = shade(n, dot(n, backward), backward, corners, weights);
+    const color = shade(n, dot(n, backward), backward, corners, weights, first);
     return back ? color.map((part, k) => part * 0.55 + [0.25, 0.11, 0.25][k]) : color;
   };
 }

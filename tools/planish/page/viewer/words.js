@@ -43,7 +43,7 @@ function refresh() {
   const level = Math.min(Number($('level').value), scene.levels.length - 1);
   const triangles = scene.levels[level].indices.length / 3;
   $('levelText').textContent = `${level}: ${triangles.toLocaleString('en-US')} triangles`;
-  $('stripesLabel').hidden = !['zebra', 'isophotes'].includes(view.mode);
+  $('stripesLabel').hidden = !['zebra', 'isophotes', 'checker'].includes(view.mode);
   $('top').options[2].disabled = Boolean(view.map) && view.map !== 'error';
   $('topLabel').hidden = !(view.points || (view.map && fieldOf(scene, view.map).kind === 'amount'));
   showScale(view.map ?? (view.points ? 'error' : null));
