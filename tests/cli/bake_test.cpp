@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <set>
 #include <string>
 
 #include "cli/json_schema.h"
@@ -165,6 +166,61 @@ TEST_F(BakeCommand, GivesEachMeshOfAnAssetItsMaps) {
       made["materials"][0]["normalTexture"],
       made["materials"][0]["extensions"]["KHR_materials_clearcoat"]["clearcoatNormalTexture"]);
   EXPECT_EQ(made["images"].size(), 3U);
+}
+
+TEST_F(BakeCommand, LiesByTheSetThatTheNormalTextureNames) {
+  AssetSample sample;
+  sample.json["materials"][0]["normalTexture"] = {{"index", 0}, {"texCoord", 1}, {"scale", 0.5}};
+  ASSERT_EQ(fit(write("asset.glb", sample.glb()),
+                {"-o", path("a.glb"), "--bake", "64", "--report", path("r.json")})
+                .exit_code,
+            0);
+  const json document = document_of(read("a.glb"));
+  // Its scale is in the map.
+  EXPECT_EQ(document["materials"][0]["normalTexture"], (json{{"index", 1}, {"texCoord", 1}}));
+  // That set has half the width and height.
+  const json maps = read_json("r.json")["outputs"][0]["bake"]["maps"];
+  EXPECT_NEAR(maps[0]["covered"].get<double>(), 0.125, 1e-6);
+  EXPECT_NEAR(maps[1]["covered"].get<double>(), 0.5, 1e-6);
+}
+
+TEST_F(BakeCommand, VariantsOfMaterialsAreTold) {
+  AssetSample sample;
+  sample.json["extensionsUsed"].push_back("KHR_materials_variants");
+  sample.json["extensions"]["KHR_materials_variants"] = {
+      {"variants", {{{"name", "a"}}, {{"name", "b"}}}}};
+  sample.json["meshes"][0]["primitives"][1]["extensions"]["KHR_materials_variants"] = {
+      {"mappings", {{{"material", 1}, {"variants", {0}}}, {{"material", 2}, {"variants", {1}}}}}};
+  const ProcessResult result =
+      fit(write("asset.glb", sample.glb()), {"-o", path("a.glb"), "--bake", "64"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("variants of materials keep the normal textures"));
+  const json primitive = document_of(read("a.glb"))["meshes"][0]["primitives"][1];
+  EXPECT_EQ(primitive["material"], 3);
+  const json& mappings = primitive["extensions"]["KHR_materials_variants"]["mappings"];
+  EXPECT_EQ(mappings[0]["material"], 3);
+  EXPECT_EQ(mappings[1]["material"], 2);
+}
+
+// Two meshes of one material: each has a copy of its own, the last one the material itself.
+TEST_F(BakeCommand, MeshesShareNoMap) {
+  AssetSample sample;
+  sample.json["meshes"].push_back(sample.json["meshes"][0]);
+  sample.json["nodes"].push_back({{"mesh", 3}, {"skin", 0}});
+  sample.json["scenes"][0]["nodes"].push_back(9);
+  ASSERT_EQ(fit(write("asset.glb", sample.glb()), {"-o", path("a.glb"), "--bake", "64"}).exit_code,
+            0);
+  const json document = document_of(read("a.glb"));
+  std::set<int> materials, images;
+  for (const int mesh : {0, 3})
+    for (const json& primitive : document["meshes"][mesh]["primitives"]) {
+      const int material = primitive["material"];
+      materials.insert(material);
+      const int texture = document["materials"][material]["normalTexture"]["index"];
+      images.insert(document["textures"][texture]["source"].get<int>());
+    }
+  EXPECT_EQ(materials.size(), 4U);
+  EXPECT_EQ(images.size(), 4U);
 }
 
 TEST_F(BakeCommand, RefusesAssetsWithoutCoordinates) {

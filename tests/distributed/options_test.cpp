@@ -55,6 +55,7 @@ std::vector<std::string> with_flag(const HelpOption& option, const std::string& 
       {"--report", {"r.json"}},
       {"--tolerance", {"1e-4"}},
       {"--polish", {"3", "--interpolation", "fair"}},
+      {"--bake", {"64"}},
       {"--tile-vertices", {"1024"}},
       {"--chord-error", {"0.01"}},
       {"--angle", {"10"}},

@@ -324,10 +324,12 @@ TEST(Bake, NormalTexturesThatCannotBeReadAreTold) {
 
 TEST(Bake, EachMaterialHasItsMap) {
   PolygonMesh mesh = mapped_torus(8, 6);
-  mesh.groups = {{"upper", "bark"}, {"lower", "moss"}, {"more", "bark"}};
+  mesh.groups = {{"upper", "bark"}, {"lower", "moss"}, {"more", "bark"}, {"nothing", "air"}};
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) mesh.face_groups.push_back(f % 3);
   const Baked made = bake(mesh, 128, tilted(20, "moss"));
-  ASSERT_EQ(made.maps.size(), 2U);
+  EXPECT_THAT(made.warnings, IsEmpty());
+  ASSERT_EQ(made.maps.size(), 3U);
+  EXPECT_TRUE(made.maps[2].png.empty());
   EXPECT_NEAR(made.maps[0].map.covered, 2 / 3.0, 0.01);
   EXPECT_NEAR(made.maps[1].map.covered, 1 / 3.0, 0.01);
   const tinygltf::Model model = parsed(made.glb);

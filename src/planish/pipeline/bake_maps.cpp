@@ -265,6 +265,8 @@ std::vector<BakedMap> bake_maps(const PolygonMesh& mesh, const SurfaceBlocks& lo
     const std::vector<std::int32_t> charts = texture_charts(mesh, uvs, [&](std::int32_t face) {
       return options.map_of_group[group_of(mesh, face)] == static_cast<int>(m);
     });
+    // Groups without faces.
+    if (std::ranges::all_of(charts, [](std::int32_t chart) { return chart < 0; })) continue;
     Callbacks silent;
     silent.cancelled = options.callbacks.cancelled;
     made.map = bake_normals(low_sheet, fine_sheet,
