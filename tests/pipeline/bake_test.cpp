@@ -277,13 +277,13 @@ TEST(Bake, BordersOfChartsAreFilled) {
   EXPECT_THAT(std::vector<int>(far_away, far_away + 3), ElementsAre(128, 128, 255));
 }
 
-// A material that tilts all normals towards u.
-GltfMaterials tilted(double degrees, const std::string& name = "") {
+// A material that tilts all normals towards u, or towards v, upwards in the image.
+GltfMaterials tilted(double degrees, const std::string& name = "", bool along_v = false) {
   GltfMaterials materials;
   const double x = std::sin(glm::radians(degrees)), z = std::cos(glm::radians(degrees));
   std::vector<std::uint8_t> pixels;
   for (int i = 0; i < 16; ++i)
-    for (const double value : {x, 0.0, z})
+    for (const double value : {along_v ? 0.0 : x, along_v ? x : 0.0, z})
       pixels.push_back(static_cast<std::uint8_t>(std::lround(127.5 * value + 127.5)));
   materials.lists = {{"materials", {{{"name", name}, {"normalTexture", {{"index", 0}}}}}},
                      {"textures", {{{"source", 0}}}},
@@ -296,21 +296,24 @@ GltfMaterials tilted(double degrees, const std::string& name = "") {
 
 TEST(Bake, KeepsWhatNormalTexturesShow) {
   constexpr double kTilt = 25;
-  const Baked made = bake(mapped_torus(8, 6), 512, tilted(kTilt));
-  const auto tilt = [&](const glm::dvec3& normal, const glm::dvec2& uv) {
-    const double a = 2 * pi * uv.x;
-    glm::dvec3 along(-std::sin(a), 0, -std::cos(a));
-    along = glm::normalize(along - normal * glm::dot(along, normal));
-    return std::cos(glm::radians(kTilt)) * normal + std::sin(glm::radians(kTilt)) * along;
-  };
-  const Angles angles = against_surface(made, tilt);
-  RecordProperty("mean", std::to_string(angles.mean));
-  EXPECT_LT(angles.mean, 1);
-  EXPECT_GT(angles.mean_interpolated, kTilt - 5);
-  const json document =
-      document_of(std::string(reinterpret_cast<const char*>(made.glb.data()), made.glb.size()));
-  EXPECT_EQ(document["images"].size(), 2U);
-  EXPECT_EQ(document["materials"][0]["normalTexture"], (json{{"index", 1}}));
+  for (const bool along_v : {false, true}) {
+    const Baked made = bake(mapped_torus(8, 6), 512, tilted(kTilt, "", along_v));
+    const auto tilt = [&](const glm::dvec3& normal, const glm::dvec2& uv) {
+      const double a = 2 * pi * uv.x, b = 2 * pi * uv.y;
+      glm::dvec3 along(-std::sin(a), 0, -std::cos(a));
+      if (along_v) along = {-std::sin(b) * std::cos(a), std::cos(b), std::sin(b) * std::sin(a)};
+      along = glm::normalize(along - normal * glm::dot(along, normal));
+      return std::cos(glm::radians(kTilt)) * normal + std::sin(glm::radians(kTilt)) * along;
+    };
+    const Angles angles = against_surface(made, tilt);
+    RecordProperty(along_v ? "along_v" : "along_u", std::to_string(angles.mean));
+    EXPECT_LT(angles.mean, 1) << along_v;
+    EXPECT_GT(angles.mean_interpolated, kTilt - 5) << along_v;
+    const json document =
+        document_of(std::string(reinterpret_cast<const char*>(made.glb.data()), made.glb.size()));
+    EXPECT_EQ(document["images"].size(), 2U);
+    EXPECT_EQ(document["materials"][0]["normalTexture"], (json{{"index", 1}}));
+  }
 }
 
 TEST(Bake, NormalTexturesThatCannotBeReadAreTold) {
