@@ -55,7 +55,8 @@ struct LevelUvs {
 [[nodiscard]] int bake_level(const PolygonMesh& mesh, int size);
 inline constexpr std::int64_t kMostBakedFaces = std::int64_t{1} << 22;
 
-/// Bytes that bake_maps() takes beside its maps, at most, for so many faces of both levels together.
+/// Bytes that bake_maps() takes beside its maps, at most, for so many faces of both levels
+/// together.
 [[nodiscard]] std::uint64_t bake_bytes(std::int64_t face_count, int size);
 
 /// Takes the map from groups of it some of whose faces have no texture coordinates, with the
