@@ -22,6 +22,9 @@ constexpr int kLeastLevel = 2, kMostLevel = 6;
 // no more error than rounding to 8 bits does.
 constexpr double kTexelsOfFacet = 2;
 
+// Of what a map covers. Charts that touch have samples in common by rounding, which nobody sees.
+constexpr double kToldOverlap = 1e-5;
+
 // The triangles that write_gltf() writes of these groups.
 BakeSheet sheet_of(const SurfaceBlocks& surface, const LevelUvs& uvs, std::span<const int> sets,
                    const SurfaceTangents* tangents) {
@@ -122,7 +125,7 @@ std::string why_useless(const NormalMap& map, const PolygonMesh& mesh,
 // Warns of what a map cannot show.
 void tell_of_map(const NormalMap& map, const PolygonMesh& mesh, std::span<const glm::dvec2> uvs,
                  const std::string& where, const Callbacks& callbacks) {
-  if (map.overlapped > 0)
+  if (map.overlapped >= kToldOverlap)
     callbacks.warn(
         {"bake-overlap",
          formatted("{}: {} of the texels that it covers belong to several places "
