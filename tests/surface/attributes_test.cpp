@@ -72,7 +72,7 @@ TEST(Attributes, FurtherRowsHaveTheColourOfTheirVertex) {
   }
 }
 
-// Numbers of vertices are as colours, which are tested above, for any width.
+// Numbers of vertices are as colours, which are tested above, for any width: by fours.
 TEST(Attributes, NumbersOfVerticesAreAsColours) {
   PolygonMesh cube = test::cube();
   cube.hole_faces = {2};
@@ -85,8 +85,8 @@ TEST(Attributes, NumbersOfVerticesAreAsColours) {
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const auto x = static_cast<float>(v);
       mesh.colors.emplace_back(std::sin(x), std::cos(x), x / 8, std::sin(3 * x));
-      six.values.insert(six.values.end(), {0, 1});
       for (int k = 0; k < 4; ++k) six.values.push_back(mesh.colors.back()[k]);
+      six.values.insert(six.values.end(), {0, 1});
     }
     mesh.attributes = {six};
   }
@@ -98,12 +98,10 @@ TEST(Attributes, NumbersOfVerticesAreAsColours) {
     EXPECT_EQ(six.name, "six");
     ASSERT_EQ(six.count(), surface.positions.size());
     for (std::size_t row = 0; row < six.count(); ++row) {
-      EXPECT_EQ(six.four(row, 0)[0], 0);
-      EXPECT_EQ(six.four(row, 0)[1], 1);
+      EXPECT_EQ(six.four(row, 4)[0], 0);
+      EXPECT_EQ(six.four(row, 4)[1], 1);
       for (int k = 0; k < 4; ++k)
-        EXPECT_NEAR(six.values[6 * row + 2 + static_cast<std::size_t>(k)], surface.colors[row][k],
-                    1e-6)
-            << level << " " << row;
+        EXPECT_NEAR(six.four(row, 0)[k], surface.colors[row][k], 1e-6) << level << " " << row;
     }
   };
   for (int level = 0; level <= 3; ++level) {
