@@ -147,9 +147,11 @@ TEST(UvCharts, StraightBordersStayStraight) {
   }
 }
 
-// Half of a sheet, moved; and mirrored for the other.
+// Half of a sheet, moved; and mirrored for the other, with the same coordinates at the axis or
+// others.
 TEST(UvCharts, StayWhereTheyWereWhereMirroredOrMoved) {
-  const std::array<std::function<glm::dvec2(double, double, bool)>, 2> maps = {
+  const std::array<std::function<glm::dvec2(double, double, bool)>, 3> maps = {
+      [](double x, double y, bool) { return glm::dvec2(std::abs(x), y); },
       [](double x, double y, bool left) { return glm::dvec2(std::abs(x) + (left ? 3 : 0), y); },
       [](double x, double y, bool left) { return glm::dvec2(x + (left ? 12 : 0), y); }};
   for (std::size_t kind = 0; kind < maps.size(); ++kind) {
@@ -167,6 +169,15 @@ TEST(UvCharts, StayWhereTheyWereWhereMirroredOrMoved) {
         mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
         mesh.uvs.push_back(maps[kind](points[v].x, points[v].y, is_left(mesh.face(f), points)));
       }
+    if (kind == 0) {  // one chart a side
+      mesh.face_uvs.clear();
+      mesh.uvs.clear();
+      for (const bool left : {false, true})
+        for (const glm::dvec3& p : points) mesh.uvs.push_back(maps[0](p.x, p.y, left));
+      for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+        for (const std::int32_t v : mesh.face(f))
+          mesh.face_uvs.push_back(v + (is_left(mesh.face(f), points) ? mesh.vertex_count() : 0));
+    }
     const SurfaceMesh surface = cage_surface(mesh, 3);
     std::size_t corner = 0;
     for (std::int64_t f = 0; f < surface.face_count(); ++f)

@@ -127,11 +127,12 @@ struct ChartField<Vector>::Around {
   }
 };
 
-// Between a corner and the one behind it around their vertex.
+// Between a corner and the one behind it around their vertex. Where both sides have the same values
+// by indices of their own, there is a seam if they are mirrored.
 template <class Vector>
-bool ChartField<Vector>::is_seam(std::int32_t corner, std::int32_t next) const {
+bool ChartField<Vector>::is_seam(std::int32_t corner, std::int32_t next, bool is_mirrored) const {
   const auto differs = [&](std::int32_t a, std::int32_t b) {
-    return indices_[a] != indices_[b] && given(a) != given(b);
+    return indices_[a] != indices_[b] && (is_mirrored || given(a) != given(b));
   };
   return differs(corner, next) || differs(topology_.prev(corner), topology_.next(next));
 }
@@ -210,12 +211,12 @@ void ChartField<Vector>::cut(std::int32_t vertex, std::span<const Integral> face
   for (std::size_t i = 0; i < n; ++i) {  // between i and the corner behind it
     const std::size_t next = i + 1 < n ? i + 1 : 0;
     const bool joined = topology_.ccw(corners[i]) == corners[next] && n > 1;
-    if (!joined || is_seam(corners[i], corners[next])) {
+    // Mirrored charts go on the other way.
+    const bool is_mirrored =
+        faces[topology_.face_of(corners[i])].turn * faces[topology_.face_of(corners[next])].turn <
+        0;
+    if (!joined || is_seam(corners[i], corners[next], is_mirrored)) {
       around.is_seam[next] = 1, ++seams;
-      // Mirrored charts go on the other way.
-      const bool is_mirrored =
-          faces[topology_.face_of(corners[i])].turn * faces[topology_.face_of(corners[next])].turn <
-          0;
       around.is_moved[next] = joined && !is_mirrored && is_moved(corners[i], corners[next]);
       if (!begins_at_seam) first = next, begins_at_seam = true;
     }

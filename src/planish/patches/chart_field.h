@@ -52,8 +52,9 @@ struct CornerUvs {
 /// lie between sharp edges there; past the chart's border its map goes on, so that on both sides of
 /// a seam the border is the same curve on the surface. Where charts differ by a translation alone,
 /// as a texture that goes once around does from its end to its beginning, they have one gradient
-/// there, as if there were no seam. Curve points go by the chart's values along the curve: a
-/// straight border stays straight.
+/// there, as if there were no seam. Mirrored charts are apart where both have indices of their own
+/// along their axis, be the values the same. Curve points go by the chart's values along the curve:
+/// a straight border stays straight.
 ///
 /// Coordinates must not fold where those at the corners do not: the map of a chart around a vertex
 /// is shrunk towards the vertex's value until each control value lies in its own quarter of the
@@ -120,7 +121,7 @@ class ChartField {
   static Vector times(const Gradient& gradient, const glm::dvec3& d) {
     return d.x * gradient[0] + d.y * gradient[1] + d.z * gradient[2];
   }
-  [[nodiscard]] bool is_seam(std::int32_t corner, std::int32_t next) const;
+  [[nodiscard]] bool is_seam(std::int32_t corner, std::int32_t next, bool is_mirrored) const;
   [[nodiscard]] bool is_moved(std::int32_t corner, std::int32_t next) const;
   [[nodiscard]] Integral integral_over(std::int32_t face) const;
   void cut(std::int32_t vertex, std::span<const Integral> faces, Around& around) const;
