@@ -246,6 +246,15 @@ TEST(PartTiles, AttributesAreThoseOfOneMachine) {
   expect_tiles_of_one_machine(job);
 }
 
+// Colours without texture coordinates, which are blended between vertices, too.
+TEST(PartTiles, ColoursAloneAreThoseOfOneMachine) {
+  PolygonMesh mesh = laden_mesh(8);
+  mesh.uvs.clear();
+  mesh.face_uvs.clear();
+  ASSERT_FALSE(mesh.colors.empty());
+  expect_tiles_of_one_machine({written("coloured.obj", FileFormat::Obj, mesh), tiles_of(3, true)});
+}
+
 TEST(PartTiles, AttributesOfUnusedVerticesAreThoseOfOneMachine) {
   PolygonMesh mesh = mixed_torus(24, 12);
   mesh.positions.insert(mesh.positions.begin() + 40, {4, 5, 6});

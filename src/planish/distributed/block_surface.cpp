@@ -10,7 +10,7 @@ namespace planish {
 
 BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage,
                            const SubMesh& sub, const PartTilesOptions& options,
-                           std::span<const glm::dvec3> limits)
+                           std::span<const glm::dvec3> limits, const std::vector<glm::vec4>& colors)
     : cage_(sub.mesh) {
   for (std::size_t v = 0; v < sub.vertices.size(); ++v) cage_.positions[v] = cage[sub.vertices[v]];
   EvaluateOptions evaluate;
@@ -28,7 +28,7 @@ BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cag
   if (limits.empty()) return;
   RawVector<glm::dvec3> of_sub(sub.vertices.size());
   for (std::size_t v = 0; v < of_sub.size(); ++v) of_sub[v] = limits[sub.vertices[v]];
-  surface_->take_vertex_limits(std::move(of_sub));
+  surface_->take_whole(std::move(of_sub), colors);
 }
 
 }  // namespace planish

@@ -18,9 +18,10 @@ namespace planish {
 class BlockSurface {
  public:
   /// The faces have been found sound. `limits`: where the whole surface has the part's vertices, by
-  /// local vertex; none without texture coordinates.
+  /// local vertex; none where nothing rides on it. `colors`: DooSabinSurface::take_whole().
   BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage, const SubMesh& sub,
-               const PartTilesOptions& options, std::span<const glm::dvec3> limits = {});
+               const PartTilesOptions& options, std::span<const glm::dvec3> limits = {},
+               const std::vector<glm::vec4>& colors = {});
   BlockSurface(const BlockSurface&) = delete;
   BlockSurface& operator=(const BlockSurface&) = delete;
 

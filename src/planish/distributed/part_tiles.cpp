@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <glm/common.hpp>
+#include <glm/vec4.hpp>
 #include <limits>
 #include <optional>
 #include <string>
@@ -140,11 +142,13 @@ class PartTilesWriter {
     written_.resize(blocks_.size());
   }
 
-  // Texture coordinates around a vertex go by where the surface has the vertices of its faces, and
-  // around those a block does not have all faces.
+  // What rides on the surface goes by where that has the vertices of the faces around a vertex, and
+  // around those a block does not have all faces; colours by those of the whole surface, too.
   void find_limits() {
     // Of a rank without faces too.
-    if (max_over(ranks_, std::int64_t{!part_.attributes.face_uvs.empty()}) == 0) return;
+    const bool rides = !part_.attributes.face_uvs.empty() || !part_.attributes.colors.empty();
+    if (max_over(ranks_, std::int64_t{rides}) == 0) return;
+    glm::vec4 lowest(std::numeric_limits<float>::infinity()), highest(-lowest);
     const std::int32_t owned = part_.owned_count();
     agree(ranks_, [&] {
       limits_.resize(static_cast<std::size_t>(part_.vertex_count()));
@@ -158,8 +162,19 @@ class PartTilesWriter {
         for (std::size_t v = 0; v < limits.size(); ++v)
           if (sub.vertices[v] >= begin && sub.vertices[v] < end)
             limits_[sub.vertices[v]] = limits[v];
+        for (const std::int32_t v : sub.mesh.face_vertices) {
+          if (part_.attributes.colors.empty()) break;
+          const glm::vec4& color = part_.attributes.colors[sub.vertices[v]];
+          lowest = glm::min(lowest, color);
+          highest = glm::max(highest, color);
+        }
       }
     });
+    for (int k = 0; k < 4; ++k) {
+      lowest[k] = static_cast<float>(min_over(ranks_, double{lowest[k]}));
+      highest[k] = static_cast<float>(max_over(ranks_, double{highest[k]}));
+    }
+    if (lowest.x <= highest.x) colors_ = {lowest, highest};
     const auto of_ghosts = fetch<glm::dvec3>(ranks_, part_.ghosts, part_.layout,
                                              [&](std::int64_t place) { return limits_[place]; });
     std::ranges::copy(of_ghosts, limits_.begin() + owned);
@@ -267,7 +282,7 @@ class PartTilesWriter {
 
   bool write_levels(std::size_t index, const SubMesh& sub, const TileGrid& grid) {
     const PlannedBlock& block = blocks_[index];
-    const BlockSurface block_surface(part_, cage_, sub, options_, limits_);
+    const BlockSurface block_surface(part_, cage_, sub, options_, limits_, colors_);
     const DooSabinSurface& surface = block_surface.surface();
     const TilePlan plan = plan_of(block, places_of(block, sub));
     TilesOptions tiles = options_.tiles;
@@ -367,7 +382,8 @@ class PartTilesWriter {
   std::vector<PlannedBlock> blocks_;
   std::vector<WrittenBlock> written_;
   std::vector<glm::dvec3> origins_;
-  std::vector<glm::dvec3> limits_;  // with texture coordinates: of the vertices here
+  std::vector<glm::dvec3> limits_;  // where anything rides: of the vertices here
+  std::vector<glm::vec4> colors_;   // of all: the least and the largest numbers
   TileReach reach_;
   TilesKey key_{};
   std::int64_t total_ = 0, block_total_ = 0;

@@ -570,17 +570,19 @@ template <class Vector>
 ChartField<Vector>::ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
                                std::span<const std::int32_t> indices,
                                std::span<const Stored> values, std::span<const glm::dvec3> limits,
-                               const std::array<int, 4>& attributes)
+                               const std::array<int, 4>& attributes,
+                               std::span<const Stored> elsewhere)
     : mesh_(mesh),
       topology_(mesh.topology()),
       indices_(indices),
       values_(values),
       attributes_(attributes) {
   if (!values.empty()) lowest_ = highest_ = Vector(values.front());
-  for (const Stored& value : values) {
-    lowest_ = glm::min(lowest_, Vector(value));
-    highest_ = glm::max(highest_, Vector(value));
-  }
+  for (const std::span<const Stored> all : {values, elsewhere})
+    for (const Stored& value : all) {
+      lowest_ = glm::min(lowest_, Vector(value));
+      highest_ = glm::max(highest_, Vector(value));
+    }
   edge_of_sharp_.resize(static_cast<std::size_t>(mesh.features().sharp_edge_count));
   for (std::size_t e = 0; e < mesh.features().sharp_of_edge.size(); ++e)
     if (const std::int32_t sharp = mesh.features().sharp_of_edge[e]; sharp >= 0)

@@ -73,10 +73,12 @@ class ChartField {
   /// `points`: the state of level 1 with the sums of large rings (PatchMesh::point_count()); they
   /// need not outlive the field, all else must. `indices` names one of the values at each corner;
   /// those behind them are 0. `limits`: vertex_limits(), where some of the vertices' faces are
-  /// missing here. `attributes`: a number for each attribute that the four are of.
+  /// missing here. `attributes`: a number for each attribute that the four are of. `elsewhere`:
+  /// values of the whole whose part this is, between which rows may lie, too.
   ChartField(const PatchMesh& mesh, std::span<const glm::dvec3> points,
              std::span<const std::int32_t> indices, std::span<const Stored> values,
-             std::span<const glm::dvec3> limits = {}, const std::array<int, 4>& attributes = {});
+             std::span<const glm::dvec3> limits = {}, const std::array<int, 4>& attributes = {},
+             std::span<const Stored> elsewhere = {});
 
   [[nodiscard]] const PatchMesh& mesh() const { return mesh_; }
   [[nodiscard]] std::span<const std::int32_t> indices() const { return indices_; }

@@ -107,7 +107,10 @@ const ChartField<glm::dvec2>& DooSabinSurface::uv_field() const {
 
 const ChartField<glm::dvec4>& DooSabinSurface::color_field() const {
   const std::lock_guard lock(field_mutex_);
-  return made_once(color_field_, [&] { return vertex_field_of(used_.mesh.colors); });
+  return made_once(color_field_, [&] {
+    return ChartField<glm::dvec4>(patches_, state_, used_.mesh.face_vertices, used_.mesh.colors,
+                                  vertex_limits_, {}, colors_of_whole_);
+  });
 }
 
 const ChartField<glm::dvec4>& DooSabinSurface::number_field(std::size_t four) const {

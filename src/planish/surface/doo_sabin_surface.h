@@ -88,8 +88,12 @@ class DooSabinSurface {
     return {patches_, state_, corner_uvs().indices, values, vertex_limits_};
   }
   /// Of a part of a larger surface: where that has the vertices (vertex_limits()), as the part does
-  /// not have all faces around its rim's. Before a field is asked for.
-  void take_vertex_limits(RawVector<glm::dvec3> limits) { vertex_limits_ = std::move(limits); }
+  /// not have all faces around its rim's; and two colours with the least and the largest numbers of
+  /// all that it has, or none. Before a field is asked for.
+  void take_whole(RawVector<glm::dvec3> limits, std::vector<glm::vec4> colors) {
+    vertex_limits_ = std::move(limits);
+    colors_of_whole_ = std::move(colors);
+  }
   /// What each corner has of them.
   [[nodiscard]] const CornerUvs& corner_uvs() const;
   [[nodiscard]] const Placement& placement() const { return placement_; }
@@ -114,7 +118,8 @@ class DooSabinSurface {
   Placement placement_;
   RawVector<glm::dvec3> own_state_;
   std::span<const glm::dvec3> state_;
-  RawVector<glm::dvec3> vertex_limits_;  // of a part
+  RawVector<glm::dvec3> vertex_limits_;     // of a part
+  std::vector<glm::vec4> colors_of_whole_;  // likewise
   mutable std::once_flag has_corner_uvs_;
   mutable std::unique_ptr<const CornerUvs> corner_uvs_;
   mutable std::mutex field_mutex_;
