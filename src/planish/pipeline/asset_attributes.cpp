@@ -58,10 +58,13 @@ class AssetAttributes::Maker {
       std::vector<float>& values = made_.values_.emplace_back();
       for (const glm::dvec2& move : uvs_of(moves.values))
         for (int k = 0; k < 2; ++k) values.push_back(static_cast<float>(move[k]));
-      GltfAttribute& made = made_.attributes_.emplace_back(
-          GltfAttribute{.name = moves.name, .width = 2, .values = values, .of_uvs = true});
+      GltfAttribute& made =
+          made_.attributes_.emplace_back(GltfAttribute{.name = layer_name(moves.layer, moves.name),
+                                                       .width = 2,
+                                                       .values = values,
+                                                       .of_uvs = true});
       for (const AssetGroup& group : given_.groups)
-        made.in_groups.push_back(group.uv_sets > 0 ? 1 : 0);
+        made.in_groups.push_back(group.uv_sets_at(moves.layer) > moves.set ? 1 : 0);
     }
   }
 
@@ -103,17 +106,22 @@ class AssetAttributes::Maker {
     });
     TangentSource source{.sets = {first}, .set_of_group = {}};
     for (const std::vector<glm::dvec2>& set : made_.uvs_) source.sets.emplace_back(set);
-    GltfAttribute tangents{.name = "TANGENT", .width = 4, .of_uvs = true};
-    for (const AssetGroup& group : given_.groups) {
-      const bool has = group.tangent_set < static_cast<int>(source.sets.size());
-      source.set_of_group.push_back(has ? group.tangent_set : -1);
-      tangents.in_groups.push_back(source.set_of_group.back() >= 0 ? 1 : 0);
+    for (int depth = 0; depth <= given_.layer_depth(); ++depth) {
+      GltfAttribute tangents{.name = layer_name(depth, "TANGENT"), .width = 4, .of_uvs = true};
+      source.set_of_group.clear();
+      for (const AssetGroup& group : given_.groups) {
+        const int set = group.tangent_set_at(depth);
+        source.set_of_group.push_back(set < static_cast<int>(source.sets.size()) ? set : -1);
+        tangents.in_groups.push_back(source.set_of_group.back() >= 0 ? 1 : 0);
+      }
+      if (!given_.has_tangents(depth)) continue;
+      SurfaceTangents& made = depth == 0 ? made_.tangents_.front() : made_.tangents_.emplace_back();
+      made = surface_tangents(surface_, source);
+      tangents.values = made.values;
+      tangents.further = made.further;
+      tangents.further_values = made.further_values;
+      made_.attributes_.push_back(std::move(tangents));
     }
-    made_.tangents_ = surface_tangents(surface_, source);
-    tangents.values = made_.tangents_.values;
-    tangents.further = made_.tangents_.further;
-    tangents.further_values = made_.tangents_.further_values;
-    made_.attributes_.push_back(std::move(tangents));
   }
 
   void add_joints() {
@@ -177,11 +185,14 @@ class AssetAttributes::Maker {
   }
   void add_array(const AssetArray& array, std::vector<float> rows) {
     const std::vector<float>& values = made_.values_.emplace_back(std::move(rows));
-    made_.attributes_.push_back({.name = array.name,
-                                 .width = array.width,
-                                 .is_integer = array.is_integer,
-                                 .values = values,
-                                 .of_uvs = array.of_corners});
+    GltfAttribute& made =
+        made_.attributes_.emplace_back(GltfAttribute{.name = layer_name(array.layer, array.name),
+                                                     .width = array.width,
+                                                     .is_integer = array.is_integer,
+                                                     .values = values,
+                                                     .of_uvs = array.of_corners});
+    for (const AssetGroup& group : given_.groups)
+      if (array.layer > 0) made.in_groups.push_back(group.layer(array.layer) != nullptr ? 1 : 0);
   }
   [[nodiscard]] std::vector<float> nearest_rows(const AssetArray& array) const;
   [[nodiscard]] std::vector<float> uv_rows(const AssetArray& array) const;
@@ -386,7 +397,7 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
     throw Error(error.code(), mesh.name + ": " + error.what());
   }
   if (given.has_tangents()) maker.add_tangents();
-  for (const AssetGroup& group : given.groups) uv_sets_.push_back(group.uv_sets);
+  for (const AssetGroup& group : given.groups) uv_sets_.push_back(group.mesh_uv_sets());
 }
 
 void AssetAttributes::add_to(GltfOptions& options) const {

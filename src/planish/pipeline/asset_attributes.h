@@ -34,7 +34,7 @@ class AssetAttributes {
   /// it; this must outlive the options.
   void add_to(GltfOptions& options) const;
   /// Of the groups with a set of them (AssetGroup::tangent_set).
-  [[nodiscard]] const SurfaceTangents& tangents() const { return tangents_; }
+  [[nodiscard]] const SurfaceTangents& tangents() const { return tangents_.front(); }
   /// The largest sum of a row's weights that found no place, and of those below 0; 0 to 1.
   [[nodiscard]] double largest_lost_weight() const { return lost_weight_; }
 
@@ -43,7 +43,7 @@ class AssetAttributes {
 
   std::string name_;
   std::list<std::vector<float>> values_;
-  SurfaceTangents tangents_;
+  std::list<SurfaceTangents> tangents_{1};  // of groups, and of layers by depth
   std::list<std::vector<glm::dvec2>> uvs_;
   std::vector<GltfAttribute> attributes_;
   std::vector<int> uv_sets_;

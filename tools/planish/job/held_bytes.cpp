@@ -65,7 +65,7 @@ RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
       kUv * vertices.further_uvs.size() + 2 * 4 * kFloat * sets + 6 * kFloat * targets;
   for (const AssetArray& array : vertices.arrays)
     row += kFloat * static_cast<std::uint64_t>(array.width);
-  if (vertices.has_tangents()) row += kUv + 4 * kFloat;
+  row += (kUv + 4 * kFloat) * static_cast<std::uint64_t>(vertices.tangent_count());
   bytes.rows = row * row_count;
   if (!vertices.moves()) return bytes;
   // B, and surfaces: one of three joints each, all at once; of a target.

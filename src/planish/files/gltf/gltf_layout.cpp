@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <limits>
 
 #include "planish/core/error.h"
@@ -69,6 +70,15 @@ const float* GltfAttribute::numbers(std::int32_t uv, std::int64_t row) const {
       return further_values.data() + width * (found - further.begin());
   }
   return values.data() + width * std::max(uv, 0);  // no corner names a vertex without one
+}
+
+int uv_set(std::string_view attribute) {
+  constexpr std::string_view kUvs = "TEXCOORD_";
+  if (!attribute.starts_with(kUvs)) return -1;
+  int set = -1;
+  const char* const end = attribute.data() + attribute.size();
+  const auto read = std::from_chars(attribute.data() + kUvs.size(), end, set);
+  return read.ptr == end ? set : -1;
 }
 
 std::vector<GltfAttribute> row_attributes(const GltfOptions& options) {

@@ -48,6 +48,8 @@ inline constexpr std::uint64_t kMaxShortIndexVertices = 65534;
 
 /// "TEXCOORD_1" of set 1.
 [[nodiscard]] inline std::string uv_name(int set) { return "TEXCOORD_" + std::to_string(set); }
+/// 1 of "TEXCOORD_1"; -1: it is no such name.
+[[nodiscard]] int uv_set(std::string_view attribute);
 
 /// Bytes of a vertex, a multiple of 4: integers that are fewer have zeros behind them.
 [[nodiscard]] inline std::uint64_t attribute_bytes(const GltfAttribute& attribute) {

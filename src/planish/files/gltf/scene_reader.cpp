@@ -177,16 +177,9 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
     welded_vertices_.resize(stamps_.size());
   }
   ++stamp_;
-  if (asset_ != nullptr) {
-    const int group = asset_->begin_primitive(place, primitive, budget_);
-    attributes_.use_group({.name = std::to_string(group), .material = ""});
-  } else {
-    name_group(place);
-  }
-  read_uvs(place, primitive);
+  if (asset_ != nullptr) asset_->begin_primitive(place, primitive, budget_);
   joint_sets_.clear();
   if (!joints_.empty()) joint_sets_ = primitive.joint_sets();
-  if (creases_from_normals_) read_normals(primitive, instance);
   corners_.resize(static_cast<std::size_t>(count));
   vertices_.resize(corners_.size());
   for (std::int64_t i = 0; i < count; ++i) {
@@ -200,8 +193,18 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
     count_read(progress_,
                bytes * static_cast<std::size_t>(kPiece) / static_cast<std::size_t>(count));
   }
+  find_faces(place, mode, glm::determinant(glm::dmat3(placed(0, instance).to_world)) < 0);
+  if (faces_.count() == 0) return;
+  if (asset_ != nullptr && asset_->add_layer(asset_faces(), uvs_)) return;
+  use_group(place);
+  read_uvs(place, primitive);
+  if (creases_from_normals_) read_normals(primitive, instance);
   color_vertices(primitive);
-  add_triangles(place, mode, glm::determinant(glm::dmat3(placed(0, instance).to_world)) < 0);
+  add_faces();
+}
+
+AssetCollector::Faces SceneReader::asset_faces() const {
+  return {triangles_.mesh(), faces_, corners_, vertices_};
 }
 
 // Where a vertex of the current primitive stands. The place of a node with a skin means nothing.
@@ -210,8 +213,12 @@ GltfInstance SceneReader::placed(std::int64_t vertex, const GltfInstance& instan
   return {instance.mesh, instance.node, posed(joint_sets_, vertex, joints_)};
 }
 
-void SceneReader::name_group(const JsonPlace& place) {
+void SceneReader::use_group(const JsonPlace& place) {
   FaceGroup group;
+  if (asset_ != nullptr) {
+    group.name = std::to_string(asset_->add_faces(asset_faces(), uvs_));
+    return attributes_.use_group(std::move(group));
+  }
   if (const auto material = place.find("material")) {
     const std::int64_t number = material->integer();
     (void)root_["materials"][number];
@@ -226,11 +233,8 @@ void SceneReader::name_group(const JsonPlace& place) {
 
 // Appended for the whole primitive; OBJ's v runs upwards, glTF's down.
 void SceneReader::read_uvs(const JsonPlace& place, const SourcePrimitive& primitive) {
-  first_uv_ = -1;
-  if (asset_ != nullptr) {
-    first_uv_ = asset_->number_vertices(primitive.positions().count(), uvs_);
-    return;
-  }
+  first_uv_ = asset_ != nullptr ? asset_->first_number() : -1;
+  if (asset_ != nullptr) return;
   const auto uvs = primitive.attribute("TEXCOORD_0", GltfAccessor::Use::TextureCoordinates);
   if (!uvs) return;
   const JsonPlace attribute = place["attributes"]["TEXCOORD_0"];
@@ -290,30 +294,37 @@ std::int32_t SceneReader::welded(const SourcePrimitive& primitive, std::int64_t 
   return welded_vertices_[slot];
 }
 
-// The corners of the current primitive that a face has.
-void SceneReader::add_attributes(std::span<const std::size_t> corners) {
-  const auto numbered = [&](std::int64_t first, std::size_t corner) {
+void SceneReader::add_faces() {
+  const auto numbered = [&](std::int64_t first, std::int32_t corner) {
     return first < 0 ? -1 : static_cast<std::int32_t>(first + corners_[corner]);
   };
-  for (const std::size_t corner : corners) {
-    attributes_.add_corner(numbered(first_uv_, corner));
-    if (creases_from_normals_) normals_.of_corners.push_back(numbered(first_normal_, corner));
+  std::vector<std::int32_t> face;
+  for (std::size_t f = 0; f < faces_.count(); ++f) {
+    face.clear();
+    for (const std::int32_t corner : faces_.face(f)) {
+      face.push_back(vertices_[corner]);
+      attributes_.add_corner(numbered(first_uv_, corner));
+      if (creases_from_normals_) normals_.of_corners.push_back(numbered(first_normal_, corner));
+    }
+    triangles_.add_polygon(face);
   }
-  attributes_.add_face();
+  attributes_.add_faces(faces_.count());
 }
 
-void SceneReader::add_triangles(const JsonPlace& place, std::int64_t mode, bool mirrored) {
+void SceneReader::find_faces(const JsonPlace& place, std::int64_t mode, bool mirrored) {
   constexpr std::int64_t kTriangles = 4, kStrip = 5;
+  faces_.clear();
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
     // A mirror turns front faces into back faces.
     if (mirrored) std::swap(b, c);
-    if (triangles_.add(vertices_[a], vertices_[b], vertices_[c]))
-      add_attributes(std::array{a, b, c});
+    if (triangles_.has_area(vertices_[a], vertices_[b], vertices_[c]))
+      faces_.add(std::array{static_cast<std::int32_t>(a), static_cast<std::int32_t>(b),
+                            static_cast<std::int32_t>(c)});
   };
   if (mode == kTriangles) {
     if (vertices_.size() % 3 != 0)
       place.fail("{} corners make no whole triangles", vertices_.size());
-    if (encodes_polygons(place)) return add_polygons(mirrored);
+    if (encodes_polygons(place)) return find_polygons(mirrored);
     for (std::size_t i = 0; i < vertices_.size(); i += 3) add(i, i + 1, i + 2);
     return;
   }
@@ -328,21 +339,17 @@ void SceneReader::add_triangles(const JsonPlace& place, std::int64_t mode, bool 
 
 // FB_ngon_encoding: the triangles of a polygon follow each other, a fan around its first corner.
 // Where they are none, as of a writer that did not know the extension, each stays a triangle.
-void SceneReader::add_polygons(bool mirrored) {
-  std::vector<std::size_t> polygon;  // corners
-  std::vector<std::int32_t> vertices;
+void SceneReader::find_polygons(bool mirrored) {
+  std::vector<std::int32_t> polygon;  // corners
   polygon_of_.resize(static_cast<std::size_t>(welder_.count()), 0);
   const auto extend = [&](std::size_t corner) {
-    polygon.push_back(corner);
+    polygon.push_back(static_cast<std::int32_t>(corner));
     polygon_of_[vertices_[corner]] = polygon_number_;
   };
   const auto end = [&] {
     if (polygon.empty()) return;
     if (mirrored) std::reverse(polygon.begin() + 1, polygon.end());
-    vertices.clear();
-    for (const std::size_t corner : polygon) vertices.push_back(vertices_[corner]);
-    triangles_.add_polygon(vertices);
-    add_attributes(polygon);
+    faces_.add(polygon);
     polygon.clear();
   };
   for (std::size_t i = 0; i < vertices_.size(); i += 3) {

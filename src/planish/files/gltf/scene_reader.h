@@ -47,13 +47,14 @@ class SceneReader {
   void read_primitive(const JsonPlace& place, const GltfInstance& instance, std::size_t bytes);
   void read_point_primitive(const JsonPlace& place, const GltfInstance& instance);
   [[nodiscard]] GltfInstance placed(std::int64_t vertex, const GltfInstance& instance) const;
-  void name_group(const JsonPlace& place);
+  void use_group(const JsonPlace& place);
+  [[nodiscard]] AssetCollector::Faces asset_faces() const;
   void read_uvs(const JsonPlace& place, const SourcePrimitive& primitive);
   void read_normals(const SourcePrimitive& primitive, const GltfInstance& instance);
   void color_vertices(const SourcePrimitive& primitive);
-  void add_triangles(const JsonPlace& place, std::int64_t mode, bool mirrored);
-  void add_polygons(bool mirrored);
-  void add_attributes(std::span<const std::size_t> corners);
+  void find_faces(const JsonPlace& place, std::int64_t mode, bool mirrored);
+  void find_polygons(bool mirrored);
+  void add_faces();
   std::int32_t welded(const SourcePrimitive& primitive, std::int64_t vertex,
                       const GltfInstance& instance);
 
@@ -75,6 +76,7 @@ class SceneReader {
   std::int64_t first_uv_ = -1, first_normal_ = -1;  // of the current primitive; -1: it has none
   // By corner of the current primitive: its vertex, and what that is welded to.
   std::vector<std::int32_t> corners_, vertices_;
+  PrimitiveFaces faces_;
   MeshFile file_;
   std::vector<std::string> material_names_;
   std::set<std::string> lost_of_points_;  // what points have that no mesh is made with

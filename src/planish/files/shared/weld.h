@@ -60,6 +60,8 @@ class TriangleCollector {
   bool has_area(std::int32_t v0, std::int32_t v1, std::int32_t v2);
   /// A face of distinct vertices.
   void add_polygon(std::span<const std::int32_t> vertices) { mesh_.add_face(vertices); }
+  /// Without positions.
+  [[nodiscard]] const PolygonMesh& mesh() const { return mesh_; }
   [[nodiscard]] std::size_t corner_count() const { return mesh_.face_vertices.size(); }
   /// Hands over the mesh with its counts, and a warning if triangles were left out.
   void finish(std::vector<glm::dvec3> positions, std::int64_t merged_count, MeshFile& file);

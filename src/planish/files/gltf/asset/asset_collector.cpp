@@ -10,6 +10,7 @@
 #include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/gltf_layout.h"
 
 namespace planish {
 namespace {
@@ -17,13 +18,11 @@ namespace {
 constexpr int kNumbersOfSet = 8;  // four joints and their weights
 
 bool is_vertex_color(std::string_view name) { return name.starts_with("COLOR_"); }
-// What a primitive without the attribute has, and the fourth number of a colour of three.
-float missing(std::string_view name) { return is_vertex_color(name) ? 1.0f : 0.0f; }
 
 }  // namespace
 
-int AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitive& primitive,
-                                    GltfBudget& budget) {
+void AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitive& primitive,
+                                     GltfBudget& budget) {
   const JsonPlace attributes = place["attributes"];
   uvs_.clear();
   uv_places_.clear();
@@ -34,13 +33,33 @@ int AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitiv
   find_arrays(attributes, primitive, budget);
   find_joints(primitive, budget);
   find_targets(place, primitive, budget);
-  const auto next = static_cast<int>(made_.groups.size());
-  const auto [group, is_new] =
-      group_of_.try_emplace(without_vertices(place.value()).dump(-1, ' ', true), next);
-  const std::int64_t number = primitive_number(place.path());
-  if (is_new) made_.groups.push_back({.primitive = number});
+  number_ = primitive_number(place.path());
+  kind_ = kinds_
+              .try_emplace(without_vertices(place.value()).dump(-1, ' ', true),
+                           static_cast<int>(kinds_.size()))
+              .first->second;
+  count_ = primitive.positions().count();
+  is_on_others_ = true;
+}
+
+bool AssetCollector::add_layer(const Faces& faces, std::vector<glm::dvec2>& first) {
+  if (!is_on_others_ || !layers_.find(faces.mesh, faces.faces, faces.vertices, kind_)) return false;
+  number_vertices(faces, true, first);
+  std::vector<std::int32_t> numbers;
+  for (const std::int32_t vertex : faces.corners)
+    numbers.push_back(static_cast<std::int32_t>(first_number()) + vertex);
+  const AssetLayer layer{.primitive = number_, .uv_sets = static_cast<int>(uvs_.size())};
+  layers_.add(faces.mesh, faces.faces, faces.vertices, numbers, layer, kind_);
+  return true;
+}
+
+int AssetCollector::add_faces(const Faces& faces, std::vector<glm::dvec2>& first) {
+  const auto [group, is_new] = group_of_.try_emplace(kind_, static_cast<int>(made_.groups.size()));
+  if (is_new) made_.groups.push_back({.primitive = number_});
   int& sets = made_.groups[group->second].uv_sets;
-  sets = std::max(sets, uv_set_count());
+  sets = std::max(sets, static_cast<int>(uvs_.size()));
+  layers_.begin_group(faces.mesh.face_count(), group->second, kind_);
+  number_vertices(faces, false, first);
   return group->second;
 }
 
@@ -56,11 +75,14 @@ void AssetCollector::find_uvs(const JsonPlace& attributes, const SourcePrimitive
   }
 }
 
-std::int64_t AssetCollector::number_vertices(std::int64_t count, std::vector<glm::dvec2>& first) {
-  const std::int64_t begin = number_count_;
-  number_count_ += count;
-  numbered_.push_back({begin, count, !uvs_.empty(), arrays_});
-  const auto before = static_cast<std::size_t>(begin);
+void AssetCollector::number_vertices(const Faces& faces, bool is_layer,
+                                     std::vector<glm::dvec2>& first) {
+  const std::size_t before = vertex_of_.size();
+  numbered_.push_back(
+      {static_cast<std::int64_t>(before), count_, is_layer, !uvs_.empty(), arrays_, {}});
+  vertex_of_.resize(before + static_cast<std::size_t>(count_), -1);
+  for (std::size_t c = 0; !is_layer && c < faces.corners.size(); ++c)
+    vertex_of_[before + static_cast<std::size_t>(faces.corners[c])] = faces.vertices[c];
   if (!uvs_.empty()) made_.further_uvs.resize(std::max(made_.further_uvs.size(), uvs_.size() - 1));
   for (std::size_t set = 0; set < uvs_.size(); ++set) {
     std::vector<glm::dvec2>& to = set == 0 ? first : made_.further_uvs[set - 1];
@@ -74,6 +96,7 @@ std::int64_t AssetCollector::number_vertices(std::int64_t count, std::vector<glm
     }
   }
   for (const UvSource& source : uv_moves_) {
+    numbered_.back().uv_moves.push_back(source.of);
     std::vector<glm::dvec2>& to = made_.uv_moves[source.of].values;
     to.resize(before, glm::dvec2(0.0));
     for (std::int64_t i = 0; i < source.moves.count(); ++i) {
@@ -83,7 +106,6 @@ std::int64_t AssetCollector::number_vertices(std::int64_t count, std::vector<glm
       to.push_back(move);
     }
   }
-  return begin;
 }
 
 void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimitive& primitive,
@@ -97,7 +119,8 @@ void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimit
                .width = is_color ? 4 : static_cast<int>(values->number_count()),
                .values = {},
                .is_of_things = values->is_integer() || name.starts_with("_FEATURE_ID_"),
-               .is_integer = values->is_short()},
+               .is_integer = values->is_short(),
+               .of_corners = true},
               budget);
   }
 }
@@ -108,9 +131,7 @@ void AssetCollector::add_array(const JsonPlace& place, const GltfAccessor& value
   auto known = std::ranges::find(made_.arrays, kind.name, &AssetArray::name);
   if (known == made_.arrays.end()) {
     made_.arrays.push_back(kind);
-    differs_.push_back(false);
     known = made_.arrays.end() - 1;
-    known->values.resize(static_cast<std::size_t>(kind.width * vertex_count_), missing(kind.name));
   } else if (known->width != kind.width) {
     place.fail("{} numbers a vertex, and another primitive of the mesh has {}", kind.width,
                known->width);
@@ -158,13 +179,13 @@ void AssetCollector::find_target(const JsonPlace& target, std::size_t number,
     const std::string full = formatted("target/{}/{}", number, name);
     if (is_vertex_color(name)) {
       add_array(place, primitive.target(place, GltfAccessor::Use::Colors),
-                {.name = full, .width = 4, .values = {}}, budget);
-    } else if (name.starts_with("TEXCOORD_") && uv_set_count() > 0) {
+                {.name = full, .width = 4, .values = {}, .of_corners = true}, budget);
+    } else if (const int set = uv_set(name); set >= 0 && set < std::ssize(uvs_)) {
       const GltfAccessor moves = primitive.target(place, GltfAccessor::Use::TextureCoordinates);
       budget.add_uvs(place, moves.count());
       auto known = std::ranges::find(made_.uv_moves, full, &AssetUvMoves::name);
       if (known == made_.uv_moves.end()) {
-        made_.uv_moves.push_back({full, {}});
+        made_.uv_moves.push_back({full, set, {}});
         known = made_.uv_moves.end() - 1;
       }
       uv_moves_.push_back({place, moves, static_cast<std::size_t>(known - made_.uv_moves.begin())});
@@ -203,55 +224,27 @@ bool AssetCollector::moves_like(std::int32_t welded, const glm::dvec3& position)
 std::int32_t AssetCollector::weld(Welder& welder, const glm::dvec3& position, std::int64_t vertex) {
   const std::int32_t before = welder.count();
   std::int32_t welded = welder.insert(position);
-  read_motion(vertex);
   if (welded == before) {
-    append(vertex);
+    read_motion(vertex);
+    append();
     return welded;
   }
-  if (!made_.moves()) {
-    compare(welded, vertex);
-    return welded;
-  }
+  if (!made_.moves()) return welded;
+  read_motion(vertex);
   while (!moves_like(welded, position)) {
     const auto [next, is_new] = apart_.try_emplace(welded, before);
     if (is_new) {
-      append(vertex);
+      append();
       return welder.insert_apart(position);
     }
     welded = next->second;
   }
-  compare(welded, vertex);
   return welded;
 }
 
-float AssetCollector::number(const Source& source, std::int64_t vertex, int k) const {
-  return k < source.accessor.number_count() ? static_cast<float>(source.accessor.value(vertex, k))
-                                            : missing(made_.arrays[source.array].name);
-}
-
-// What the primitive has, and what it lacks.
-void AssetCollector::compare(std::int32_t welded, std::int64_t vertex) {
-  for (std::size_t i = 0; i < made_.arrays.size(); ++i) {
-    if (differs_[i]) continue;
-    const AssetArray& array = made_.arrays[i];
-    const auto source = std::ranges::find(arrays_, i, &Source::array);
-    for (int k = 0; k < array.width; ++k) {
-      const float own = source == arrays_.end() ? missing(array.name) : number(*source, vertex, k);
-      if (array.values[static_cast<std::size_t>(array.width * welded + k)] != own)
-        differs_[i] = true;
-    }
-  }
-}
-
-void AssetCollector::append(std::int64_t vertex) {
+void AssetCollector::append() {
   ++vertex_count_;
-  for (const Source& source : arrays_) {
-    AssetArray& array = made_.arrays[source.array];
-    for (int k = 0; k < array.width; ++k) array.values.push_back(number(source, vertex, k));
-  }
-  // Of those that this primitive lacks.
-  for (AssetArray& array : made_.arrays)
-    array.values.resize(static_cast<std::size_t>(array.width * vertex_count_), missing(array.name));
+  is_on_others_ = false;
   if (!made_.first_influence.empty()) {
     made_.influences.insert(made_.influences.end(), influences_.begin(), influences_.end());
     made_.first_influence.push_back(std::ssize(made_.influences));
@@ -259,16 +252,38 @@ void AssetCollector::append(std::int64_t vertex) {
   for (std::size_t k = 0; k < moves_.size(); ++k) made_.targets[k].push_back(moves_[k]);
 }
 
-void AssetCollector::give_corners(AssetArray& array, std::size_t index) const {
-  array.of_corners = true;
-  array.values.assign(static_cast<std::size_t>(array.width * number_count_), missing(array.name));
+// What a primitive lacks is missing, as is the fourth number of a colour of three.
+std::vector<float> AssetCollector::by_numbers(std::size_t index) const {
+  const AssetArray& array = made_.arrays[index];
+  const auto width = static_cast<std::size_t>(array.width);
+  std::vector<float> values(width * vertex_of_.size(), array.missing());
   for (const Numbered& of : numbered_) {
-    const auto source = std::ranges::find(of.sources, index, &Source::array);
-    if (source == of.sources.end()) continue;
-    auto to = array.values.begin() + array.width * of.first;
-    for (std::int64_t i = 0; i < of.count; ++i)
-      for (int k = 0; k < array.width; ++k) *to++ = number(*source, i, k);
+    const auto source = std::ranges::find(of.arrays, index, &Source::array);
+    if (source == of.arrays.end()) continue;
+    const int count = std::min(array.width, static_cast<int>(source->accessor.number_count()));
+    auto to = values.begin() + array.width * of.first;
+    for (std::int64_t i = 0; i < of.count; ++i, to += array.width)
+      for (int k = 0; k < count; ++k) to[k] = static_cast<float>(source->accessor.value(i, k));
   }
+  return values;
+}
+
+// Numbers that are the same wherever vertices are at one place are of vertices.
+void AssetCollector::settle(AssetArray& array) const {
+  const auto width = static_cast<std::size_t>(array.width);
+  std::vector<float> values(width * static_cast<std::size_t>(vertex_count_), array.missing());
+  std::vector<bool> is_known(static_cast<std::size_t>(vertex_count_), false);
+  for (std::size_t number = 0; number < vertex_of_.size(); ++number) {
+    if (vertex_of_[number] < 0) continue;
+    const auto vertex = static_cast<std::size_t>(vertex_of_[number]);
+    const auto own = std::span(array.values).subspan(width * number, width);
+    const auto known = std::span(values).subspan(width * vertex, width);
+    if (!is_known[vertex]) std::ranges::copy(own, known.begin());
+    is_known[vertex] = true;
+    if (!std::ranges::equal(own, known)) return;
+  }
+  array.values = std::move(values);
+  array.of_corners = false;
 }
 
 // Vertices without texture coordinates that have the same of what differs are one.
@@ -313,13 +328,45 @@ void AssetCollector::keep_numbers(PolygonMesh& mesh) const {
   }
 }
 
+// What layers alone have is not the mesh's own.
+AssetLayers::Given AssetCollector::take_layers(const std::vector<glm::dvec2>& uvs) {
+  AssetLayers::Given given{.uvs = {uvs}, .uv_moves = {}, .arrays = {}};
+  given.uvs.insert(given.uvs.end(), made_.further_uvs.begin(), made_.further_uvs.end());
+  int sets = 1;
+  for (const AssetGroup& group : made_.groups) sets = std::max(sets, group.uv_sets);
+  made_.further_uvs.resize(static_cast<std::size_t>(sets - 1));
+  const auto is_in = [&](bool is_layer, const auto& has) {
+    return std::ranges::any_of(
+        numbered_, [&](const Numbered& of) { return of.is_layer == is_layer && has(of); });
+  };
+  std::vector<AssetUvMoves> moves;
+  for (std::size_t i = 0; i < made_.uv_moves.size(); ++i) {
+    const auto has = [&](const Numbered& of) { return std::ranges::count(of.uv_moves, i) > 0; };
+    if (is_in(true, has)) given.uv_moves.push_back(made_.uv_moves[i]);
+    if (is_in(false, has)) moves.push_back(std::move(made_.uv_moves[i]));
+  }
+  made_.uv_moves = std::move(moves);
+  std::vector<AssetArray> arrays;
+  for (std::size_t i = 0; i < made_.arrays.size(); ++i) {
+    const auto has = [&](const Numbered& of) {
+      return std::ranges::count(of.arrays, i, &Source::array) > 0;
+    };
+    if (is_in(true, has)) given.arrays.push_back(made_.arrays[i]);
+    if (is_in(false, has)) arrays.push_back(std::move(made_.arrays[i]));
+  }
+  made_.arrays = std::move(arrays);
+  return given;
+}
+
 AssetVertices AssetCollector::finish(PolygonMesh& mesh) {
-  const auto numbers = static_cast<std::size_t>(number_count_);
+  const std::size_t numbers = vertex_of_.size();
   for (std::vector<glm::dvec2>& set : made_.further_uvs) set.resize(numbers, glm::dvec2(0.0));
   for (AssetUvMoves& moves : made_.uv_moves) moves.values.resize(numbers, glm::dvec2(0.0));
   mesh.uvs.resize(numbers, glm::dvec2(0.0));
-  for (std::size_t i = 0; i < made_.arrays.size(); ++i)
-    if (differs_[i]) give_corners(made_.arrays[i], i);
+  for (std::size_t i = 0; i < made_.arrays.size(); ++i) made_.arrays[i].values = by_numbers(i);
+  AssetLayers::Given of_layers;
+  if (!layers_.empty()) of_layers = take_layers(mesh.uvs);
+  for (AssetArray& array : made_.arrays) settle(array);
   keep_numbers(mesh);
   // Colours that do not differ are the mesh's own.
   const auto colors = std::ranges::find(made_.arrays, "COLOR_0", &AssetArray::name);
@@ -328,6 +375,7 @@ AssetVertices AssetCollector::finish(PolygonMesh& mesh) {
   } else if (colors != made_.arrays.end()) {
     made_.arrays.erase(colors);
   }
+  if (!layers_.empty()) layers_.join(mesh, made_, of_layers);
   if (!lost_targets_.empty()) {
     std::string names;
     for (const std::string& name : lost_targets_) names += (names.empty() ? "" : ", ") + name;

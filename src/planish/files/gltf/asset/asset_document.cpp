@@ -24,12 +24,41 @@ using nlohmann::json;
 
 constexpr const char* kQuantization = "KHR_mesh_quantization";
 
+constexpr std::string_view kTarget = "target/";
+
+// What layers have with the group that they lie on: places and how they move.
+bool is_of_surface(std::string_view attribute) {
+  const std::string_view name = attribute.substr(attribute.rfind('/') + 1);
+  return name == "POSITION" || name == "NORMAL" || name.starts_with("JOINTS_") ||
+         name.starts_with("WEIGHTS_");
+}
+
+// The attributes of a group, or of a layer on it, of all that its vertices have.
+json attributes_of(const json& made, const AssetGroup& group, const AssetLayer* layer) {
+  const int depth = layer == nullptr ? 0 : layer->depth;
+  const int first_set = layer == nullptr ? 0 : layer->first_uv_set;
+  json attributes = json::object();
+  for (const auto& [name, number] : made.items()) {
+    if (const int set = uv_set(name); set >= 0) {
+      if (set >= first_set && set < first_set + group.uv_sets_at(depth))
+        attributes[uv_name(set - first_set)] = number;
+    } else if (depth == 0) {
+      if (!name.starts_with("layer/")) attributes[name] = number;
+    } else if (is_of_surface(name)) {
+      attributes[name] = number;
+    } else if (const std::string own = layer_name(depth, ""); name.starts_with(own)) {
+      attributes[name.substr(own.size())] = number;
+    }
+  }
+  return attributes;
+}
+
 // "target/2/POSITION" are attributes of morph targets.
-json primitive_of(const json& made, const json& rest, const std::vector<std::int64_t>& accessors) {
-  constexpr std::string_view kTarget = "target/";
+json primitive_of(const json& attributes, const json& indices, const json& rest,
+                  const std::vector<std::int64_t>& accessors) {
   json primitive = rest;
   const auto place = [&](const json& number) { return accessors[number.get<std::size_t>()]; };
-  for (const auto& [name, number] : made["attributes"].items()) {
+  for (const auto& [name, number] : attributes.items()) {
     if (!name.starts_with(kTarget)) {
       primitive["attributes"][name] = place(number);
       continue;
@@ -39,7 +68,7 @@ json primitive_of(const json& made, const json& rest, const std::vector<std::int
     while (primitive["targets"].size() <= target) primitive["targets"].push_back(json::object());
     primitive["targets"][target][name.substr(slash + 1)] = place(number);
   }
-  primitive["indices"] = place(made["indices"]);
+  primitive["indices"] = place(indices);
   return primitive;
 }
 
@@ -156,14 +185,20 @@ json AssetDocument::primitives_of(std::int64_t mesh, const AssetVertices& vertic
   const json& given = asset_.root().value()["meshes"][mesh]["primitives"];
   const json& primitives = made["meshes"][0]["primitives"];
   json all = json::array();
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const auto group = static_cast<std::size_t>(std::max(document.primitives[i].group, 0));
-    const auto source = static_cast<std::size_t>(vertices.groups[group].primitive);
-    json rest = without_vertices(given[source]);
+  const auto add = [&](std::size_t i, int depth) {
+    const auto number = static_cast<std::size_t>(std::max(document.primitives[i].group, 0));
+    const AssetGroup& group = vertices.groups[number];
+    const AssetLayer* const layer = group.layer(depth);
+    if (depth > 0 && layer == nullptr) return;
+    json rest = without_vertices(given[layer == nullptr ? group.primitive : layer->primitive]);
     drop_untrue_extensions(
         rest, {asset_.root().value(), vertices, document.primitives[i].encodes_ngons}, lost_);
-    all.push_back(primitive_of(primitives[i], rest, accessors));
-  }
+    all.push_back(primitive_of(attributes_of(primitives[i]["attributes"], group, layer),
+                               primitives[i]["indices"], rest, accessors));
+  };
+  // Layers after what they lie on, as the file had them.
+  for (int depth = 0; depth <= vertices.layer_depth(); ++depth)
+    for (std::size_t i = 0; i < primitives.size(); ++i) add(i, depth);
   for (const json& primitive : given)
     if (!is_surface(primitive)) all.push_back(primitive);
   return all;

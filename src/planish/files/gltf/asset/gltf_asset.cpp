@@ -87,10 +87,17 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number, bool wants_tangents) co
   mesh.file.warnings.insert(mesh.file.warnings.end(), warnings.begin(), warnings.end());
   mesh.file.stands_alone = !mesh.vertices.moves() && !mesh.vertices.rides_on_uvs();
   require_joints(number, mesh.vertices);
+  const auto set_of = [&](std::int64_t primitive) {
+    return tangent_set(root_.value(), place["primitives"][primitive].value());
+  };
   for (AssetGroup& group : mesh.vertices.groups) {
-    int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());
+    int set = set_of(group.primitive);
     if (set < 0 && wants_tangents) set = 0;
     if (set < group.uv_sets) group.tangent_set = set;
+    for (AssetLayer& layer : group.layers) {
+      const int own = set_of(layer.primitive);
+      if (own >= 0 && own < layer.uv_sets) layer.tangent_set = layer.first_uv_set + own;
+    }
   }
   cut_mirrored_charts(mesh.file.mesh, mesh.vertices);
   return mesh;
