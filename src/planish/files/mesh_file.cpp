@@ -6,6 +6,7 @@
 #include "planish/files/read_file.h"
 #include "planish/files/shared/read_counted.h"
 #include "planish/files/write_polygons.h"
+#include "planish/mesh/mirrored_charts.h"
 
 namespace planish {
 
@@ -20,7 +21,9 @@ MeshFile read_mesh(const FileBytes& file, FileFormat format, const Callbacks& ca
                           "reconstruct() make one of them",
                           file.name, info.name));
   }
-  return read_counted(file, format, callbacks, info.read_mesh);
+  MeshFile read = read_counted(file, format, callbacks, info.read_mesh);
+  cut_mirrored_charts(read.mesh, read.mesh.uvs);
+  return read;
 }
 
 MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, FileFormat format) {

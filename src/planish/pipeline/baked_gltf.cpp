@@ -43,22 +43,6 @@ std::vector<FaceGroup> named_groups(const PolygonMesh& mesh) {
 
 }  // namespace
 
-void prepare_bake(PolygonMesh& mesh) {
-  if (mesh.face_uvs.empty()) return;
-  AssetVertices vertices;
-  const std::vector<FaceGroup> groups = named_groups(mesh);
-  vertices.groups.assign(groups.size(), AssetGroup{.uv_sets = 1, .tangent_set = 0});
-  // What groups some of whose faces have no texture coordinates have gets no map.
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto corners = std::span(mesh.face_uvs)
-                             .subspan(static_cast<std::size_t>(mesh.face_offsets[f]),
-                                      static_cast<std::size_t>(mesh.face_size(f)));
-    if (std::ranges::min(corners) < 0)
-      vertices.groups[mesh.face_groups.empty() ? 0 : mesh.face_groups[f]].tangent_set = -1;
-  }
-  cut_mirrored_charts(mesh, vertices);
-}
-
 BakedSurface::BakedSurface(const FittedMesh& fitted, const SurfaceBlocks& low,
                            const SurfaceBlocks& fine, const GltfMaterials& materials,
                            const BakeFileOptions& options)

@@ -22,10 +22,6 @@ struct BakeFileOptions {
   Callbacks callbacks;        ///< those of bake_maps(), "bake-unread-texture"
 };
 
-/// Cuts texture coordinates apart where charts are mirrored, and tangents jump: before a mesh is
-/// fitted whose level 0 gets baked maps. Of an asset GltfAsset::read() does so.
-void prepare_bake(PolygonMesh& mesh);
-
 /// Level 0 of a mesh's surface with a normal texture for each of its materials, by which it looks
 /// as the surface does. Materials of the same name have one. Those that have a normal texture keep
 /// what it shows: it lies on the surface.

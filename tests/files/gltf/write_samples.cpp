@@ -101,7 +101,6 @@ void write_baked(const std::filesystem::path& folder) {
   for (const char* name : {"tangents_baked.glb", "baked.gltf"})
     (void)write_asset(folder / name, folder, asset, surfaces, {});
   PolygonMesh mesh = asset.read(0).file.mesh;
-  prepare_bake(mesh);
   const FittedMesh fit = fit_mesh(mesh, "mesh", *backend, how);
   const FittedLevel low = fitted_level(fit, *backend, {.level = 0});
   const FittedLevel fine = fitted_level(fit, *backend, {.level = bake_level(fit.mesh, kSize)});

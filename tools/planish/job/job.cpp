@@ -16,7 +16,6 @@
 #include "output/output_levels.h"
 #include "planish/core/json.h"
 #include "planish/files/read_file.h"
-#include "planish/pipeline/baked_gltf.h"
 #include "report/details.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
@@ -130,7 +129,6 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     }
     JobInput made =
         timed(report.timing.read, [&] { return read_job_input(job, file, report, context); });
-    if (job.settings.bake > 0) prepare_bake(made.input.file.mesh);
     std::optional<ReadyFit> cage;
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, report, context);

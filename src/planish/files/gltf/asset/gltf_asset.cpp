@@ -11,8 +11,32 @@
 #include "planish/files/gltf/asset/tangent_sets.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/scene_reader.h"
+#include "planish/mesh/mirrored_charts.h"
 
 namespace planish {
+namespace {
+
+void copy_elements(std::vector<glm::dvec2>& values, std::span<const std::int32_t> copied) {
+  for (const std::int32_t from : copied) values.push_back(values[from]);
+}
+
+// In every set of texture coordinates, with all that goes by their indices.
+void cut_mirrored(PolygonMesh& mesh, AssetVertices& vertices) {
+  for (std::size_t set = 0; set <= vertices.further_uvs.size(); ++set) {
+    const std::vector<std::int32_t> copied =
+        cut_mirrored_charts(mesh, set == 0 ? mesh.uvs : vertices.further_uvs[set - 1]);
+    for (std::vector<glm::dvec2>& further : vertices.further_uvs) copy_elements(further, copied);
+    for (AssetUvMoves& moves : vertices.uv_moves) copy_elements(moves.values, copied);
+    for (AssetArray& array : vertices.arrays)
+      if (array.of_corners)
+        for (const std::int32_t from : copied)
+          for (int k = 0; k < array.width; ++k)
+            array.values.push_back(array.values[static_cast<std::size_t>(array.width * from + k)]);
+  }
+}
+
+}  // namespace
+
 GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
     : file_(file),
       limits_(limits),
@@ -99,7 +123,7 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number, bool wants_tangents) co
       if (own >= 0 && own < layer.uv_sets) layer.tangent_set = layer.first_uv_set + own;
     }
   }
-  cut_mirrored_charts(mesh.file.mesh, mesh.vertices);
+  cut_mirrored(mesh.file.mesh, mesh.vertices);
   return mesh;
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 
 #include "planish/core/json_fwd.h"
-#include "planish/files/gltf/asset/asset_vertices.h"
-#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 
@@ -13,9 +11,5 @@ namespace planish {
 
 /// The set that a texture of a material names, KHR_texture_transform's where it has one.
 [[nodiscard]] int set_of_texture(const nlohmann::json& texture);
-
-/// Cuts texture coordinates in two that belong to faces which lie either way round in the texture:
-/// along the middle of mirrored charts, where tangents jump.
-void cut_mirrored_charts(PolygonMesh& mesh, AssetVertices& vertices);
 
 }  // namespace planish
