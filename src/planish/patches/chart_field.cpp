@@ -107,8 +107,7 @@ struct ChartField<Vector>::Around {
   std::vector<std::int32_t> sector;  // likewise
   std::int32_t sector_count = 1, fan_count = 1;
   std::vector<Piece> pieces;
-  // Of fans: the first of those that differ by translations. Of pieces: likewise, without a sharp
-  // edge between them.
+  // Of fans and of pieces: the first of those that differ by translations.
   std::vector<std::int32_t> fan_link, piece_link;
   std::vector<glm::dvec3> normals;  // of sectors
 
@@ -143,6 +142,61 @@ bool ChartField<Vector>::is_moved(std::int32_t corner, std::int32_t next) const 
   const Vector before = given(topology_.prev(corner)) - given(corner),
                behind = given(topology_.next(next)) - given(next);
   return glm::distance(before, behind) <= kMoved * (glm::length(before) + glm::length(behind));
+}
+
+// Whether from the face of a corner to that of the one behind it, across a seam, the values change
+// by no more than within the charts that the faces are of: a chart of one affine map stays that.
+template <class Vector>
+bool ChartField<Vector>::goes_on(std::int32_t corner, std::int32_t next,
+                                 std::span<const Integral> faces) const {
+  // The lengths of two faces' mean gradients and of their difference, laid flat; and what that
+  // leaves open, in parts of the lengths.
+  struct Change {
+    double size = 0, difference = 0, bend = 0;
+  };
+  const auto length_of = [](const Gradient& gradient) {
+    double square = 0;
+    for (const Vector& of_axis : gradient) square += glm::dot(of_axis, of_axis);
+    return std::sqrt(square);
+  };
+  const auto change = [&](const Integral& a, const Integral& b) {
+    const glm::dvec3 sum = glm::dvec3(a.normal) + glm::dvec3(b.normal);
+    const double length = glm::length(sum);
+    if (!(length > 0 && a.area > 0 && b.area > 0)) return Change{};
+    Gradient of_a = turned(a, sum / length), of_b = turned(b, sum / length), apart;
+    for (std::size_t k = 0; k < 3; ++k) {
+      of_a[k] /= double{a.area};
+      of_b[k] /= double{b.area};
+      apart[k] = of_a[k] - of_b[k];
+    }
+    return Change{length_of(of_a) + length_of(of_b), length_of(apart), 1 - length / 2};
+  };
+  const auto within = [&](std::int32_t face) {
+    double largest = 0;
+    const std::int32_t first = topology_.first_corner(face);
+    for (std::int32_t c = first; c < first + topology_.face_size(face); ++c) {
+      const std::int32_t across = topology_.ccw(c);
+      if (across < 0 || mesh_.is_sharp(across) || is_seam(c, across, false)) continue;
+      largest =
+          std::max(largest, change(faces[face], faces[topology_.face_of(across)]).difference);
+    }
+    return largest;
+  };
+  const std::int32_t before = topology_.face_of(corner), behind = topology_.face_of(next);
+  const Change across = change(faces[before], faces[behind]);
+  return across.difference <=
+         within(before) + within(behind) + (kMoved + across.bend) * across.size;
+}
+
+// The integral of a face's gradient, turned into the plane of a unit normal.
+template <class Vector>
+auto ChartField<Vector>::turned(const Integral& face, const glm::dvec3& normal) -> Gradient {
+  Gradient gradient = {Vector(face.gradient[0]), Vector(face.gradient[1]),
+                       Vector(face.gradient[2])};
+  const glm::dvec3 own(face.normal);
+  const Vector turn = times(gradient, normal) / std::max(1 + glm::dot(own, normal), kLeastTurn);
+  for (int k = 0; k < 3; ++k) gradient[static_cast<std::size_t>(k)] -= (own + normal)[k] * turn;
+  return gradient;
 }
 
 template <class Vector>
@@ -217,7 +271,9 @@ void ChartField<Vector>::cut(std::int32_t vertex, std::span<const Integral> face
         0;
     if (!joined || is_seam(corners[i], corners[next], is_mirrored)) {
       around.is_seam[next] = 1, ++seams;
-      around.is_moved[next] = joined && !is_mirrored && is_moved(corners[i], corners[next]);
+      around.is_moved[next] = joined && !is_mirrored && !mesh_.is_sharp(corners[next]) &&
+                              is_moved(corners[i], corners[next]) &&
+                              goes_on(corners[i], corners[next], faces);
       if (!begins_at_seam) first = next, begins_at_seam = true;
     }
     if (!joined || (has_sectors && mesh_.is_sharp(corners[next]))) {
@@ -256,7 +312,7 @@ void ChartField<Vector>::cut(std::int32_t vertex, std::span<const Integral> face
     if (around.is_moved[i] == 0) continue;
     const std::int32_t before = around.piece[i > 0 ? i - 1 : n - 1], behind = around.piece[i];
     join(around.fan_link, around.pieces[before].fan, around.pieces[behind].fan);
-    if (around.is_sharp[i] == 0) join(around.piece_link, before, behind);
+    join(around.piece_link, before, behind);
   }
 }
 
@@ -292,14 +348,9 @@ void ChartField<Vector>::fit(std::span<const Integral> faces, Around& around) co
     const std::int32_t link = around.piece_link[around.piece[i]];
     const double weight = around.weights[link];
     const double share = weight > 0 ? around.face_shares[i] / weight : 0.0;
-    const glm::dvec3 own(face.normal);
-    const Gradient of_face = {Vector(face.gradient[0]), Vector(face.gradient[1]),
-                              Vector(face.gradient[2])};
-    const Vector turn = times(of_face, normal) / std::max(1 + glm::dot(own, normal), kLeastTurn);
+    const Gradient of_face = turned(face, normal);
     Gradient& gradient = around.gradients[link];
-    for (int k = 0; k < 3; ++k)
-      gradient[static_cast<std::size_t>(k)] +=
-          share * (of_face[static_cast<std::size_t>(k)] - (own + normal)[k] * turn);
+    for (std::size_t k = 0; k < 3; ++k) gradient[k] += share * of_face[k];
   }
   for (std::size_t p = 0; p < around.pieces.size(); ++p)
     around.pieces[p].gradient = around.gradients[around.piece_link[p]];

@@ -52,7 +52,8 @@ struct CornerUvs {
 /// lie between sharp edges there; past the chart's border its map goes on, so that on both sides of
 /// a seam the border is the same curve on the surface. Where charts differ by a translation alone,
 /// as a texture that goes once around does from its end to its beginning, they have one gradient
-/// there, as if there were no seam. Mirrored charts are apart where both have indices of their own
+/// there, as if there were no seam: along it they change alike, and from face to face across it by
+/// no more than within either. Mirrored charts are apart where both have indices of their own
 /// along their axis, be the values the same. Curve points go by the chart's values along the curve:
 /// a straight border stays straight.
 ///
@@ -125,6 +126,9 @@ class ChartField {
   }
   [[nodiscard]] bool is_seam(std::int32_t corner, std::int32_t next, bool is_mirrored) const;
   [[nodiscard]] bool is_moved(std::int32_t corner, std::int32_t next) const;
+  [[nodiscard]] bool goes_on(std::int32_t corner, std::int32_t next,
+                             std::span<const Integral> faces) const;
+  static Gradient turned(const Integral& face, const glm::dvec3& normal);
   [[nodiscard]] Integral integral_over(std::int32_t face) const;
   void cut(std::int32_t vertex, std::span<const Integral> faces, Around& around) const;
   void fit(std::span<const Integral> faces, Around& around) const;

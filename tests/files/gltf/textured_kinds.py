@@ -22,9 +22,9 @@ def kind(name, shape, texture="checker", wide=256, transform=None, set=0, after=
     KINDS[name] = make
 
 
-def several(*parts, flat=0.0, truths=(), recorded=False):
+def several(*parts, flat=0.0, truths=()):
     """An asset of primitives, each with a material of its own: (shape, what its texture is, keys of the material)."""
-    made = Asset(flat, truths, recorded=recorded)
+    made = Asset(flat, truths)
     for shape, texture, more in parts:
         made.add(shape, made.material(made.texture(**texture), **more))
     return made
@@ -122,7 +122,7 @@ def decal(part):
     """A second material on the same places."""
     def make(rng):
         shape = cut_box(rng)
-        return several((shape, {}, {}), (some(shape, part), {"kind": "logo"}, {"alphaMode": "BLEND"}), flat=FLAT, recorded=True)
+        return several((shape, {}, {}), (some(shape, part), {"kind": "logo"}, {"alphaMode": "BLEND"}), flat=FLAT)
     return make
 
 

@@ -53,6 +53,14 @@ class Part:
         with np.errstate(invalid="ignore", divide="ignore"):
             self.normals = np.nan_to_num(normals / (2 * self.areas[:, None]))
 
+    def take(self, other):
+        """A part of the same primitive: what a material has with and without a layer on it comes as two."""
+        self.triangles = np.concatenate([self.triangles, other.triangles + len(self.place)])
+        self.place = np.concatenate([self.place, other.place])
+        self.values = {name: np.concatenate([values, other.values[name]]) for name, values in self.values.items()
+                       if name in other.values}
+        self.renew()
+
     def rides(self):
         return [name for name in self.values if name.partition("@")[0] not in ("NORMAL", "TANGENT", "POSITION")]
 
@@ -392,6 +400,17 @@ def open_borders(parts):
     return len(np.unique(joined(len(edges), np.stack([order[:-1][same], order[1:][same]], -1) // 2)))
 
 
+def is_same(one, other):
+    """Whether two primitives are of one material, with and without a layer on it."""
+    return all(one.get(key) == other.get(key) for key in ("material", "extensions", "extras"))
+
+
+def runs_of(mesh):
+    """Its primitives, of those that are one by is_same() the first."""
+    entries = mesh["primitives"]
+    return [p for k, p in enumerate(entries) if k == 0 or not is_same(entries[k - 1], p)]
+
+
 def untouched(before, after):
     """Parts of the documents that differ though no surface does that."""
     a, b = before.document, after.document
@@ -406,10 +425,9 @@ def untouched(before, after):
     if [s["joints"] for s in a.get("skins", [])] != [s["joints"] for s in b.get("skins", [])]:
         wrong.append("skins")
     for one, other in zip(a["meshes"], b["meshes"]):
-        if [p.get("material") for p in one["primitives"]] != [p.get("material") for p in other["primitives"]]:
-            wrong.append("materials of primitives")
-        if [p.get("extensions") for p in one["primitives"]] != [p.get("extensions") for p in other["primitives"]]:
-            wrong.append("extensions of primitives")
+        for key in ("material", "extensions"):
+            if [p.get(key) for p in runs_of(one)] != [p.get(key) for p in runs_of(other)]:
+                wrong.append(f"{key} of primitives")
         if one.get("weights") != other.get("weights"):
             wrong.append("weights")
     return wrong
@@ -460,7 +478,13 @@ class File:
 
     def __init__(self, data):
         self.glb = Glb(data)
-        entries = [p for mesh in self.glb.document["meshes"] for p in mesh["primitives"]]
-        self.parts = [Part(self.glb, entry) for entry in entries]
-        for number, (part, entry) in enumerate(zip(self.parts, entries)):
-            part.number, part.material = number, entry.get("material")
+        self.parts = []
+        for mesh in self.glb.document["meshes"]:
+            entries = mesh["primitives"]
+            for k, entry in enumerate(entries):
+                part = Part(self.glb, entry)
+                if k > 0 and is_same(entries[k - 1], entry):
+                    self.parts[-1].take(part)
+                    continue
+                part.number, part.material = len(self.parts), entry.get("material")
+                self.parts.append(part)
