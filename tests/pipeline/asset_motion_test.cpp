@@ -7,6 +7,9 @@
 #include <map>
 
 #include "pipeline/asset_fixture.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/pipeline/asset_attributes.h"
+#include "planish/pipeline/fitted_level.h"
 
 namespace planish::test {
 namespace {
@@ -110,6 +113,56 @@ TEST_F(Asset, JointsThatTurnComeNearTheFittedPose) {
   }
   const double off = farthest / result_.fitted.fit.placement.diagonal;
   EXPECT_LE(off, 2e-3) << off;
+}
+
+// On a flat plate of uneven triangles weights that are affine stay so on any surface.
+TEST(AssetWeights, StayAffineOnFairSurfaces) {
+  constexpr int kSide = 6;
+  AssetMesh mesh;
+  mesh.vertices.groups = {{}};
+  mesh.vertices.joint_sets = 1;
+  mesh.vertices.first_influence = {0};
+  for (int j = 0; j <= kSide; ++j)
+    for (int i = 0; i <= kSide; ++i) {
+      const bool is_rim = i % kSide == 0 || j % kSide == 0;
+      const double moved = is_rim ? 0 : 0.2 * std::sin(5.0 * i + 3 * j);
+      mesh.file.mesh.positions.emplace_back(i + moved, j - moved, 0);
+      const double second = mesh.file.mesh.positions.back().x / kSide;
+      mesh.vertices.influences.push_back({0, static_cast<float>(1 - second)});
+      mesh.vertices.influences.push_back({1, static_cast<float>(second)});
+      mesh.vertices.first_influence.push_back(std::ssize(mesh.vertices.influences));
+    }
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      const std::int32_t a = j * (kSide + 1) + i, c = a + kSide + 1;
+      mesh.file.mesh.add_face(std::array{a, a + 1, c + 1});
+      mesh.file.mesh.add_face(std::array{a, c + 1, c});
+    }
+  const auto backend = make_cpu_backend({});
+  MeshFitOptions how;
+  how.method = InterpolationMethod::Fair;
+  how.quads = QuadChoice::Off;
+  how.refine = RefineChoice::Off;
+  const FittedMesh fitted = fit_mesh(mesh.file.mesh, "plate", *backend, how);
+  const FittedLevel level = fitted_level(fitted, *backend, {.level = 2});
+  const AssetAttributes attributes(mesh, fitted, *level.blocks, *backend, {});
+  GltfOptions options;
+  attributes.add_to(options);
+  const auto named = [&](const char* name) {
+    return std::ranges::find(options.attributes, name, &GltfAttribute::name)->values;
+  };
+  std::vector<glm::dvec3> places(static_cast<std::size_t>(level.blocks->info().row_count));
+  RowTarget target;
+  target.positions = places;
+  (void)level.blocks->rows({0, level.blocks->info().row_count}, target);
+  for (std::size_t row = 0; row < places.size(); ++row) {
+    double second = 0;
+    for (std::size_t k = 4 * row; k < 4 * row + 4; ++k)
+      if (named("JOINTS_0")[k] == 1) second += named("WEIGHTS_0")[k];
+    // Corners of the outline are round, and no weight is below 0.
+    ASSERT_NEAR(second, std::clamp(places[row].x / kSide, 0.0, 1.0), 1e-6)
+        << places[row].x << ' ' << places[row].y;
+  }
 }
 
 // Points at one place that joints or targets move apart, as lips do, are two.

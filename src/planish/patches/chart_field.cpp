@@ -177,8 +177,7 @@ bool ChartField<Vector>::goes_on(std::int32_t corner, std::int32_t next,
     for (std::int32_t c = first; c < first + topology_.face_size(face); ++c) {
       const std::int32_t across = topology_.ccw(c);
       if (across < 0 || mesh_.is_sharp(across) || is_seam(c, across, false)) continue;
-      largest =
-          std::max(largest, change(faces[face], faces[topology_.face_of(across)]).difference);
+      largest = std::max(largest, change(faces[face], faces[topology_.face_of(across)]).difference);
     }
     return largest;
   };

@@ -45,7 +45,7 @@ class AssetAttributes::Maker {
     for (const JointWeight& influence : given_.influences) channel_of_.try_emplace(influence.joint);
     std::size_t channel = 0;
     for (auto& [joint, number] : channel_of_) number = channel++;
-    solve_count_ = (channel_of_.size() + 2) / 3 + given_.targets.size();
+    solve_count_ = (has_fields() ? 0 : (channel_of_.size() + 2) / 3) + given_.targets.size();
   }
 
   void add_uvs() {
@@ -125,22 +125,32 @@ class AssetAttributes::Maker {
   }
 
   void add_joints() {
-    // Three on a surface.
     std::vector<std::int32_t> joints;
     for (const auto& [joint, channel] : channel_of_) joints.push_back(joint);
+    if (has_fields()) {
+      add_joints_by_fields(joints);
+      return;
+    }
+    // Three on a surface.
     std::vector<LinearSurface::Rows> surfaces;
     for (std::size_t first = 0; first < joints.size(); first += 3) {
       std::vector<glm::dvec3> given(fitted_.mesh.positions.size(), glm::dvec3(0.0));
-      for (std::size_t v = 0; v < given.size(); ++v) {
-        for (const JointWeight& influence :
-             given_.influences_of(static_cast<std::int64_t>(source(v)))) {
-          const std::size_t channel = channel_of_.at(influence.joint);
-          if (channel / 3 == first / 3) given[v][static_cast<int>(channel % 3)] += influence.weight;
-        }
-      }
+      for (std::size_t v = 0; v < given.size(); ++v)
+        for_weights(source(v), first, 3,
+                    [&](std::size_t k, float weight) { given[v][static_cast<int>(k)] += weight; });
       surfaces.push_back(linear().through(given, next_solve()));
     }
-    write_joints(joints, surfaces);
+    write_joints(joints, [&](RowRange rows, std::vector<std::vector<double>>& weights) {
+      std::vector<glm::dvec3> three(static_cast<std::size_t>(rows.count));
+      for (std::size_t k = 0; k < surfaces.size(); ++k) {
+        RowTarget target;
+        target.positions = three;
+        (void)surfaces[k].blocks().rows(rows, target);
+        for (std::size_t j = 3 * k; j < std::min(joints.size(), 3 * k + 3); ++j)
+          for (std::size_t i = 0; i < three.size(); ++i)
+            weights[j][i] = three[i][static_cast<int>(j - 3 * k)];
+      }
+    });
   }
 
   void add_targets() {
@@ -210,6 +220,36 @@ class AssetAttributes::Maker {
     values.assign(made.uvs.begin(), made.uvs.end());
     return values;
   }
+  // The linear map of the progressive method is that of its own surfaces: on others an affine
+  // function of the place would not stay one.
+  [[nodiscard]] bool has_fields() const {
+    return is_doo_sabin() && fitted_.options.method == InterpolationMethod::Fair;
+  }
+  // use(k, weight) for the influences of a given vertex by channel first + k of so many.
+  template <class Use>
+  void for_weights(std::size_t vertex, std::size_t first, std::size_t count, const Use& use) const {
+    for (const JointWeight& influence : given_.influences_of(static_cast<std::int64_t>(vertex))) {
+      const std::size_t channel = channel_of_.at(influence.joint);
+      if (channel >= first && channel < first + count) use(channel - first, influence.weight);
+    }
+  }
+  void add_joints_by_fields(const std::vector<std::int32_t>& joints) {
+    constexpr std::size_t kAtOnce = 4;
+    std::vector<std::vector<float>> fields;
+    for (std::size_t first = 0; first < joints.size(); first += kAtOnce) {
+      std::vector<float> given(kAtOnce * (given_.first_influence.size() - 1), 0.0f);
+      for (std::size_t v = 0; v + 1 < given_.first_influence.size(); ++v)
+        for_weights(v, first, kAtOnce,
+                    [&](std::size_t k, float weight) { given[kAtOnce * v + k] += weight; });
+      fields.push_back(rows_of_vertices(given, static_cast<int>(kAtOnce), fitted_, surface_));
+    }
+    write_joints(joints, [&](RowRange rows, std::vector<std::vector<double>>& weights) {
+      const auto begin = static_cast<std::size_t>(rows.first);
+      for (std::size_t j = 0; j < joints.size(); ++j)
+        for (std::size_t i = 0; i < weights[j].size(); ++i)
+          weights[j][i] = fields[j / kAtOnce][kAtOnce * (begin + i) + j % kAtOnce];
+    });
+  }
   [[nodiscard]] bool is_doo_sabin() const { return fitted_.options.scheme == Scheme::DooSabin; }
   // Other schemes have their attributes from OpenSubdiv, along with all of a surface.
   [[nodiscard]] SurfaceMesh evaluated(const PolygonMesh& cage) const {
@@ -232,8 +272,9 @@ class AssetAttributes::Maker {
         {.name = std::move(name), .width = width, .is_integer = is_integer, .values = values});
     return values;
   }
-  void write_joints(const std::vector<std::int32_t>& joints,
-                    const std::vector<LinearSurface::Rows>& surfaces);
+  // weights_of(rows, weights): of each joint at each row.
+  template <class WeightsOf>
+  void write_joints(const std::vector<std::int32_t>& joints, const WeightsOf& weights_of);
 
   AssetAttributes& made_;
   const AssetVertices& given_;
@@ -334,8 +375,9 @@ std::vector<float> AssetAttributes::Maker::nearest_rows(const AssetArray& array)
   return values;
 }
 
+template <class WeightsOf>
 void AssetAttributes::Maker::write_joints(const std::vector<std::int32_t>& joints,
-                                          const std::vector<LinearSurface::Rows>& surfaces) {
+                                          const WeightsOf& weights_of) {
   const auto places = static_cast<std::size_t>(kJointsOfSet * given_.joint_sets);
   std::vector<std::vector<float>*> numbers, weights;
   for (int set = 0; set < given_.joint_sets; ++set) {
@@ -345,20 +387,15 @@ void AssetAttributes::Maker::write_joints(const std::vector<std::int32_t>& joint
   std::mutex mutex;
   for_rows(surface_, [&](RowRange rows) {
     const auto count = static_cast<std::size_t>(rows.count);
-    std::vector<std::vector<glm::dvec3>> channels(surfaces.size());
-    for (std::size_t k = 0; k < surfaces.size(); ++k) {
-      channels[k].resize(count);
-      RowTarget target;
-      target.positions = channels[k];
-      (void)surfaces[k].blocks().rows(rows, target);
-    }
+    std::vector<std::vector<double>> weights_of_joint(joints.size(), std::vector<double>(count));
+    weights_of(rows, weights_of_joint);
     double lost = 0;
     std::vector<JointWeight> of_row;
     for (std::size_t i = 0; i < count; ++i) {
       of_row.clear();
       double sum = 0, kept = 0, below = 0;
       for (std::size_t j = 0; j < joints.size(); ++j) {
-        const auto weight = static_cast<float>(channels[j / 3][i][static_cast<int>(j % 3)]);
+        const auto weight = static_cast<float>(weights_of_joint[j][i]);
         if (weight > 0) of_row.push_back({joints[j], weight}), sum += weight;
         if (weight < 0) below -= weight;
       }

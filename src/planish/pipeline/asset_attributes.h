@@ -19,7 +19,8 @@ namespace planish {
 /// What a mesh of an asset has besides its shape, at the rows of its surface. Further colours and
 /// attributes go over the surface as COLOR_0 does, texture coordinates as TEXCOORD_0. Weights
 /// of joints and moves of morph targets are interpolated as positions are, by the progressive
-/// method's linear map: through what each vertex has, and smooth between. Of the weights of a row
+/// method's linear map: through what each vertex has, and smooth between; weights on fair surfaces
+/// go as colours do. Of the weights of a row
 /// the largest stay, four for each JOINTS_n that the mesh has, and are made to sum to 1.
 class AssetAttributes {
  public:
