@@ -75,10 +75,10 @@ PLANISH_SHARED_CONSTANT kRepairRounds = 3u;
 PLANISH_SHARED_CONSTANT kRepairCounts = 8u;  // (kRepairRounds + 1) * edges and faces
 // Then how many vertices each round of the cure changed, two words a round as fair_round reads
 // them; then edges and faces turned over in the end.
-PLANISH_SHARED_CONSTANT kCureRounds = 6u;
+PLANISH_SHARED_CONSTANT kCureRounds = 3u;
 PLANISH_SHARED_CONSTANT kCureCounts = 16u;  // the first of them
-PLANISH_SHARED_CONSTANT kEndCounts = 28u;
-PLANISH_SHARED_CONSTANT kFairCounts = 30u;
+PLANISH_SHARED_CONSTANT kEndCounts = 22u;
+PLANISH_SHARED_CONSTANT kFairCounts = 24u;
 
 // FairDecisions of a vertex in one word: halvings before the polish, and kLateShift bits higher
 // those after it, then whether its polygon was reversed; in the highest byte its rounds of the

@@ -117,24 +117,24 @@ TEST_F(Asset, JointsThatTurnComeNearTheFittedPose) {
 
 // On a flat plate of uneven triangles weights that are affine stay so on any surface.
 TEST(AssetWeights, StayAffineOnFairSurfaces) {
-  constexpr int kSide = 6;
+  constexpr int kCells = 6;
   AssetMesh mesh;
   mesh.vertices.groups = {{}};
   mesh.vertices.joint_sets = 1;
   mesh.vertices.first_influence = {0};
-  for (int j = 0; j <= kSide; ++j)
-    for (int i = 0; i <= kSide; ++i) {
-      const bool is_rim = i % kSide == 0 || j % kSide == 0;
+  for (int j = 0; j <= kCells; ++j)
+    for (int i = 0; i <= kCells; ++i) {
+      const bool is_rim = i % kCells == 0 || j % kCells == 0;
       const double moved = is_rim ? 0 : 0.2 * std::sin(5.0 * i + 3 * j);
       mesh.file.mesh.positions.emplace_back(i + moved, j - moved, 0);
-      const double second = mesh.file.mesh.positions.back().x / kSide;
+      const double second = mesh.file.mesh.positions.back().x / kCells;
       mesh.vertices.influences.push_back({0, static_cast<float>(1 - second)});
       mesh.vertices.influences.push_back({1, static_cast<float>(second)});
       mesh.vertices.first_influence.push_back(std::ssize(mesh.vertices.influences));
     }
-  for (int j = 0; j < kSide; ++j)
-    for (int i = 0; i < kSide; ++i) {
-      const std::int32_t a = j * (kSide + 1) + i, c = a + kSide + 1;
+  for (int j = 0; j < kCells; ++j)
+    for (int i = 0; i < kCells; ++i) {
+      const std::int32_t a = j * (kCells + 1) + i, c = a + kCells + 1;
       mesh.file.mesh.add_face(std::array{a, a + 1, c + 1});
       mesh.file.mesh.add_face(std::array{a, c + 1, c});
     }
@@ -160,7 +160,7 @@ TEST(AssetWeights, StayAffineOnFairSurfaces) {
     for (std::size_t k = 4 * row; k < 4 * row + 4; ++k)
       if (named("JOINTS_0")[k] == 1) second += named("WEIGHTS_0")[k];
     // Corners of the outline are round, and no weight is below 0.
-    ASSERT_NEAR(second, std::clamp(places[row].x / kSide, 0.0, 1.0), 1e-6)
+    ASSERT_NEAR(second, std::clamp(places[row].x / kCells, 0.0, 1.0), 1e-6)
         << places[row].x << ' ' << places[row].y;
   }
 }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <span>
+#include <utility>
 
 #include "fair/cure_meshes.h"
 #include "planish/backend/cpu_backend.h"
@@ -40,6 +43,44 @@ std::vector<test::NamedMesh> meshes() {
           {"random", test::random_closed_mesh(4)},
           {"open", test::random_open_mesh(4)},
           {"creased", test::with_random_creases(test::random_open_mesh(5), 0.2, 5)}};
+}
+
+// The least of all polygons around smooth vertices, against one made of the control points as they
+// stand by corner; and needles keep theirs above what the cure's bound leaves of them.
+TEST(FairFit, TellsItsLeastPolygon) {
+  const auto backend = make_cpu_backend();
+  std::vector<test::NamedMesh> all = meshes();
+  all.push_back({"needles", test::needle_rod(24, 6)});
+  all.push_back({"needle tube", test::jittered(test::needle_tube(24, 4, 0.3), 0.05, 20)});
+  for (const auto& [name, mesh] : all) {
+    SCOPED_TRACE(name);
+    const Fit result = fit(mesh, *backend, fair_options());
+    const std::span<const VertexKind> kinds = result.features->vertex_kinds;
+    const std::vector<glm::dvec3>& state = result.fair->level_one.state;
+    std::map<std::int32_t, std::pair<double, double>> sizes;  // farthest point, shortest edge
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      for (std::int32_t k = 0; k < mesh.face_size(f); ++k) {
+        const std::int32_t v = mesh.face(f)[static_cast<std::size_t>(k)];
+        if (kinds[v] != VertexKind::Smooth && kinds[v] != VertexKind::Dart) continue;
+        auto& [farthest, shortest] = sizes.try_emplace(v, 0, HUGE_VAL).first->second;
+        const auto at = [&](std::int32_t vertex) {
+          return result.placement.to_unit(mesh.positions[vertex]);
+        };
+        farthest = std::max(farthest, glm::distance(state[mesh.face_offsets[f] + k], at(v)));
+        for (const std::int32_t step : {1, mesh.face_size(f) - 1})
+          shortest = std::min(
+              shortest,
+              glm::distance(
+                  at(mesh.face(f)[static_cast<std::size_t>((k + step) % mesh.face_size(f))]),
+                  at(v)));
+      }
+    double least = HUGE_VAL;
+    for (const auto& [vertex, size] : sizes) least = std::min(least, size.first / size.second);
+    ASSERT_EQ(result.fair->least_polygon.has_value(), std::isfinite(least));
+    if (!std::isfinite(least)) continue;
+    EXPECT_NEAR(*result.fair->least_polygon, least, 1e-9 * least);
+    EXPECT_GT(least, 1e-3);
+  }
 }
 
 TEST(FairFit, SurfacePassesThroughEveryVertex) {

@@ -10,6 +10,7 @@
 #include "fair/cure_meshes.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit.h"
+#include "shaders/fair/shared_fair.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -182,11 +183,11 @@ TEST_F(EmbedFair, DoesNothingButRecord) {
       EXPECT_THAT(name, StartsWith("vkCmd"));
     }
   }
-  // 8 polish steps of 5 kernels, two first looks of 2, and 3 rounds after each. Of the cure's six
+  // 8 polish steps of 5 kernels, two first looks of 2, and 3 rounds after each. Of the cure's
   // rounds all look in 5 kernels and decide, the first one whatever was found, and cure in 3.
   EXPECT_GT(after["vkCmdDispatch"] - before["vkCmdDispatch"], 8 * 5 + 2 * (2 + 3));
   EXPECT_EQ(after["vkCmdDispatchIndirect"] - before["vkCmdDispatchIndirect"],
-            2 * 3 * 3 + 5 * (5 + 1) + 6 * 3);
+            2 * 3 * 3 + (shared::kCureRounds - 1) * (5 + 1) + shared::kCureRounds * 3);
   commands.submit();
   commands.wait();
 }

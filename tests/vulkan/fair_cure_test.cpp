@@ -210,7 +210,8 @@ TEST_P(FairCure, LooksOnlyAsLongAsSomethingIsFound) {
     EXPECT_EQ(groups[6] > 0, rounds.back() > 0);
     return rounds;
   };
-  EXPECT_EQ(counts(test::icosphere(2)), (std::vector<std::uint32_t>(6, 0)));
+  EXPECT_EQ(counts(test::icosphere(2)),
+            (std::vector<std::uint32_t>(vulkan::shared::kCureRounds, 0)));
   const std::vector<std::uint32_t> of_rod = counts(test::needle_rod(48, 10));
   EXPECT_GT(of_rod[0], 0u);
   EXPECT_EQ(of_rod.back(), 0u);

@@ -62,7 +62,7 @@ void require_valid(const FairDecisions& decisions, std::int32_t vertex_count,
 /// How often steps were taken that end when nothing is left to do.
 struct FairRounds {
   std::int32_t nets = 1;  ///< that were made; deeply_cured_net() makes 13 at most
-  /// Of the first net: that halved polygons, 6 at most, and that cured, 6 at most. Empty: it was
+  /// Of the first net: that halved polygons, 6 at most, and that cured, 3 at most. Empty: it was
   /// made on a device, in rounds of a fixed number.
   std::optional<std::int32_t> repair, cure;
 };
@@ -72,6 +72,10 @@ struct FairFigures {
   std::int64_t shrunk_vertices = 0;    ///< whose polygons were drawn in to undo overlaps
   std::int64_t reversed_vertices = 0;  ///< whose polygons came out turned over and were replaced
   std::int64_t cured_vertices = 0;     ///< whose polygons were replaced by perpendicular ones
+  /// Of the smooth and dart vertices the least polygon of control points: its farthest point from
+  /// the vertex, in parts of the vertex' shortest edge. Where it is tiny the surface is smooth in
+  /// name only. fit() finds it; none without such vertices, and over ranks.
+  std::optional<double> least_polygon;
   std::int64_t flagged_edges = 0;      ///< smooth edges still turned over in the end
   std::int64_t flagged_faces = 0;      ///< faces still turned over in the end
   FairRounds rounds;

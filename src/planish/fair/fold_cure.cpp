@@ -21,7 +21,8 @@ using glm::dvec3;
 namespace {
 
 constexpr std::size_t kCureGrain = 1024;
-constexpr int kCureRounds = 6;
+// Polygons that two quarters do not cure are beside folds of the mesh, and no smaller one does.
+constexpr int kCureRounds = 3;
 // A limit normal is bad where its least cosine with its faces is below this part of the best that
 // any normal there can have.
 constexpr double kPartOfBest = 0.5;

@@ -11,6 +11,10 @@
 
 namespace planish {
 
+/// How often a vertex is cured at most: its polygon is then a 256th of what fits beside its faces.
+/// Smaller ones fold as these do, and are no more than a name for a smooth surface.
+inline constexpr int kMostCures = 5;
+
 /// What the cure works on. `face_normals` and `normals`, one per vertex, are unit; `offsets`: the
 /// state of level 1 relative to the given points, changed in place.
 struct CureInput {
@@ -24,7 +28,7 @@ struct CureInput {
 
 /// After the last repair: cures folds at edges, faces and vertices that no halving cures. Vertices
 /// at a limit normal that is turned too far from a face that it belongs to get perpendicular
-/// polygons (perpendicular_polygon.h), and where that does not do a quarter of them, in at most six
+/// polygons (perpendicular_polygon.h), and where that does not do a quarter of them, in at most three
 /// rounds. Smooth and dart vertices only. `cures`, one per vertex, is increased by the rounds that
 /// changed it; `leans` (plane_lean.h) are chosen where the first one does. Returns what is still
 /// turned over by more than a right angle from one of its faces.

@@ -14,6 +14,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/unit_vector.h"
+#include "planish/fair/fold_cure.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/patches/patch_surface.h"
@@ -343,8 +344,13 @@ FairNet deeply_cured_net(const DeepCure& cure) {
     for (int round = 0; round < kDeepRounds && least > kNoDeepFolds; ++round) {
       std::vector<std::uint8_t> has_changed(folds.at_vertex.size(), 0);
       if (with_ellipses) has_changed = cure.choose_ellipses(folds.at_vertex, decisions);
-      for (std::size_t v = 0; v < folds.at_vertex.size(); ++v)
-        decisions.cures[v] += folds.at_vertex[v] != 0 && has_changed[v] == 0 ? 1 : 0;
+      std::vector<std::uint8_t> is_new = has_changed;
+      for (std::size_t v = 0; v < folds.at_vertex.size(); ++v) {
+        if (folds.at_vertex[v] == 0 || is_new[v] != 0 || decisions.cures[v] >= kMostCures) continue;
+        ++decisions.cures[v];
+        is_new[v] = 1;
+      }
+      if (!is_anywhere(is_new, cure.halo)) break;
       is_seen = is_seen && !is_anywhere(has_changed, cure.halo);
       if (is_seen) {
         std::tie(folds, decisions.leans) = std::move(seen[round]);

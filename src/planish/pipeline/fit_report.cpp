@@ -43,6 +43,7 @@ Json fair_json(const FittedMesh& fitted) {
           {"shrunk_vertices", fair.shrunk_vertices},
           {"reversed_vertices", fair.reversed_vertices},
           {"cured_vertices", fair.cured_vertices},
+          {"least_polygon", fair.least_polygon ? Json(*fair.least_polygon) : Json()},
           {"rounded_edges", fitted.rounded_count},
           {"flagged_edges", fair.flagged_edges},
           {"flagged_faces", fair.flagged_faces},

@@ -1,5 +1,6 @@
 #include "planish/pipeline/solve_fair.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/host_scope.h"
+#include "planish/core/parallel.h"
 #include "planish/fair/cured_nets.h"
 #include "planish/fair/fair_builder.h"
 #include "planish/fair/hub_ellipse.h"
@@ -22,6 +24,7 @@ namespace {
 
 // Of the time of a round, that of the net; the rest is the look at its surface.
 constexpr double kNetMade = 0.6;
+constexpr std::size_t kPolygonGrain = 1024;
 
 // The error of the finished net: nothing that built it is taken at its word.
 Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec3> state,
@@ -101,6 +104,27 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
            }});
 }
 
+// See FairFigures::least_polygon.
+std::optional<double> least_polygon(const MeshTopology& topology, const SharpFeatures& features,
+                                    std::span<const glm::dvec3> given,
+                                    std::span<const glm::dvec3> state) {
+  std::vector<double> sizes(given.size(), HUGE_VAL);
+  parallel_each(sizes.size(), kPolygonGrain, [&](std::size_t i) {
+    const auto vertex = static_cast<std::int32_t>(i);
+    const VertexKind kind = features.vertex_kinds[i];
+    if (kind != VertexKind::Smooth && kind != VertexKind::Dart) return;
+    double farthest = 0, shortest = HUGE_VAL;
+    for (const std::int32_t c : topology.corners_at(vertex)) {
+      farthest = std::max(farthest, glm::distance(state[c], given[i]));
+      for (const std::int32_t other : {topology.next(c), topology.prev(c)})
+        shortest = std::min(shortest, glm::distance(given[topology.vertex_of(other)], given[i]));
+    }
+    if (shortest > 0 && std::isfinite(shortest)) sizes[i] = farthest / shortest;
+  });
+  const double least = sizes.empty() ? HUGE_VAL : std::ranges::min(sizes);
+  return std::isfinite(least) ? std::optional(least) : std::nullopt;
+}
+
 }  // namespace
 
 Warning folds_left_warning(std::int64_t edges, std::int64_t faces) {
@@ -126,6 +150,7 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
   FairNet net = make_cured_net(result, mesh, subdivision, given, backend, options);
   result.interpolation = measured(subdivision, net.state, given, options.tolerance);
+  net.least_polygon = least_polygon(*result.prepared->topology, *result.features, given, net.state);
   FairFit& fair = result.fair.emplace(
       FairFit{net, {std::move(net.state), result.placement}, std::move(net.decisions)});
   if (fair.flagged_edges + fair.flagged_faces > 0)

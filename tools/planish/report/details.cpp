@@ -39,6 +39,9 @@ std::string details(const JobReport& report) {
                                        counted(report.fair->shrunk_vertices, "vertex"),
                                        counted(report.fair->reversed_vertices, "vertex"),
                                        with_separators(report.fair->cured_vertices)));
+    if (report.fair->least_polygon)
+      text += line("least polygon",
+                   short_number(*report.fair->least_polygon) + " of its vertex' shortest edge");
     text += line("flagged", counted(report.fair->flagged_edges, "edge") + ", " +
                                 counted(report.fair->flagged_faces, "face"));
   } else {
