@@ -127,13 +127,15 @@ TEST_F(EmbedFair, SurfaceEqualsTheCpus) {
       const SystemOptions options = fair_options(level);
       const auto topology = make_topology(mesh.mesh, options);
       HostFrame frame(*context_, *topology);
-      const PolygonMesh pose = posed(mesh.mesh, 1);
+      // In pose 1 of the creased mesh an edge has 0.500000011 of the best cosine, where 0.5 decides
+      // whether it is cured: which it is depends on a driver's last bits.
+      const PolygonMesh pose = posed(mesh.mesh, 2);
       const std::vector<Vertex> vertices = run(frame, pose, {});
       const SurfaceMesh expected = mesh_by_cpu(pose, mesh.mesh, options);
       EXPECT_LT(worst_limit_point(vertices, pose, topology->system.used_vertices()),
                 kDeviceRounding);
-      EXPECT_LT(rms_degrees(vertices, expected), kDegreesOff);
-      EXPECT_LT(rms_distance(vertices, vertices_of(expected)), 1e-3);
+      EXPECT_LT(rms_degrees(vertices, expected), 0.005);
+      EXPECT_LT(rms_distance(vertices, vertices_of(expected)), 1e-6);
       EXPECT_EQ(frame.status().iterations, 0u);
       EXPECT_EQ(frame.status().state, SolveState::Stepped);
       EXPECT_LT(frame.status().residual, 1e-7 * topology->system.diagonal());
