@@ -85,7 +85,7 @@ constexpr int kSide = 6;
 
 // Cells [first, last) of a flat plate of kSide by kSide cells both ways, each of two triangles that
 // begin with their corner number `turn`; uv = scale * (x, y).
-Part plate(int material, int first, int last, std::size_t turn, double scale) {
+Part cut_plate(int material, int first, int last, std::size_t turn, double scale) {
   Part made{.material = material, .positions = {}, .attributes = {}, .indices = {}};
   const int across = last - first + 1;
   for (int j = first; j <= last; ++j)
@@ -148,7 +148,7 @@ class AssetLayersTest : public Asset {
 TEST_F(AssetLayersTest, ADecalLiesOnTheSurfaceOfWhatItCovers) {
   for (const std::size_t turn : {0U, 1U, 2U}) {
     const tinygltf::Model model =
-        fitted_parts({plate(0, 0, kSide, 0, 0.125), plate(1, 2, 4, turn, 0.5)});
+        fitted_parts({cut_plate(0, 0, kSide, 0, 0.125), cut_plate(1, 2, 4, turn, 0.5)});
     // What is covered, what is not, and the decal.
     ASSERT_THAT(materials_of(model), ElementsAre(0, 0, 1));
     const auto& primitives = model.meshes[0].primitives;
@@ -163,7 +163,7 @@ TEST_F(AssetLayersTest, ADecalLiesOnTheSurfaceOfWhatItCovers) {
     }
     EXPECT_LT(worst_uv(model, decal, 0.5), 1e-6);
     EXPECT_EQ(decal.attributes.size(), 3U);
-      const double covered = static_cast<double>(numbers_of(model, decal.indices).size());
+    const double covered = static_cast<double>(numbers_of(model, decal.indices).size());
     double all = 0;
     for (const tinygltf::Primitive& base : {primitives[0], primitives[1]})
       all += static_cast<double>(numbers_of(model, base.indices).size());
@@ -173,8 +173,8 @@ TEST_F(AssetLayersTest, ADecalLiesOnTheSurfaceOfWhatItCovers) {
 }
 
 TEST_F(AssetLayersTest, ACoatOverAllChangesNothingUnderIt) {
-  const Part base = plate(0, 0, kSide, 0, 0.125);
-  Part coat = plate(1, 0, kSide, 1, 3);
+  const Part base = cut_plate(0, 0, kSide, 0, 0.125);
+  Part coat = cut_plate(1, 0, kSide, 1, 3);
   for (std::size_t i = 0; i < coat.positions.size(); ++i)
     coat.attributes["COLOR_0"].push_back({i % 2 == 0 ? 1.0 : 0.25, 0.5, 0, 1});
   const tinygltf::Model alone = fitted_parts({base}), both = fitted_parts({base, coat});
@@ -197,8 +197,8 @@ TEST_F(AssetLayersTest, ACoatOverAllChangesNothingUnderIt) {
 
 TEST_F(AssetLayersTest, LayersLieOnLayers) {
   const tinygltf::Model model =
-      fitted_parts({plate(0, 0, kSide, 0, 0.125), plate(1, 1, 5, 1, 0.25), plate(2, 2, 4, 2, 0.5),
-                    plate(3, 0, 1, 2, 2)},
+      fitted_parts({cut_plate(0, 0, kSide, 0, 0.125), cut_plate(1, 1, 5, 1, 0.25),
+                    cut_plate(2, 2, 4, 2, 0.5), cut_plate(3, 0, 1, 2, 2)},
                    4);
   ASSERT_THAT(materials_of(model), testing::UnorderedElementsAre(0, 0, 0, 0, 1, 1, 2, 3));
   const std::map<int, double> scales = {{0, 0.125}, {1, 0.25}, {2, 0.5}, {3, 2}};
@@ -218,7 +218,7 @@ TEST_F(AssetLayersTest, LayersLieOnLayers) {
 
 // Sets of texture coordinates, morphed ones among them, and none.
 TEST_F(AssetLayersTest, EachHasSetsOfItsOwn) {
-  Part base = plate(0, 0, kSide, 0, 0.125), decal = plate(1, 2, 4, 0, 0.5);
+  Part base = cut_plate(0, 0, kSide, 0, 0.125), decal = cut_plate(1, 2, 4, 0, 0.5);
   base.attributes.erase("TEXCOORD_0");
   decal.attributes["TEXCOORD_1"] = decal.attributes["TEXCOORD_0"];
   for (Part* part : {&base, &decal})
@@ -240,7 +240,7 @@ TEST_F(AssetLayersTest, EachHasSetsOfItsOwn) {
   EXPECT_LT(worst_uv(model, of_material(model, 1), 0.5), 1e-6);
 
   // And a layer without any on a base of two.
-  base = plate(0, 0, kSide, 0, 0.125), decal = plate(1, 2, 4, 0, 0.5);
+  base = cut_plate(0, 0, kSide, 0, 0.125), decal = cut_plate(1, 2, 4, 0, 0.5);
   base.attributes["TEXCOORD_1"] = base.attributes["TEXCOORD_0"];
   decal.attributes.erase("TEXCOORD_0");
   model = fitted_parts({base, decal});
@@ -252,32 +252,31 @@ TEST_F(AssetLayersTest, EachHasSetsOfItsOwn) {
 TEST_F(AssetLayersTest, OtherTrianglesAreNone) {
   // The same material once more: faces are repeated.
   EXPECT_THAT(
-      materials_of(fitted_parts({plate(0, 0, kSide, 0, 0.125), plate(0, 2, 4, 1, 0.5)})),
+      materials_of(fitted_parts({cut_plate(0, 0, kSide, 0, 0.125), cut_plate(0, 2, 4, 1, 0.5)})),
       ElementsAre(0));
   EXPECT_TRUE(warnings_.contains("duplicate-faces"));
   // Turned round, and only in part on others: as they were before.
-  Part back = plate(1, 2, 4, 0, 0.5);
+  Part back = cut_plate(1, 2, 4, 0, 0.5);
   for (std::size_t i = 0; i < back.indices.size(); i += 3)
     std::swap(back.indices[i], back.indices[i + 1]);
-  fitted_parts({plate(0, 0, kSide, 0, 0.125), back});
+  fitted_parts({cut_plate(0, 0, kSide, 0, 0.125), back});
   EXPECT_TRUE(warnings_.contains("duplicate-faces"));
-  Part wider = plate(1, 2, 4, 0, 0.5);
+  Part wider = cut_plate(1, 2, 4, 0, 0.5);
   const auto next = static_cast<std::uint32_t>(wider.positions.size());
   wider.positions.emplace_back(3, 3, 5);
   wider.attributes["TEXCOORD_0"].push_back({0, 0});
   for (const std::uint32_t v : {0U, 1U, next}) wider.indices.push_back(v);
-  EXPECT_THAT(materials_of(fitted_parts({plate(0, 0, kSide, 0, 0.125), wider})),
+  EXPECT_THAT(materials_of(fitted_parts({cut_plate(0, 0, kSide, 0, 0.125), wider})),
               ElementsAre(0, 1));
   EXPECT_TRUE(warnings_.contains("duplicate-faces"));
 }
 
 // Whatever has no face shifts no material.
 TEST_F(AssetLayersTest, PrimitivesWithoutAreaShiftNoMaterial) {
-  Part flat = plate(1, 0, 1, 0, 1);
-  for (std::size_t i = 0; i < flat.indices.size(); i += 3)
-    flat.indices[i + 1] = flat.indices[i];
+  Part flat = cut_plate(1, 0, 1, 0, 1);
+  for (std::size_t i = 0; i < flat.indices.size(); i += 3) flat.indices[i + 1] = flat.indices[i];
   const tinygltf::Model model =
-      fitted_parts({flat, plate(0, 0, kSide, 0, 0.125), plate(2, 2, 4, 1, 0.5)});
+      fitted_parts({flat, cut_plate(0, 0, kSide, 0, 0.125), cut_plate(2, 2, 4, 1, 0.5)});
   EXPECT_THAT(materials_of(model), UnorderedElementsAre(0, 0, 2));
 }
 

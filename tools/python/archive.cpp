@@ -54,8 +54,8 @@ void fields(Archive& archive, FairDecisions& made) {
 
 template <class Archive>
 void fields(Archive& archive, FairFit& fair) {
-  archive(fair.level_one, fair.least_polygon, fair.shrunk_vertices, fair.reversed_vertices, fair.cured_vertices,
-          fair.flagged_edges, fair.flagged_faces, fair.rounds, fair.decisions);
+  archive(fair.level_one, fair.least_polygon, fair.shrunk_vertices, fair.reversed_vertices,
+          fair.cured_vertices, fair.flagged_edges, fair.flagged_faces, fair.rounds, fair.decisions);
 }
 
 template <class Archive>

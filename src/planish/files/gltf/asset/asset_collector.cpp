@@ -58,7 +58,7 @@ int AssetCollector::add_faces(const Faces& faces, std::vector<glm::dvec2>& first
   if (is_new) made_.groups.push_back({.primitive = number_});
   int& sets = made_.groups[group->second].uv_sets;
   sets = std::max(sets, static_cast<int>(uvs_.size()));
-  layers_.begin_group(faces.mesh.face_count(), group->second, kind_);
+  layers_.begin_kind(faces.mesh.face_count(), kind_);
   number_vertices(faces, false, first);
   return group->second;
 }

@@ -34,7 +34,7 @@ bool is_of_surface(std::string_view attribute) {
 }
 
 // The attributes of a group, or of a layer on it, of all that its vertices have.
-json attributes_of(const json& made, const AssetGroup& group, const AssetLayer* layer) {
+json own_attributes(const json& made, const AssetGroup& group, const AssetLayer* layer) {
   const int depth = layer == nullptr ? 0 : layer->depth;
   const int first_set = layer == nullptr ? 0 : layer->first_uv_set;
   json attributes = json::object();
@@ -193,7 +193,7 @@ json AssetDocument::primitives_of(std::int64_t mesh, const AssetVertices& vertic
     json rest = without_vertices(given[layer == nullptr ? group.primitive : layer->primitive]);
     drop_untrue_extensions(
         rest, {asset_.root().value(), vertices, document.primitives[i].encodes_ngons}, lost_);
-    all.push_back(primitive_of(attributes_of(primitives[i]["attributes"], group, layer),
+    all.push_back(primitive_of(own_attributes(primitives[i]["attributes"], group, layer),
                                primitives[i]["indices"], rest, accessors));
   };
   // Layers after what they lie on, as the file had them.

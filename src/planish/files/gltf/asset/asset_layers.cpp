@@ -50,12 +50,12 @@ AssetArray gathered(const AssetArray& array, std::span<const std::int32_t> numbe
 
 }  // namespace
 
-void AssetLayers::begin_group(std::int32_t first_face, int group, int kind) {
-  groups_.push_back({first_face, group, kind});
+void AssetLayers::begin_kind(std::int32_t first_face, int kind) {
+  kinds_.push_back({first_face, kind});
 }
 
-const AssetLayers::Group& AssetLayers::group_of(std::int32_t face) const {
-  return *std::prev(std::ranges::upper_bound(groups_, face, {}, &Group::first_face));
+int AssetLayers::kind_of(std::int32_t face) const {
+  return std::prev(std::ranges::upper_bound(kinds_, face, {}, &Kind::first_face))->kind;
 }
 
 std::int32_t AssetLayers::face_of(const PolygonMesh& mesh, std::span<const std::int32_t> vertices) {
@@ -78,7 +78,7 @@ bool AssetLayers::find(const PolygonMesh& mesh, const PrimitiveFaces& faces,
     face.clear();
     for (const std::int32_t corner : faces.face(f)) face.push_back(vertices[corner]);
     const std::int32_t base = face_of(mesh, face);
-    if (base < 0 || group_of(base).kind == kind) return false;
+    if (base < 0 || kind_of(base) == kind) return false;
     for (std::size_t depth = 0; depth < depths_.size(); ++depth) {
       const std::vector<std::int32_t>& layers = depths_[depth].layer_of_face;
       if (static_cast<std::size_t>(base) >= layers.size() || layers[base] < 0) continue;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <glm/vec2.hpp>
 #include <span>
 #include <unordered_map>
@@ -41,11 +40,11 @@ class AssetLayers {
     std::vector<AssetArray> arrays;  ///< of_corners
   };
 
-  /// Faces that follow in the mesh are of `group`, with what makes a primitive its own.
-  void begin_group(std::int32_t first_face, int group, int kind);
+  /// Faces that follow in the mesh are of primitives of a kind: with the same material.
+  void begin_kind(std::int32_t first_face, int kind);
   /// Whether every face of a primitive is one of `mesh`, with the same vertices in the same order
-  /// round, and none has its kind: then it is a layer, and `number`, that of its first vertex,
-  /// makes it one by add(). `vertices`: of the mesh, by corner of the primitive.
+  /// round, and none has its kind: then it is a layer, which add() makes it. `vertices`: of the
+  /// mesh, by corner of the primitive.
   [[nodiscard]] bool find(const PolygonMesh& mesh, const PrimitiveFaces& faces,
                           std::span<const std::int32_t> vertices, int kind);
   /// The primitive that was found last. `numbers`: of vertices, by corner of the primitive;
@@ -59,9 +58,9 @@ class AssetLayers {
   void join(PolygonMesh& mesh, AssetVertices& made, const Given& given) const;
 
  private:
-  struct Group {
+  struct Kind {
     std::int32_t first_face;
-    int number, kind;
+    int kind;
   };
   struct Layer {
     AssetLayer made;
@@ -75,14 +74,14 @@ class AssetLayers {
 
   [[nodiscard]] std::int32_t face_of(const PolygonMesh& mesh,
                                      std::span<const std::int32_t> vertices);
-  [[nodiscard]] const Group& group_of(std::int32_t face) const;
+  [[nodiscard]] int kind_of(std::int32_t face) const;
   void join_corners(PolygonMesh& mesh, AssetVertices& made, const Given& given) const;
   void join_groups(PolygonMesh& mesh, AssetVertices& made) const;
 
-  std::vector<Group> groups_;
+  std::vector<Kind> kinds_;  // by first face
   std::vector<Layer> layers_;
   std::vector<Depth> depths_;
-  // Faces by their first vertex and the next, and how many of the mesh are here.
+  // Faces by their least vertex and the next, and how many of the mesh are here.
   std::unordered_multimap<std::uint64_t, std::int32_t> faces_;
   std::int32_t known_faces_ = 0;
   // Of the primitive that was found last.
