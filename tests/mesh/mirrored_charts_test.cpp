@@ -3,10 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <array>
-#include <span>
-#include <string_view>
-
-#include "planish/files/mesh_file.h"
 
 namespace planish {
 namespace {
@@ -61,16 +57,6 @@ TEST(MirroredCharts, FacesWithoutCoordinatesOrAreaCutNothing) {
   EXPECT_THAT(cut_mirrored_charts(mesh, mesh.uvs), IsEmpty());
   mesh.face_uvs.clear(), mesh.uvs.clear();
   EXPECT_THAT(cut_mirrored_charts(mesh, mesh.uvs), IsEmpty());
-}
-
-TEST(MirroredCharts, AreCutWhereFilesAreRead) {
-  constexpr std::string_view kObj =
-      "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
-      "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n"
-      "f 1/1 2/2 5/4 4/3\nf 2/2 3/1 6/3 5/4\n";
-  const MeshFile read = read_mesh(std::as_bytes(std::span(kObj)), "mirrored.obj", FileFormat::Obj);
-  EXPECT_EQ(read.mesh.uvs.size(), 8U);
-  EXPECT_THAT(read.mesh.face_uvs, ElementsAre(0, 1, 3, 2, 4, 5, 6, 7));
 }
 
 }  // namespace

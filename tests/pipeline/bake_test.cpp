@@ -14,7 +14,6 @@
 #include "planish/core/json.h"
 #include "planish/files/image/png.h"
 #include "planish/files/write_surface.h"
-#include "planish/mesh/mirrored_charts.h"
 #include "planish/pipeline/baked_gltf.h"
 #include "planish/pipeline/fitted_level.h"
 #include "support/expect_error.h"
@@ -78,7 +77,6 @@ struct Baked {
 Baked bake(PolygonMesh mesh, int size, const GltfMaterials& materials = {}) {
   const auto backend = make_cpu_backend({});
   Baked made;
-  cut_mirrored_charts(mesh, mesh.uvs);
   MeshFitOptions how;
   how.refine = RefineChoice::Off;
   how.chooses_creases = false;

@@ -126,6 +126,18 @@ TEST(MakeReady, MakesTheEndsOfEdgesWithoutLengthOne) {
 
 // A box in triangles, on one side around a point of an edge: there the triangulation of that side
 // has a triangle without area. Its normal tells of no crease.
+// A texture for both halves of a plate: along their border each has coordinates of its own.
+TEST(MakeReady, CutsMirroredCharts) {
+  PolygonMesh mesh = test::flat_grid(4, 2);
+  mesh.face_uvs = mesh.face_vertices;
+  for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(p.x, p.y);
+  const std::size_t given = mesh.uvs.size();
+  EXPECT_EQ(make_ready(PolygonMesh(mesh), {}).mesh.uvs.size(), given);
+  const double middle = (mesh.positions.front().x + mesh.positions.back().x) / 2;
+  for (glm::dvec2& uv : mesh.uvs) uv.x = std::abs(uv.x - middle);
+  EXPECT_EQ(make_ready(PolygonMesh(mesh), {}).mesh.uvs.size(), given + 3);
+}
+
 TEST(FitMesh, KeepsAnEdgeBesideAFlatTriangle) {
   PolygonMesh box;
   box.positions = test::cube().positions;

@@ -6,7 +6,6 @@
 #include "planish/files/read_file.h"
 #include "planish/files/shared/read_counted.h"
 #include "planish/files/write_polygons.h"
-#include "planish/mesh/mirrored_charts.h"
 
 namespace planish {
 
@@ -21,9 +20,7 @@ MeshFile read_mesh(const FileBytes& file, FileFormat format, const Callbacks& ca
                           "reconstruct() make one of them",
                           file.name, info.name));
   }
-  MeshFile read = read_counted(file, format, callbacks, info.read_mesh);
-  cut_mirrored_charts(read.mesh, read.mesh.uvs);
-  return read;
+  return read_counted(file, format, callbacks, info.read_mesh);
 }
 
 MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, FileFormat format) {

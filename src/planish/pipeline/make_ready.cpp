@@ -10,6 +10,7 @@
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
 #include "planish/mesh/flat_triangles.h"
+#include "planish/mesh/mirrored_charts.h"
 #include "planish/mesh/weld_vertices.h"
 
 namespace planish {
@@ -148,6 +149,7 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
     ready.prepared = prepare_if_sound(ready.mesh);
   }
   name_sources(ready, std::move(welded_sources));
+  if (ready.prepared) cut_mirrored_charts(ready.mesh, ready.mesh.uvs);
   if (shortened) ready.changes.insert(ready.changes.begin(), *shortened);
   if (choice.repairs) take_out_flat_triangles(ready, choice.stands_alone);
   const bool searches = choice.found == nullptr && ready.prepared;
