@@ -286,7 +286,7 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
   if (need.vertices != nullptr && most > 0) {
     // Half as many rows as triangles.
     const RideBytes rides =
-        ride_bytes(*need.vertices, static_cast<std::uint64_t>(most / 2), 0, true);
+        ride_bytes(*need.vertices, settings, static_cast<std::uint64_t>(most / 2), 0, true);
     forecast.peak_bytes += rides.rows;
     forecast.making_bytes = rides.making;
   }

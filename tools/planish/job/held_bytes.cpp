@@ -50,8 +50,8 @@ std::vector<LevelCounts> levels_to(const MeshCounts& mesh, Scheme scheme, int la
   return levels;
 }
 
-RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
-                     std::uint64_t corner_count, bool holds_rows) {
+RideBytes ride_bytes(const AssetVertices& vertices, const Settings& settings,
+                     std::uint64_t row_count, std::uint64_t corner_count, bool holds_rows) {
   constexpr std::uint64_t kUv = sizeof(glm::dvec2), kPoint = sizeof(glm::dvec3), kFloat = 4;
   RideBytes bytes;
   const std::uint64_t targets = vertices.targets.size();
@@ -68,15 +68,21 @@ RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
   row += (kUv + 4 * kFloat) * static_cast<std::uint64_t>(vertices.tangent_count());
   bytes.rows = row * row_count;
   if (!vertices.moves()) return bytes;
-  // B, and surfaces: one of three joints each, all at once; of a target.
-  constexpr std::uint64_t kSystemBytes = 150, kThroughBytes = 60, kTargetSurfaces = 3,
-                          kHeldRowBytes = 36;
+  // B, and surfaces: one of three joints each, all at once; of a target. On fair surfaces four
+  // joints are a field, at all rows.
+  constexpr std::uint64_t kFieldJoints = 4, kFieldBytes = 140, kSystemBytes = 150,
+                          kThroughBytes = 60, kTargetSurfaces = 3, kHeldRowBytes = 36;
   std::set<std::int32_t> joints;
   for (const JointWeight& influence : vertices.influences) joints.insert(influence.joint);
-  const std::uint64_t surfaces =
-      std::max<std::uint64_t>((joints.size() + 2) / 3, targets > 0 ? kTargetSurfaces : 0);
-  bytes.making = (kSystemBytes + kThroughBytes * surfaces) * corner_count;
+  const bool is_fair = settings.interpolation == InterpolationChoice::Fair;
+  const std::uint64_t fields = (joints.size() + kFieldJoints - 1) / kFieldJoints;
+  const std::uint64_t surfaces = std::max<std::uint64_t>(is_fair ? 0 : (joints.size() + 2) / 3,
+                                                         targets > 0 ? kTargetSurfaces : 0);
+  if (surfaces > 0) bytes.making = (kSystemBytes + kThroughBytes * surfaces) * corner_count;
   if (holds_rows) bytes.making += kHeldRowBytes * surfaces * row_count;
+  if (fields > 0 && settings.interpolation != InterpolationChoice::Progressive)
+    bytes.making = std::max(bytes.making, kFieldBytes * corner_count +
+                                              kFieldJoints * kFloat * (fields + 2) * row_count);
   return bytes;
 }
 
@@ -89,7 +95,7 @@ void HeldBytes::add(const RefinedAttributes& attributes, const MeshCounts& count
                     const std::vector<int>& held_levels, std::uint64_t solve,
                     const AssetVertices* rides) {
   std::uint64_t kept = solve / kKeptOfSolve;
-  if (rides != nullptr) kept += ride_bytes(*rides, 0, 0, false).given;
+  if (rides != nullptr) kept += ride_bytes(*rides, settings_, 0, 0, false).given;
   kept_ += kept;
   solve_ = std::max(solve_, solve - solve / kKeptOfSolve);
   for (const int level : held_levels)
@@ -118,7 +124,8 @@ void HeldBytes::add_surface(const RefinedAttributes& attributes,
         packing_, packing - packing / 2 + (level.faces > kPackedFaces ? packed_blocks_bytes() : 0));
   }
   if (rides != nullptr) {
-    const RideBytes bytes = ride_bytes(*rides, rows, corner_count, last_ == LastLevel::Full);
+    const RideBytes bytes =
+        ride_bytes(*rides, settings_, rows, corner_count, last_ == LastLevel::Full);
     surface += bytes.rows;
     making_ = std::max(making_, bytes.making);
   }

@@ -25,8 +25,9 @@ struct RideBytes {
 };
 
 /// `holds_rows`: of each surface, as but levels of Doo-Sabin surfaces do.
-[[nodiscard]] RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
-                                   std::uint64_t corner_count, bool holds_rows);
+[[nodiscard]] RideBytes ride_bytes(const AssetVertices& vertices, const Settings& settings,
+                                   std::uint64_t row_count, std::uint64_t corner_count,
+                                   bool holds_rows);
 
 /// What the meshes of a job hold at its peak. They are solved one after another beside what is kept
 /// of all; then their surfaces are held together. Doo-Sabin surfaces go by blocks to who writes
