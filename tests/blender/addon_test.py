@@ -337,8 +337,11 @@ def main():
     addon.register()
     assert bpy.types.VIEW3D_PT_planish
     bpy.context.scene.planish.program = PROGRAM
+    # By measurement cubes stay boxes.
+    bpy.context.scene.planish.creases = "use"
     test_cube()
     test_sharp_edges_and_materials()
+    bpy.context.scene.planish.creases = "choose"
     test_all_selected()
     test_colors()
     test_all_that_rides()
