@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 StagedTileset::StagedTileset(const Ranks& ranks, fs::path document, bool resume, bool replaces)
     : ranks_(ranks), document_(std::move(document)), replaces_(replaces) {
-  part_ = document_.parent_path() / ("." + document_.filename().string() + ".part");
+  part_ = document_.parent_path() / formatted(".{}.part", document_.filename().string());
   agree(ranks_, [&] {
     if (ranks_.rank != 0) return;
     std::error_code error;
