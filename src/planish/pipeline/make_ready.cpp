@@ -149,7 +149,8 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
     ready.prepared = prepare_if_sound(ready.mesh);
   }
   name_sources(ready, std::move(welded_sources));
-  if (ready.prepared) cut_mirrored_charts(ready.mesh, ready.mesh.uvs);
+  // Ranks mend nothing, and what they make is what comes out without repair.
+  if (choice.repairs && ready.prepared) cut_mirrored_charts(ready.mesh, ready.mesh.uvs);
   if (shortened) ready.changes.insert(ready.changes.begin(), *shortened);
   if (choice.repairs) take_out_flat_triangles(ready, choice.stands_alone);
   const bool searches = choice.found == nullptr && ready.prepared;

@@ -48,11 +48,11 @@ struct ReadyMesh : RepairedMesh {
                                        std::span<const std::uint8_t> may_join = {});
 
 /// The mesh that is fitted: without tags where they are to be ignored, welded where that is asked
-/// for, repaired where that is, with mirrored charts cut, with its triangles paired, with creases
-/// detected where an angle is given, and for fair surfaces, which fold beside corners that turn
-/// inward and around tips of slits, with concave faces cut and such tips made corners where repair
-/// may. A mesh that remains unusable comes back as it is, for require_usable() to refuse. Throws
-/// what repair() throws, and then leaves `mesh` as it is, or welded.
+/// for, repaired where that is, and then with mirrored charts cut, with its triangles paired, with
+/// creases detected where an angle is given, and for fair surfaces, which fold beside corners that
+/// turn inward and around tips of slits, with concave faces cut and such tips made corners where
+/// repair may. A mesh that remains unusable comes back as it is, for require_usable() to refuse.
+/// Throws what repair() throws, and then leaves `mesh` as it is, or welded.
 [[nodiscard]] ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice);
 
 /// What that does where triangles are paired, of a mesh that is ready otherwise and has no found
