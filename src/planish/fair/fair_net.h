@@ -76,8 +76,8 @@ struct FairFigures {
   /// the vertex, in parts of the vertex' shortest edge. Where it is tiny the surface is smooth in
   /// name only. fit() finds it; none without such vertices, and over ranks.
   std::optional<double> least_polygon;
-  std::int64_t flagged_edges = 0;      ///< smooth edges still turned over in the end
-  std::int64_t flagged_faces = 0;      ///< faces still turned over in the end
+  std::int64_t flagged_edges = 0;  ///< smooth edges still turned over in the end
+  std::int64_t flagged_faces = 0;  ///< faces still turned over in the end
   FairRounds rounds;
 };
 

@@ -28,10 +28,10 @@ struct CureInput {
 
 /// After the last repair: cures folds at edges, faces and vertices that no halving cures. Vertices
 /// at a limit normal that is turned too far from a face that it belongs to get perpendicular
-/// polygons (perpendicular_polygon.h), and where that does not do a quarter of them, in at most three
-/// rounds. Smooth and dart vertices only. `cures`, one per vertex, is increased by the rounds that
-/// changed it; `leans` (plane_lean.h) are chosen where the first one does. Returns what is still
-/// turned over by more than a right angle from one of its faces.
+/// polygons (perpendicular_polygon.h), and where that does not do a quarter of them, in at most
+/// three rounds. Smooth and dart vertices only. `cures`, one per vertex, is increased by the rounds
+/// that changed it; `leans` (plane_lean.h) are chosen where the first one does. Returns what is
+/// still turned over by more than a right angle from one of its faces.
 FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures,
                      std::span<glm::vec2> leans);
 
