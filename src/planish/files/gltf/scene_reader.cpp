@@ -195,16 +195,19 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
   }
   find_faces(place, mode, glm::determinant(glm::dmat3(placed(0, instance).to_world)) < 0);
   if (faces_.count() == 0) return;
-  if (asset_ != nullptr && asset_->add_layer(asset_faces(), uvs_)) return;
-  use_group(place);
-  read_uvs(place, primitive);
+  if (asset_ != nullptr) {
+    const AssetCollector::Faces faces{triangles_.mesh(), faces_, corners_, vertices_};
+    if (asset_->add_layer(faces, uvs_)) return;
+    const int group = asset_->add_faces(faces, uvs_);
+    attributes_.use_group({.name = std::to_string(group), .material = ""});
+    first_uv_ = asset_->first_number();
+  } else {
+    name_group(place);
+    read_uvs(place, primitive);
+  }
   if (creases_from_normals_) read_normals(primitive, instance);
   color_vertices(primitive);
   add_faces();
-}
-
-AssetCollector::Faces SceneReader::asset_faces() const {
-  return {triangles_.mesh(), faces_, corners_, vertices_};
 }
 
 // Where a vertex of the current primitive stands. The place of a node with a skin means nothing.
@@ -213,12 +216,8 @@ GltfInstance SceneReader::placed(std::int64_t vertex, const GltfInstance& instan
   return {instance.mesh, instance.node, posed(joint_sets_, vertex, joints_)};
 }
 
-void SceneReader::use_group(const JsonPlace& place) {
+void SceneReader::name_group(const JsonPlace& place) {
   FaceGroup group;
-  if (asset_ != nullptr) {
-    group.name = std::to_string(asset_->add_faces(asset_faces(), uvs_));
-    return attributes_.use_group(std::move(group));
-  }
   if (const auto material = place.find("material")) {
     const std::int64_t number = material->integer();
     (void)root_["materials"][number];
@@ -233,8 +232,7 @@ void SceneReader::use_group(const JsonPlace& place) {
 
 // Appended for the whole primitive; OBJ's v runs upwards, glTF's down.
 void SceneReader::read_uvs(const JsonPlace& place, const SourcePrimitive& primitive) {
-  first_uv_ = asset_ != nullptr ? asset_->first_number() : -1;
-  if (asset_ != nullptr) return;
+  first_uv_ = -1;
   const auto uvs = primitive.attribute("TEXCOORD_0", GltfAccessor::Use::TextureCoordinates);
   if (!uvs) return;
   const JsonPlace attribute = place["attributes"]["TEXCOORD_0"];

@@ -47,8 +47,7 @@ class SceneReader {
   void read_primitive(const JsonPlace& place, const GltfInstance& instance, std::size_t bytes);
   void read_point_primitive(const JsonPlace& place, const GltfInstance& instance);
   [[nodiscard]] GltfInstance placed(std::int64_t vertex, const GltfInstance& instance) const;
-  void use_group(const JsonPlace& place);
-  [[nodiscard]] AssetCollector::Faces asset_faces() const;
+  void name_group(const JsonPlace& place);
   void read_uvs(const JsonPlace& place, const SourcePrimitive& primitive);
   void read_normals(const SourcePrimitive& primitive, const GltfInstance& instance);
   void color_vertices(const SourcePrimitive& primitive);

@@ -49,7 +49,7 @@ bool AssetCollector::add_layer(const Faces& faces, std::vector<glm::dvec2>& firs
   for (const std::int32_t vertex : faces.corners)
     numbers.push_back(static_cast<std::int32_t>(first_number()) + vertex);
   const AssetLayer layer{.primitive = number_, .uv_sets = static_cast<int>(uvs_.size())};
-  layers_.add(faces.mesh, faces.faces, faces.vertices, numbers, layer, kind_);
+  layers_.add(faces.mesh, faces.faces, numbers, layer, kind_);
   return true;
 }
 

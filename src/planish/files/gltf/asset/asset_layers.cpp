@@ -58,14 +58,24 @@ int AssetLayers::kind_of(std::int32_t face) const {
   return std::prev(std::ranges::upper_bound(kinds_, face, {}, &Kind::first_face))->kind;
 }
 
-std::int32_t AssetLayers::face_of(const PolygonMesh& mesh, std::span<const std::int32_t> vertices) {
+int AssetLayers::uv_sets_at(int depth) const {
+  int sets = 0;
+  for (const Layer& one : layers_)
+    if (one.made.depth == depth) sets = std::max(sets, one.made.uv_sets);
+  return sets;
+}
+
+AssetLayers::Found AssetLayers::face_of(const PolygonMesh& mesh,
+                                        std::span<const std::int32_t> vertices) {
   for (; known_faces_ < mesh.face_count(); ++known_faces_)
     faces_.emplace(face_key(mesh.face(known_faces_)), known_faces_);
-  std::int32_t first = -1;
+  Found first;
   const auto [begin, end] = faces_.equal_range(face_key(vertices));
-  for (auto one = begin; one != end; ++one)
-    if ((first < 0 || one->second < first) && turn_of(mesh.face(one->second), vertices) >= 0)
-      first = one->second;
+  for (auto one = begin; one != end; ++one) {
+    if (first.face >= 0 && one->second > first.face) continue;
+    const std::ptrdiff_t turn = turn_of(mesh.face(one->second), vertices);
+    if (turn >= 0) first = {one->second, static_cast<std::size_t>(turn)};
+  }
   return first;
 }
 
@@ -77,7 +87,8 @@ bool AssetLayers::find(const PolygonMesh& mesh, const PrimitiveFaces& faces,
   for (std::size_t f = 0; f < faces.count(); ++f) {
     face.clear();
     for (const std::int32_t corner : faces.face(f)) face.push_back(vertices[corner]);
-    const std::int32_t base = face_of(mesh, face);
+    const Found found = face_of(mesh, face);
+    const std::int32_t base = found.face;
     if (base < 0 || kind_of(base) == kind) return false;
     for (std::size_t depth = 0; depth < depths_.size(); ++depth) {
       const std::vector<std::int32_t>& layers = depths_[depth].layer_of_face;
@@ -85,30 +96,25 @@ bool AssetLayers::find(const PolygonMesh& mesh, const PrimitiveFaces& faces,
       if (layers_[layers[base]].kind == kind) return false;
       depth_ = std::max(depth_, depth + 1);
     }
-    found_.push_back(base);
+    found_.push_back(found);
   }
   return !found_.empty();
 }
 
 void AssetLayers::add(const PolygonMesh& mesh, const PrimitiveFaces& faces,
-                      std::span<const std::int32_t> vertices, std::span<const std::int32_t> numbers,
-                      AssetLayer layer, int kind) {
+                      std::span<const std::int32_t> numbers, AssetLayer layer, int kind) {
   layer.depth = static_cast<int>(depth_) + 1;
   depths_.resize(std::max(depths_.size(), depth_ + 1));
   Depth& depth = depths_[depth_];
   depth.layer_of_face.resize(static_cast<std::size_t>(mesh.face_count()), -1);
   depth.numbers.resize(mesh.face_vertices.size(), -1);
-  std::vector<std::int32_t> face;
   for (std::size_t f = 0; f < found_.size(); ++f) {
     const std::span<const std::int32_t> corners = faces.face(f);
-    face.clear();
-    for (const std::int32_t corner : corners) face.push_back(vertices[corner]);
-    const std::int32_t base = found_[f];
+    const auto [base, turn] = found_[f];
     depth.layer_of_face[base] = static_cast<std::int32_t>(layers_.size());
-    const std::ptrdiff_t turn = turn_of(mesh.face(base), face);
     for (std::size_t k = 0; k < corners.size(); ++k)
       depth.numbers[static_cast<std::size_t>(mesh.face_offsets[base]) + k] =
-          numbers[corners[(static_cast<std::size_t>(turn) + k) % corners.size()]];
+          numbers[corners[(turn + k) % corners.size()]];
   }
   layers_.push_back({layer, kind});
 }
@@ -144,10 +150,7 @@ void AssetLayers::join_corners(PolygonMesh& mesh, AssetVertices& made, const Giv
     for (AssetArray& array : made.arrays)
       if (array.of_corners) array = gathered(array, before);
     const int layer = static_cast<int>(d) + 1;
-    int sets = 0;
-    for (const Layer& one : layers_)
-      if (one.made.depth == layer) sets = std::max(sets, one.made.uv_sets);
-    for (int set = 0; set < sets; ++set)
+    for (int set = 0; set < uv_sets_at(layer); ++set)
       made.further_uvs.push_back(gathered(given.uvs[set], 1, of_layer, kNone));
     for (const AssetUvMoves& moves : given.uv_moves)
       made.uv_moves.push_back(
@@ -162,14 +165,10 @@ void AssetLayers::join_groups(PolygonMesh& mesh, AssetVertices& made) const {
   int next_set = static_cast<int>(made.further_uvs.size()) + 1;
   std::vector<AssetLayer> layers;
   for (const Layer& one : layers_) layers.push_back(one.made);
-  for (std::size_t d = 0; d < depths_.size(); ++d) {
-    int sets = 0;
-    for (AssetLayer& one : layers) {
-      if (one.depth != static_cast<int>(d) + 1) continue;
-      one.first_uv_set = next_set;
-      sets = std::max(sets, one.uv_sets);
-    }
-    next_set += sets;
+  for (int depth = 1; depth <= static_cast<int>(depths_.size()); ++depth) {
+    for (AssetLayer& one : layers)
+      if (one.depth == depth) one.first_uv_set = next_set;
+    next_set += uv_sets_at(depth);
   }
   // A group by itself and the layers on it. The first of each is that group, the others are new.
   std::map<std::vector<std::int32_t>, std::int32_t> known;

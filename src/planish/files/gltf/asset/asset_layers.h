@@ -47,11 +47,9 @@ class AssetLayers {
   /// mesh, by corner of the primitive.
   [[nodiscard]] bool find(const PolygonMesh& mesh, const PrimitiveFaces& faces,
                           std::span<const std::int32_t> vertices, int kind);
-  /// The primitive that was found last. `numbers`: of vertices, by corner of the primitive;
-  /// `vertices` as above.
+  /// The primitive that was found last. `numbers`: of vertices, by corner of the primitive.
   void add(const PolygonMesh& mesh, const PrimitiveFaces& faces,
-           std::span<const std::int32_t> vertices, std::span<const std::int32_t> numbers,
-           AssetLayer layer, int kind);
+           std::span<const std::int32_t> numbers, AssetLayer layer, int kind);
   [[nodiscard]] bool empty() const { return layers_.empty(); }
   /// Gives corners of the mesh indices by which they have what is the mesh's own and what is of
   /// their layers, and faces groups with their layers.
@@ -72,9 +70,16 @@ class AssetLayers {
     std::vector<std::int32_t> numbers;  // by corner of the mesh
   };
 
-  [[nodiscard]] std::int32_t face_of(const PolygonMesh& mesh,
-                                     std::span<const std::int32_t> vertices);
+  // A face of the mesh, and how far another is turned against it.
+  struct Found {
+    std::int32_t face = -1;
+    std::size_t turn = 0;
+  };
+
+  [[nodiscard]] Found face_of(const PolygonMesh& mesh, std::span<const std::int32_t> vertices);
   [[nodiscard]] int kind_of(std::int32_t face) const;
+  // Sets of texture coordinates that layers of a depth have.
+  [[nodiscard]] int uv_sets_at(int depth) const;
   void join_corners(PolygonMesh& mesh, AssetVertices& made, const Given& given) const;
   void join_groups(PolygonMesh& mesh, AssetVertices& made) const;
 
@@ -85,7 +90,7 @@ class AssetLayers {
   std::unordered_multimap<std::uint64_t, std::int32_t> faces_;
   std::int32_t known_faces_ = 0;
   // Of the primitive that was found last.
-  std::vector<std::int32_t> found_;
+  std::vector<Found> found_;
   std::size_t depth_ = 0;
 };
 
