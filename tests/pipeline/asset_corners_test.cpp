@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pipeline/asset_fixture.h"
+#include "pipeline/glb_draft.h"
 
 namespace planish::test {
 namespace {
@@ -30,41 +31,12 @@ struct Corners {
   json extensions;                                   // of each primitive
 
   [[nodiscard]] std::string glb() const {
-    std::string bytes;
-    json document = {{"asset", {{"version", "2.0"}}},
-                     {"scenes", {{{"nodes", {0}}}}},
-                     {"nodes", {{{"mesh", 0}}}},
-                     {"bufferViews", json::array()},
-                     {"accessors", json::array()}};
-    const auto add = [&](int component, std::size_t count, int width, const std::string& view) {
-      constexpr std::array kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
-      document["bufferViews"].push_back(
-          {{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", view.size()}});
-      document["accessors"].push_back({{"bufferView", document["bufferViews"].size() - 1},
-                                       {"componentType", component},
-                                       {"count", count},
-                                       {"type", kTypes[static_cast<std::size_t>(width - 1)]}});
-      bytes += view;
-      return document["accessors"].size() - 1;
-    };
-    const auto floats = [](const std::vector<double>& values) {
-      std::string view;
-      for (const double value : values) append<float>(view, static_cast<float>(value));
-      return view;
-    };
-    std::vector<double> places;
-    glm::dvec3 low(positions.front()), high(low);
-    for (const glm::dvec3& p : positions) {
-      places.insert(places.end(), {p.x, p.y, p.z});
-      low = glm::min(low, p), high = glm::max(high, p);
-    }
-    const std::size_t at = add(5126, positions.size(), 3, floats(places));
-    document["accessors"][at]["min"] = {low.x, low.y, low.z};
-    document["accessors"][at]["max"] = {high.x, high.y, high.z};
+    GlbDraft draft;
+    const std::size_t at = draft.add_positions(positions);
     json given = {{"POSITION", at}};
     json targets = json::array();
     for (const Numbers& one : attributes) {
-      const std::size_t number = add(5126, positions.size(), one.width, floats(one.values));
+      const std::size_t number = draft.add_floats(one.values, static_cast<std::size_t>(one.width));
       if (one.name.starts_with("target/")) {
         targets.push_back({{one.name.substr(9), number}});
       } else {
@@ -72,22 +44,18 @@ struct Corners {
       }
     }
     for (std::size_t p = 0; p < triangles.size(); ++p) {
-      std::string view;
-      for (const std::int32_t v : triangles[p])
-        append<std::uint32_t>(view, static_cast<std::uint32_t>(v));
-      json primitive = {{"indices", add(5125, triangles[p].size(), 1, view)},
+      json primitive = {{"indices", draft.add_indices(triangles[p])},
                         {"attributes", given},
                         {"extras", {{"part", p}}}};
       if (bare.contains(p)) primitive["attributes"] = {{"POSITION", at}};
       if (!targets.empty()) primitive["targets"] = targets;
       if (!extensions.is_null()) primitive["extensions"] = extensions;
-      document["meshes"][0]["primitives"].push_back(primitive);
+      draft.add_primitive(primitive);
     }
     if (!extensions.is_null())
       for (const auto& [name, value] : extensions.items())
-        document["extensionsUsed"].push_back(name);
-    document["buffers"] = {{{"byteLength", bytes.size()}}};
-    return glb_of(document.dump(), bytes);
+        draft.document["extensionsUsed"].push_back(name);
+    return draft.glb();
   }
 };
 

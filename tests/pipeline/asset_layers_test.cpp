@@ -5,12 +5,12 @@
 #include <cmath>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "pipeline/asset_fixture.h"
+#include "pipeline/glb_draft.h"
 
 namespace planish::test {
 namespace {
@@ -24,61 +24,30 @@ struct Part {
   int material = 0;
   std::vector<glm::dvec3> positions;
   std::map<std::string, std::vector<std::vector<double>>> attributes;
-  std::vector<std::uint32_t> indices;
+  std::vector<std::int32_t> indices;
 };
 
 std::string glb_of_parts(const std::vector<Part>& parts, int materials) {
-  std::string bytes;
-  json document = {{"asset", {{"version", "2.0"}}},
-                   {"scenes", {{{"nodes", {0}}}}},
-                   {"nodes", {{{"mesh", 0}}}},
-                   {"bufferViews", json::array()},
-                   {"accessors", json::array()}};
-  const auto add = [&](int component, std::size_t count, std::size_t width,
-                       const std::string& view) {
-    constexpr std::array kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
-    document["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", view.size()}});
-    document["accessors"].push_back({{"bufferView", document["bufferViews"].size() - 1},
-                                     {"componentType", component},
-                                     {"count", count},
-                                     {"type", kTypes[width - 1]}});
-    bytes += view;
-    return document["accessors"].size() - 1;
-  };
+  GlbDraft draft;
   for (const Part& part : parts) {
-    constexpr double kFar = std::numeric_limits<double>::max();
-    std::string view;
-    glm::dvec3 low(kFar), high(-kFar);
-    for (const glm::dvec3& p : part.positions) {
-      for (int axis = 0; axis < 3; ++axis) append<float>(view, static_cast<float>(p[axis]));
-      low = glm::min(low, p), high = glm::max(high, p);
-    }
     json primitive = {{"material", part.material}};
-    const std::size_t at = add(5126, part.positions.size(), 3, view);
-    document["accessors"][at]["min"] = {low.x, low.y, low.z};
-    document["accessors"][at]["max"] = {high.x, high.y, high.z};
-    primitive["attributes"]["POSITION"] = at;
+    primitive["attributes"]["POSITION"] = draft.add_positions(part.positions);
     for (const auto& [name, values] : part.attributes) {
-      view.clear();
-      for (const std::vector<double>& of : values)
-        for (const double value : of) append<float>(view, static_cast<float>(value));
-      const std::size_t number = add(5126, values.size(), values.front().size(), view);
+      std::vector<double> all;
+      for (const std::vector<double>& of : values) all.insert(all.end(), of.begin(), of.end());
+      const std::size_t number = draft.add_floats(all, values.front().size());
       if (name.starts_with("target/")) {
         primitive["targets"] = {{{name.substr(9), number}}};
       } else {
         primitive["attributes"][name] = number;
       }
     }
-    view.clear();
-    for (const std::uint32_t index : part.indices) append<std::uint32_t>(view, index);
-    primitive["indices"] = add(5125, part.indices.size(), 1, view);
-    document["meshes"][0]["primitives"].push_back(primitive);
+    primitive["indices"] = draft.add_indices(part.indices);
+    draft.add_primitive(primitive);
   }
   for (int m = 0; m < materials; ++m)
-    document["materials"].push_back({{"name", "material " + std::to_string(m)}});
-  document["buffers"] = {{{"byteLength", bytes.size()}}};
-  return glb_of(document.dump(), bytes);
+    draft.document["materials"].push_back({{"name", "material " + std::to_string(m)}});
+  return draft.glb();
 }
 
 constexpr int kSide = 6;
@@ -96,8 +65,7 @@ Part cut_plate(int material, int first, int last, std::size_t turn, double scale
       made.attributes["TEXCOORD_0"].push_back({scale * p.x, scale * p.y});
     }
   const auto add = [&](std::array<int, 3> triangle) {
-    for (std::size_t k = 0; k < 3; ++k)
-      made.indices.push_back(static_cast<std::uint32_t>(triangle[(k + turn) % 3]));
+    for (std::size_t k = 0; k < 3; ++k) made.indices.push_back(triangle[(k + turn) % 3]);
   };
   for (int j = 0; j + 1 < across; ++j)
     for (int i = 0; i + 1 < across; ++i) {
@@ -262,10 +230,10 @@ TEST_F(AssetLayersTest, OtherTrianglesAreNone) {
   fitted_parts({cut_plate(0, 0, kSide, 0, 0.125), back});
   EXPECT_TRUE(warnings_.contains("duplicate-faces"));
   Part wider = cut_plate(1, 2, 4, 0, 0.5);
-  const auto next = static_cast<std::uint32_t>(wider.positions.size());
+  const auto next = static_cast<std::int32_t>(wider.positions.size());
   wider.positions.emplace_back(3, 3, 5);
   wider.attributes["TEXCOORD_0"].push_back({0, 0});
-  for (const std::uint32_t v : {0U, 1U, next}) wider.indices.push_back(v);
+  for (const std::int32_t v : {0, 1, next}) wider.indices.push_back(v);
   EXPECT_THAT(materials_of(fitted_parts({cut_plate(0, 0, kSide, 0, 0.125), wider})),
               ElementsAre(0, 1));
   EXPECT_TRUE(warnings_.contains("duplicate-faces"));
