@@ -43,8 +43,8 @@ static FairDecisions decisions_of(const PolygonMesh& pose, const PolygonMesh& re
   return fair_net(mesh, subdivision, given).decisions;
 }
 
-SurfaceMesh mesh_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
-                        const SystemOptions& options) {
+std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
+                                   const SystemOptions& options) {
   const auto backend = make_cpu_backend();
   FitOptions fitting;
   fitting.method = options.method;
@@ -63,19 +63,11 @@ SurfaceMesh mesh_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
     decisions = decisions_of(whole, without_holes(rest), options);
     fitting.fair_decisions = &decisions;
   }
-  return evaluate(whole, fit(whole, *backend, fitting), *backend, evaluation);
-}
-
-std::vector<Vertex> vertices_of(const SurfaceMesh& surface) {
+  const SurfaceMesh surface = evaluate(whole, fit(whole, *backend, fitting), *backend, evaluation);
   std::vector<Vertex> vertices(surface.positions.size());
   for (std::size_t i = 0; i < vertices.size(); ++i)
     vertices[i] = {glm::vec3(surface.positions[i]), surface.normals[i]};
   return vertices;
-}
-
-std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
-                                   const SystemOptions& options) {
-  return vertices_of(mesh_by_cpu(mesh, rest, options));
 }
 
 Difference difference(const std::vector<Vertex>& a, const std::vector<Vertex>& b) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/surface/surface_mesh.h"
 #include "planish/vulkan/device/buffer.h"
 #include "planish/vulkan/device/submitter.h"
 #include "planish/vulkan/embed.h"
@@ -26,12 +25,8 @@ struct Vertex {
 /// The same mesh, all of whose faces are seen.
 [[nodiscard]] PolygonMesh without_holes(PolygonMesh mesh);
 
-/// The interpolating surface, where only holes are included, by fit() and evaluate() in double on
-/// the CPU, in the order of a System's. Corners have the angles of `rest`.
-[[nodiscard]] SurfaceMesh mesh_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
-                                      const vulkan::SystemOptions& options);
-[[nodiscard]] std::vector<Vertex> vertices_of(const SurfaceMesh& surface);
-/// Its vertices.
+/// The vertices of the interpolating surface, those that only holes name included, by fit() and
+/// evaluate() in double on the CPU, in the order of a System's. Corners have the angles of `rest`.
 [[nodiscard]] std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
                                                  const vulkan::SystemOptions& options);
 
