@@ -22,9 +22,11 @@ TEST_F(Needs, OfAllMeshesOfAnAsset) {
   write("many.glb", large_asset(std::vector<PolygonMesh>(6, ring)));
   write("small.glb", large_asset(std::vector<PolygonMesh>(30, small)));
   write("skins.glb", large_asset({ring, ring}, {{.joints = 40}, {.targets = 8}}));
-  // Weights of joints take more by one method than by the other, and what is left open is not near.
+  // Weights of joints take more by one method than by the other: what is left open is enough for
+  // either.
   for (const auto& [input, method] : {std::pair{"many.glb", "auto"},
                                       {"small.glb", "auto"},
+                                      {"skins.glb", "auto"},
                                       {"skins.glb", "progressive"},
                                       {"skins.glb", "fair"}})
     for (const std::vector<std::string>& how : {std::vector<std::string>{"--levels", "1"},
@@ -33,7 +35,7 @@ TEST_F(Needs, OfAllMeshesOfAnAsset) {
                                                 {"--chord-error", "1e-4"}}) {
       std::vector<std::string> arguments{input, "-o", "a.glb", "--interpolation", method};
       arguments.insert(arguments.end(), how.begin(), how.end());
-      expect_enough(arguments);
+      expect_enough(arguments, input != std::string("skins.glb") || method != std::string("auto"));
     }
 }
 
