@@ -21,7 +21,7 @@ using glm::dvec3;
 namespace {
 
 constexpr std::size_t kCureGrain = 1024;
-// Polygons that two quarters do not cure are beside folds of the mesh, and no smaller one does.
+// Further rounds left no fold less (details.md); looks at the finished surface go on.
 constexpr int kCureRounds = 3;
 // A limit normal is bad where its least cosine with its faces is below this part of the best that
 // any normal there can have.

@@ -12,7 +12,8 @@
 namespace planish {
 
 /// How often a vertex is cured at most: its polygon is then a 256th of what fits beside its faces.
-/// Smaller ones fold as these do, and are no more than a name for a smooth surface.
+/// With smaller ones no measured mesh folded less, and close to them the surface is smooth in name
+/// only.
 inline constexpr int kMostCures = 5;
 
 /// What the cure works on. `face_normals` and `normals`, one per vertex, are unit; `offsets`: the
