@@ -16,6 +16,7 @@
 #include "planish/surface/attributes.h"
 #include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_quality.h"
+#include "quality/true_pieces.h"
 
 namespace planish::quality {
 
@@ -96,55 +97,43 @@ void compare_with_truth(Figures& figures, const SurfaceMesh& surface, const Trut
   note_distances(figures, surface.positions, feet);
 }
 
-// Of each vertex its part, a connected one, counted in the order of their first vertices.
-struct Parts {
-  std::vector<std::int32_t> of_vertex;
-  std::int32_t count = 0;
-
-  explicit Parts(const PolygonMesh& mesh) : of_vertex(mesh.positions.size()) {
-    std::iota(of_vertex.begin(), of_vertex.end(), 0);
-    const auto first = [&](std::int32_t v) {
-      while (of_vertex[v] != v) v = of_vertex[v] = of_vertex[of_vertex[v]];
-      return v;
-    };
-    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-      for (const std::int32_t v : mesh.face(f)) {
-        const auto [low, high] = std::minmax({first(mesh.face(f)[0]), first(v)});
-        of_vertex[high] = low;
-      }
-    }
-    // The first vertex of a part comes before all others of it.
-    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
-      of_vertex[v] = of_vertex[v] == v ? count++ : of_vertex[of_vertex[v]];
-  }
-};
-
-// Where parts cross, what is nearest may be another's: both shapes' parts are drawn apart before
-// they are compared, if they have as many.
-void draw_apart(SurfaceMesh& surface, const FittedMesh& fitted, const PolygonMesh& given,
-                PolygonMesh& source) {
-  const Parts parts(given), true_parts(source);
-  if (parts.count == 1 || parts.count != true_parts.count) return;
-  const glm::dvec3 step(2 * fitted.fit.placement.diagonal, 0, 0);
-  for (std::int32_t v = 0; v < source.vertex_count(); ++v)
-    source.positions[v] += step * static_cast<double>(true_parts.of_vertex[v]);
-  const Parts fitted_parts(fitted.mesh);
-  std::vector<std::int32_t> given_part(fitted_parts.count, 0);
-  for (std::int32_t v = 0; v < fitted.mesh.vertex_count(); ++v) {
-    const std::int32_t own = fitted.source_vertices.empty() ? v : fitted.source_vertices[v];
-    if (own >= 0)
-      given_part[fitted_parts.of_vertex[v]] = parts.of_vertex[own];  // else it was added
-  }
-  std::vector<std::int32_t> of_row(surface.positions.size(), 0);
-  std::int64_t row_face = 0;
+// Each face of a surface against the piece of the shape that its given face was taken from.
+void compare_with_pieces(Figures& figures, const SurfaceMesh& surface, const FittedMesh& fitted,
+                         const TruePieces& pieces) {
+  // How far from its corner towards the face's middle a normal is looked up.
+  constexpr double kInward = 0.01;
+  std::vector<std::int32_t> given_faces;  // of the surface's
   for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
-    const std::int32_t part = given_part[fitted_parts.of_vertex[fitted.mesh.face(f)[0]]];
-    const std::int64_t end = row_face + descendant_count(surface, fitted.mesh.face_size(f));
-    for (; row_face < end; ++row_face)
-      for (const std::int32_t row : surface.face(row_face)) of_row[row] = part;
+    const std::int32_t given = fitted.source_faces.empty() ? f : fitted.source_faces[f];
+    const std::int64_t count = descendant_count(surface, fitted.mesh.face_size(f));
+    given_faces.insert(given_faces.end(), static_cast<std::size_t>(count), given);
   }
-  for (std::size_t row = 0; row < of_row.size(); ++row)
-    surface.positions[row] += step * static_cast<double>(of_row[row]);
+  std::vector<std::int64_t> first_corners(given_faces.size() + 1, 0);
+  for (std::size_t f = 0; f < given_faces.size(); ++f)
+    first_corners[f + 1] = first_corners[f] + std::ssize(surface.face(f));
+  std::vector<glm::dvec3> normals(static_cast<std::size_t>(first_corners.back()));
+  std::vector<double> squares(normals.size());
+  parallel_each(given_faces.size(), 64, [&](std::size_t f) {
+    const auto corners = surface.face(static_cast<std::int64_t>(f));
+    glm::dvec3 middle(0);
+    for (const std::int32_t row : corners)
+      middle += surface.positions[row] / static_cast<double>(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const glm::dvec3& place = surface.positions[corners[i]];
+      const std::size_t at = static_cast<std::size_t>(first_corners[f]) + i;
+      normals[at] = pieces.normal(given_faces[f], place + kInward * (middle - place));
+      squares[at] = pieces.squared_distance(given_faces[f], place);
+    }
+  });
+  note_quality(figures,
+               surface_quality(surface,
+                               [&](std::int64_t face, std::int32_t corner) {
+                                 return normals[first_corners[face] + corner];
+                               }),
+               8 * std::numbers::pi);
+  figures.max_distance = std::sqrt(std::ranges::max(squares));
+  figures.rms_distance = std::sqrt(std::reduce(squares.begin(), squares.end()) /
+                                   static_cast<double>(squares.size()));
 }
 
 }  // namespace
@@ -202,13 +191,7 @@ Figures measure(const Case& what, const FittedMesh& fitted, Backend& backend) {
   if (what.truth) {
     compare_with_truth(figures, surface, what.truth);
   } else {
-    PolygonMesh source = what.source;
-    draw_apart(surface, fitted, what.mesh, source);
-    const SourceComparison comparison =
-        compare_with_source(*blocks_of(surface, fitted.mesh), source);
-    note_quality(figures, comparison.quality, 8 * std::numbers::pi);
-    figures.max_distance = comparison.distances.max;
-    figures.rms_distance = comparison.distances.rms;
+    compare_with_pieces(figures, surface, fitted, TruePieces(what.source, what.mesh));
   }
   const double diagonal = fitted.fit.placement.diagonal;
   figures.max_distance /= diagonal;

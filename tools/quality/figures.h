@@ -41,8 +41,8 @@ struct Figures {
 
 /// Fits and measures at the limit points of a fine tessellation: level 3, or 2 for large meshes.
 [[nodiscard]] Figures measure(const Case& what, const Method& method);
-/// The same of a finished fit, at level 2; each part against its own, where mesh and source have as
-/// many.
+/// The same of a finished fit, at level 2; each face against the piece of the source between sharp
+/// edges that it was taken from.
 [[nodiscard]] Figures measure(const Case& what, const FittedMesh& fitted, Backend& backend);
 
 }  // namespace planish::quality
