@@ -153,10 +153,17 @@ double jump_of(double turn, const Explained& left, const Explained& right) {
   return std::max(0.0, std::abs(turn) - left.turn - right.turn);
 }
 
-Explained explained_by(double turn_behind, double width, double width_behind, double width_before,
-                       const FeatureRules& rules) {
+Explained explained_by(double turn, double turn_behind, double width, double width_behind,
+                       double width_before, const FeatureRules& rules) {
   double whole = turn_behind / 2;
   if (width_behind > 0) whole = std::min(whole, turn_behind * width / (width + width_behind));
+  if (width_before > 0 && width_before <= rules.uneven * width &&
+      width_behind > rules.uneven * width) {
+    // The turn behind is where the smooth surface ends at a plane: all of it is made on this side,
+    // as is half of a turn inside. One that is as large is a chamfer's.
+    const double ends = std::clamp(3 - 4 * turn_behind / turn, 0.0, 1.0);
+    whole += ends * (turn_behind - whole);
+  }
   const double even = width_before > 0 ? std::min(1.0, rules.uneven * width_before / width) : 1.0;
   return {std::min(rules.cap, whole) * even * even, whole * even * even, 0};
 }
@@ -226,7 +233,7 @@ Explained SegmentJumps::explained_by_far(std::int32_t segment, int side,
   if (is_sharp[across.segment]) return {};
   const int behind = 1 - side_of(across.segment, region);
   Explained result =
-      explained_by(std::abs(far.turn), across.width, across_[across.segment][behind].width,
+      explained_by(std::abs(map_.segments[segment].turn), std::abs(far.turn), across.width, across_[across.segment][behind].width,
                    across_[segment][1 - side].width, rules_);
   if (far.turn * map_.segments[segment].turn <= 0) result.turn = 0;
   return result;

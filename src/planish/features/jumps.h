@@ -27,8 +27,9 @@ struct Explained {
 /// the way between them (`width`) is shorter than the way behind (`width_behind`), as a smooth
 /// curve turns by its curvature times the half ways, and less where the way before (`width_before`)
 /// is far shorter: there the surface changes.
-[[nodiscard]] Explained explained_by(double turn_behind, double width, double width_behind,
-                                     double width_before, const FeatureRules& rules);
+[[nodiscard]] Explained explained_by(double turn, double turn_behind, double width,
+                                     double width_behind, double width_before,
+                                     const FeatureRules& rules);
 
 /// The jumps of a mesh's segments.
 class SegmentJumps {
