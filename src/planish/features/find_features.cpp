@@ -21,7 +21,7 @@ namespace {
 // Of the time, what comes first.
 constexpr double kRegions = 0.3, kAcross = 0.5, kMeasured = 0.7, kLabels = 0.9;
 // Sharp edges explain nothing, so that others become sharp: so often at most.
-constexpr int kPasses = 8;
+constexpr int kPasses = 64;
 // Jumps that differ by less, relatively, are as large.
 constexpr double kAsLarge = 1e-6;
 // Vertices with more lines have none that goes on.

@@ -18,7 +18,7 @@ struct FeatureRules {
   /// sides are round, of six not.
   double cap = 14;
   /// A jump from here on is a feature where nothing else speaks.
-  double jump = 30;
+  double jump = 29;
   /// A jump is one where it is so many times what the surfaces around scatter by.
   double spread = 3;
   /// Of the size of a part, as roots of areas: from here on planes are large, and meet in features

@@ -18,6 +18,8 @@ constexpr double kSame = 1e-6;
 constexpr std::size_t kFew = 16;
 // Regions with more segments have no ring that a fit could look at.
 constexpr std::size_t kLargestRing = 12;
+// Of a turn: a line that turns by less, as the diagonal of a twisted quad, is looked through.
+constexpr double kLittle = 0.1;
 
 struct Line {
   glm::dvec2 middle, half;
@@ -227,15 +229,27 @@ Explained SegmentJumps::explained(std::int32_t segment, int side,
 
 Explained SegmentJumps::explained_by_far(std::int32_t segment, int side,
                                          std::span<const char> is_sharp) const {
-  const std::int32_t region = map_.segments[segment].regions[side];
-  const Across& across = across_[segment][side];
+  const Segment& line = map_.segments[segment];
+  std::int32_t region = line.regions[side];
+  Across across = across_[segment][side];
+  int behind = 1 - side_of(across.segment, region);
+  const auto turns_little = [&](std::int32_t far) {
+    return std::abs(map_.segments[far].turn) < kLittle * std::abs(line.turn);
+  };
+  if (!is_sharp[across.segment] && turns_little(across.segment)) {
+    const Across& next = across_[across.segment][behind];
+    if (next.segment >= 0) {
+      region = map_.segments[across.segment].regions[behind];
+      across = {across.width + next.width, next.segment};
+      behind = 1 - side_of(across.segment, region);
+    }
+  }
   const Segment& far = map_.segments[across.segment];
   if (is_sharp[across.segment]) return {};
-  const int behind = 1 - side_of(across.segment, region);
-  Explained result =
-      explained_by(std::abs(map_.segments[segment].turn), std::abs(far.turn), across.width, across_[across.segment][behind].width,
-                   across_[segment][1 - side].width, rules_);
-  if (far.turn * map_.segments[segment].turn <= 0) result.turn = 0;
+  Explained result = explained_by(std::abs(line.turn), std::abs(far.turn), across.width,
+                                  across_[across.segment][behind].width,
+                                  across_[segment][1 - side].width, rules_);
+  if (far.turn * line.turn <= 0) result.turn = 0;
   return result;
 }
 
