@@ -221,6 +221,7 @@ Explained SegmentJumps::explained(std::int32_t segment, int side,
                                   std::span<const char> is_sharp) const {
   const std::int32_t region = map_.segments[segment].regions[side];
   const Across& across = across_[segment][side];
+  if (map_.outlines.of(region).size() > kLargestRing) return {};
   if (across.segment < 0) return fitted(segment, region, is_sharp);
   Explained result = explained_by_far(segment, side, is_sharp);
   result.spread = map_.regions[region].warp;
