@@ -166,7 +166,8 @@ class Labeller {
       for (const std::int32_t corner : topology_.corners_at(v))
         add_line(topology_.edge_of(corner), v, lines);
       std::erase_if(lines, [&](std::int32_t line) {
-        return labels_[line / 2] || !jumps_->is_between_planes(line / 2);
+        const auto& [a, b] = map_.segments[line / 2].regions;
+        return labels_[line / 2] || b < 0 || (!jumps_->is_told(a) && !jumps_->is_told(b));
       });
       double most = 0;
       for (const std::int32_t line : lines) most = std::max(most, jump_[line / 2].jump);
