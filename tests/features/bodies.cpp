@@ -276,6 +276,45 @@ Body sheet(int columns, int rows, const std::function<dvec3(double, double)>& sh
 
 std::int32_t one(int) { return 0; }
 
+// A round wire along a helix, in triangles: its quads are twisted.
+Body coil(Lot& lot) {
+  const int steps = lot.whole(10, 20), sides = lot.whole(8, 16);
+  const double wire = lot.real(0.1, 0.2), pitch = lot.real(0.5, 1);
+  Body body;
+  body.is_planar = false;
+  const auto at = [&](int i, int j) { return i * sides + j % sides; };
+  for (int i = 0; i <= 2 * steps; ++i) {
+    const double turn = kFullTurn * i / steps;
+    const dvec3 out(std::cos(turn), std::sin(turn), 0);
+    const dvec3 along =
+        glm::normalize(dvec3(-std::sin(turn), std::cos(turn), pitch / kFullTurn));
+    const dvec3 up = glm::cross(out, along);
+    for (int j = 0; j < sides; ++j) {
+      const double angle = kFullTurn * j / sides;
+      body.mesh.positions.push_back(out + dvec3(0, 0, pitch * i / steps) +
+                                    wire * (std::cos(angle) * out + std::sin(angle) * up));
+    }
+  }
+  const auto add = [&](const std::vector<std::int32_t>& face, std::int32_t surface) {
+    body.mesh.add_face(face);
+    body.surfaces.push_back(surface);
+  };
+  for (int i = 0; i < 2 * steps; ++i)
+    for (int j = 0; j < sides; ++j) {
+      add({at(i, j), at(i, j + 1), at(i + 1, j + 1)}, 0);
+      add({at(i, j), at(i + 1, j + 1), at(i + 1, j)}, 0);
+    }
+  std::vector<std::int32_t> first, last;
+  for (int j = 0; j < sides; ++j) {
+    first.push_back(at(0, j));
+    last.push_back(at(2 * steps, j));
+  }
+  std::ranges::reverse(first);
+  add(first, kFacet);
+  add(last, kFacet);
+  return body;
+}
+
 std::vector<BodyFamily> make_known() {
   return {
       {"prism",
@@ -376,9 +415,38 @@ std::vector<BodyFamily> make_known() {
       {"rounded box",
        [](Lot& lot) {
          return extruded_body(rounded_rectangle(lot.ratio(1, 3), lot.ratio(1, 3),
-                                                lot.real(0.05, 0.4), lot.whole(3, 8)),
+                                                lot.real(0.05, 0.4), lot.whole(2, 8)),
                               lot.ratio(0.1, 3));
        }},
+      {"chamfered slot",
+       [](Lot& lot) {
+         // Flat ends between narrow chamfers, straight sides and round ones.
+         const int steps = lot.whole(6, 12);
+         const double c = lot.ratio(0.05, 0.3), length = lot.ratio(0.3, 4), height = lot.ratio(0.3, 3);
+         const auto ring = [&](double radius, double z) {
+           Outline2 outline;
+           for (const int side : {0, 1})
+             for (const dvec2& p : arc(side ? -length : length, 0, radius, side ? 90 : -90,
+                                       side ? 270 : 90, steps))
+               outline.push_back(p);
+           return ring_of(outline, z);
+         };
+         const auto band = [&](std::int32_t surface) {
+           return std::vector<std::int32_t>(2 * static_cast<std::size_t>(steps) + 2, surface);
+         };
+         return body_of_rings({ring(1 - c, 0), ring(1, c), ring(1, height + c),
+                               ring(1 - c, height + 2 * c)},
+                              {band(0), band(1), band(2)});
+       }},
+      {"chamfered shaft",
+       [](Lot& lot) {
+         const double c = lot.ratio(0.03, 0.2), height = lot.ratio(0.2, 4);
+         return lathe({{{1 - c, 0}, {1, c}},
+                       {{1, c}, {1, height + c}},
+                       {{1, height + c}, {1 - c, height + 2 * c}}},
+                      lot.whole(12, 40));
+       }},
+      {"coil", [](Lot& lot) { return coil(lot); }},
       {"gear",
        [](Lot& lot) {
          Body body = extruded_body(gear_outline(lot.whole(12, 24), lot.real(0.15, 0.25)),
