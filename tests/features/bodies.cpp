@@ -286,8 +286,7 @@ Body coil(Lot& lot) {
   for (int i = 0; i <= 2 * steps; ++i) {
     const double turn = kFullTurn * i / steps;
     const dvec3 out(std::cos(turn), std::sin(turn), 0);
-    const dvec3 along =
-        glm::normalize(dvec3(-std::sin(turn), std::cos(turn), pitch / kFullTurn));
+    const dvec3 along = glm::normalize(dvec3(-std::sin(turn), std::cos(turn), pitch / kFullTurn));
     const dvec3 up = glm::cross(out, along);
     for (int j = 0; j < sides; ++j) {
       const double angle = kFullTurn * j / sides;
@@ -422,21 +421,22 @@ std::vector<BodyFamily> make_known() {
        [](Lot& lot) {
          // Flat ends between narrow chamfers, straight sides and round ones.
          const int steps = lot.whole(6, 12);
-         const double c = lot.ratio(0.05, 0.3), length = lot.ratio(0.3, 4), height = lot.ratio(0.3, 3);
+         const double c = lot.ratio(0.05, 0.3), length = lot.ratio(0.3, 4),
+                      height = lot.ratio(0.3, 3);
          const auto ring = [&](double radius, double z) {
            Outline2 outline;
            for (const int side : {0, 1})
-             for (const dvec2& p : arc(side ? -length : length, 0, radius, side ? 90 : -90,
-                                       side ? 270 : 90, steps))
+             for (const dvec2& p :
+                  arc(side ? -length : length, 0, radius, side ? 90 : -90, side ? 270 : 90, steps))
                outline.push_back(p);
            return ring_of(outline, z);
          };
          const auto band = [&](std::int32_t surface) {
            return std::vector<std::int32_t>(2 * static_cast<std::size_t>(steps) + 2, surface);
          };
-         return body_of_rings({ring(1 - c, 0), ring(1, c), ring(1, height + c),
-                               ring(1 - c, height + 2 * c)},
-                              {band(0), band(1), band(2)});
+         return body_of_rings(
+             {ring(1 - c, 0), ring(1, c), ring(1, height + c), ring(1 - c, height + 2 * c)},
+             {band(0), band(1), band(2)});
        }},
       {"chamfered shaft",
        [](Lot& lot) {

@@ -132,8 +132,8 @@ void compare_with_pieces(Figures& figures, const SurfaceMesh& surface, const Fit
                                }),
                8 * std::numbers::pi);
   figures.max_distance = std::sqrt(std::ranges::max(squares));
-  figures.rms_distance = std::sqrt(std::reduce(squares.begin(), squares.end()) /
-                                   static_cast<double>(squares.size()));
+  figures.rms_distance =
+      std::sqrt(std::reduce(squares.begin(), squares.end()) / static_cast<double>(squares.size()));
 }
 
 }  // namespace

@@ -1,16 +1,23 @@
 #include "quality/prop_table.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
 #include <glm/geometric.hpp>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "make_scenes/random_numbers.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/features/find_features.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "quality/outcome_table.h"
 #include "quality/prop_shapes.h"
+#include "quality/true_pieces.h"
 #include "quality/truth.h"
 
 namespace planish::quality {
@@ -58,6 +65,29 @@ std::vector<std::pair<std::string, MeshFitOptions>> all_flags() {
   return all;
 }
 
+// Edges that are sharp in the shapes, and others, by what is found in the props.
+struct EdgeTally {
+  std::int64_t found = 0, missed = 0, more = 0;
+
+  void add(const Case& made) {
+    const TruePieces pieces(made.source, made.mesh);
+    const MeshTopology topology(made.mesh);
+    std::set<std::pair<std::int32_t, std::int32_t>> sharp;
+    for (const CreaseEdge& edge : find_features(made.mesh, topology).sharp_edges())
+      sharp.insert(std::minmax(edge.v0, edge.v1));
+    for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+      const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
+      if (twin < 0) continue;
+      const auto [v, w] = topology.edge_vertices(e);
+      const bool is_found = sharp.contains(std::minmax(v, w));
+      const bool is_sharp = pieces.are_apart(topology.face_of(corner), topology.face_of(twin));
+      found += is_sharp && is_found ? 1 : 0;
+      missed += is_sharp && !is_found ? 1 : 0;
+      more += !is_sharp && is_found ? 1 : 0;
+    }
+  }
+};
+
 }  // namespace
 
 std::vector<NamedCase> prop_cases() {
@@ -79,14 +109,23 @@ std::vector<NamedCase> prop_cases() {
 std::vector<std::string> print_prop_table(const std::vector<NamedCase>& cases) {
   const auto backend = make_cpu_backend();
   OutcomeTable table(false);
+  std::array<EdgeTally, 2> edges;
   for (const NamedCase& named : cases) {
     const Case made = named.make();
     std::vector<Outcome> others;
     for (const auto& [flags, options] : all_flags())
       others.push_back(fitted(made, flags, options, *backend));
     table.add(made, nullptr, fitted(made, "", {}, *backend), others);
+    edges[made.is_held_out ? 1 : 0].add(made);
   }
-  return table.finish();
+  std::vector<std::string> wrong = table.finish();
+  for (const bool is_held_out : {false, true}) {
+    const EdgeTally& tally = edges[is_held_out ? 1 : 0];
+    std::printf("%s: %lld sharp edges found, %lld missed, %lld more\n",
+                is_held_out ? "held out (*)" : "others", static_cast<long long>(tally.found),
+                static_cast<long long>(tally.missed), static_cast<long long>(tally.more));
+  }
+  return wrong;
 }
 
 }  // namespace planish::quality

@@ -17,6 +17,10 @@ class TruePieces {
  public:
   TruePieces(const PolygonMesh& shape, const PolygonMesh& coarse);
 
+  /// Whether a sharp edge of the shape lies between two coarse faces.
+  [[nodiscard]] bool are_apart(std::int32_t coarse_face, std::int32_t other) const {
+    return of_face_[coarse_face] != of_face_[other];
+  }
   /// The normal, of any length, at the nearest place of the piece of a coarse face.
   [[nodiscard]] glm::dvec3 normal(std::int32_t coarse_face, const glm::dvec3& place) const;
   /// To the nearest place of the piece of a coarse face.

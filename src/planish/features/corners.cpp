@@ -156,7 +156,8 @@ class CornerFinder {
     if (turn <= 0) return {};
     const std::int32_t behind =
         ends_[way.vertex][0] == way.from ? ends_[way.vertex][1] : ends_[way.vertex][0];
-    return explained_by(turns_[v], turn, way.length, go(way.vertex, behind).length, width_before, rules_);
+    return explained_by(turns_[v], turn, way.length, go(way.vertex, behind).length, width_before,
+                        rules_);
   }
 
   [[nodiscard]] double jump(std::int32_t v) const {

@@ -247,9 +247,9 @@ Explained SegmentJumps::explained_by_far(std::int32_t segment, int side,
   }
   const Segment& far = map_.segments[across.segment];
   if (is_sharp[across.segment]) return {};
-  Explained result = explained_by(std::abs(line.turn), std::abs(far.turn), across.width,
-                                  across_[across.segment][behind].width,
-                                  across_[segment][1 - side].width, rules_);
+  Explained result =
+      explained_by(std::abs(line.turn), std::abs(far.turn), across.width,
+                   across_[across.segment][behind].width, across_[segment][1 - side].width, rules_);
   if (far.turn * line.turn <= 0) result.turn = 0;
   return result;
 }
