@@ -16,12 +16,10 @@ WRITE(7, vec4, result);
 #include "fair_crease.glsl"
 #include "fair_walk.glsl"
 
-// Where arms differ by more than this part of the shorter, the handle is the chord's alone.
-const float kUnevenArms = 0.4;
 // A handle may pass the shorter arm by this factor.
 const float kLongestFactor = 1.15;
 
-vec3 chord_handle(CreaseArms arms) {
+vec3 crease_handle(CreaseArms arms) {
   float before = safe_length(arms.before), after = safe_length(arms.after);
   if (!(before > 0.0) || !(after > 0.0)) return vec3(0.0);
   // Along arms.before / before^2 - arms.after / after^2, whose squares might leave the floats.
@@ -87,16 +85,12 @@ void main() {
     CreaseArms arms =
         CreaseArms((given_at(crease.before).xyz - own) / 4.0, (given_at(crease.after).xyz - own) / 4.0);
     float share = shares_at(crease.vertex);
-    vec3 handle, shift = vec3(0.0);
+    vec3 handle = crease_handle(arms), shift = vec3(0.0);
     if (share > 0.0) {
       vec3 before = points_at(crease.before).xyz, after = points_at(crease.after).xyz;
       vec3 point = points_at(crease.vertex).xyz;
-      handle = share * (before - after) / 8.0 + (1.0 - share) * chord_handle(arms);
+      handle = share * (before - after) / 8.0 + (1.0 - share) * handle;
       shift = (own - point) - ((before - point) + (after - point)) / 8.0;
-    } else {
-      float chord_share = min(arm_imbalance(arms) / kUnevenArms, 1.0);
-      handle = (1.0 - chord_share) * (arms.before - arms.after) / 2.0 +
-               chord_share * chord_handle(arms);
     }
     handle = in_planes(crease, handle);
     handle *= corridor_factor(crease, own, handle);

@@ -130,12 +130,12 @@ struct Prepared {
 // The twin of fair_handles.
 SectorShape crease_shape(const DeviceNet& net, const Prepared& from, std::int32_t v) {
   const CreaseArms arms = crease_arms(net.topology, net.given, v);
-  SectorShape shape{crease_handle(arms, imbalance(arms)), from.shares[v], dvec3(0.0)};
+  SectorShape shape{crease_handle(arms), from.shares[v], dvec3(0.0)};
   if (shape.share > 0) {
     const auto [before, after] = net.topology.crease_neighbours(v);
     const std::vector<dvec3>& points = from.points;
-    shape.handle = shape.share * (points[before] - points[after]) / 8.0 +
-                   (1 - shape.share) * chord_handle(arms);
+    shape.handle =
+        shape.share * (points[before] - points[after]) / 8.0 + (1 - shape.share) * shape.handle;
     shape.tensor_shift =
         net.given[v] - points[v] - (points[before] + points[after] - 2.0 * points[v]) / 8.0;
   }

@@ -11,8 +11,6 @@ using glm::dvec3;
 
 namespace {
 
-// Where arms differ by more than this part of the shorter, the handle is the chord's alone.
-constexpr double kUnevenArms = 0.4;
 // A handle may pass the shorter arm by this factor.
 constexpr double kLongestHandle = 1.15;
 // Of the other edge's distance from the curve: how far a handle may lead into a face.
@@ -77,7 +75,7 @@ double corridor_factor(const FairTopology& topology, std::span<const dvec3> give
   return std::max(factor, kLeastCorridorFactor);
 }
 
-dvec3 chord_handle(const CreaseArms& arms) {
+dvec3 crease_handle(const CreaseArms& arms) {
   const double before = glm::length(arms.before), after = glm::length(arms.after);
   if (!(before > 0) || !(after > 0)) return dvec3(0.0);
   const dvec3 direction = arms.before / (before * before) - arms.after / (after * after);
@@ -85,12 +83,6 @@ dvec3 chord_handle(const CreaseArms& arms) {
   if (!(length > 0)) return dvec3(0.0);  // a cusp: both arms the same way
   return direction *
          (std::min((before + after) / 2, kLongestHandle * std::min(before, after)) / length);
-}
-
-dvec3 crease_handle(const CreaseArms& arms, double rho) {
-  const double chord_share = std::min(rho / kUnevenArms, 1.0);
-  const dvec3 mean = (arms.before - arms.after) / 2.0;
-  return (1 - chord_share) * mean + chord_share * chord_handle(arms);
 }
 
 }  // namespace planish

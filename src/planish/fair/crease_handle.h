@@ -20,8 +20,10 @@ struct CreaseArms {
 [[nodiscard]] double imbalance(const CreaseArms& arms);
 
 /// The offset of the curve point towards the vertex before; the other is its negative, so that
-/// their middle is the vertex. For vertices outside regular grids.
-[[nodiscard]] glm::dvec3 crease_handle(const CreaseArms& arms, double rho);
+/// their middle is the vertex. Along the tangent of the circle through the vertex and its
+/// neighbours, as long as the arms on average, limited by the shorter one; 0 at a cusp. For
+/// vertices outside regular grids.
+[[nodiscard]] glm::dvec3 crease_handle(const CreaseArms& arms);
 
 /// What a handle is to be scaled by, at least 0.02, so that it stays in a corridor along the curve:
 /// in each face beside the sharp edges at the vertex it moves into the face by at most a twelfth of
@@ -31,9 +33,5 @@ struct CreaseArms {
                                      std::span<const glm::dvec3> given,
                                      std::span<const glm::dvec3> face_normals, std::int32_t vertex,
                                      const glm::dvec3& handle);
-
-/// Along the tangent of the circle through the vertex and its neighbours, limited by the shorter
-/// arm: crease_handle() of uneven arms.
-[[nodiscard]] glm::dvec3 chord_handle(const CreaseArms& arms);
 
 }  // namespace planish

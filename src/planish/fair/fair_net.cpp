@@ -127,11 +127,11 @@ void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed, const Callb
 
 void NetBuilder::build_crease(std::int32_t vertex) {
   const CreaseArms arms = crease_arms(topology, given, vertex);
-  SectorShape shape{crease_handle(arms, imbalance(arms)), shares[vertex], dvec3(0.0)};
+  SectorShape shape{crease_handle(arms), shares[vertex], dvec3(0.0)};
   if (shape.share > 0) {
     const auto [before, after] = topology.crease_neighbours(vertex);
-    shape.handle = shape.share * (points[before] - points[after]) / 8.0 +
-                   (1 - shape.share) * chord_handle(arms);
+    shape.handle =
+        shape.share * (points[before] - points[after]) / 8.0 + (1 - shape.share) * shape.handle;
     shape.tensor_shift =
         (given[vertex] - points[vertex]) -
         ((points[before] - points[vertex]) + (points[after] - points[vertex])) / 8.0;
