@@ -120,6 +120,7 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   }
   SurfaceWriteOptions how;
   how.fields = fields;
+  how.is_z_up = options.z_up;
   how.callbacks = options.callbacks;
   if (options.materials != nullptr)
     how.materials = {&options.materials->library, path.parent_path(), &options.materials->gltf};
@@ -157,7 +158,7 @@ void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
   write_mesh(options.cage, *format, control_cage(fitted.mesh, fitted.fit, fitted.options.sharp),
              {.header = {},
               .subdivision = {},
-              .is_z_up = false,
+              .is_z_up = options.z_up,
               .materials = {&materials.library, options.cage.parent_path()}});
 }
 

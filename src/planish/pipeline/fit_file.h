@@ -24,7 +24,7 @@ struct FitFileOptions {
   /// Nodes name them by MSFT_lod.
   std::vector<int> coarser_levels{};
   std::filesystem::path cage;  ///< also written; empty: none
-  bool z_up = false;           ///< turns a Z-up model upright in glTF
+  bool z_up = false;           ///< turns a Z-up model upright in glTF, and is told to USD
   /// Sharp are also edges where the normals of glTF, OBJ or PLY are split (see FileBytes).
   bool split_normals = false;
   /// A glTF that becomes one, without a cage, keeps nodes, materials, textures, skins, morphs and
