@@ -13,7 +13,7 @@ static void test_errors(void) {
   planish_mesh *mesh = NULL, *cage = NULL;
   planish_fit* fit = NULL;
   planish_surface* surface = NULL;
-  planish_fit_options options;
+  planish_options* options = options_with("interpolation", "progressive");
   planish_fit_info info;
   planish_surface_arrays arrays;
   planish_verification found;
@@ -21,14 +21,12 @@ static void test_errors(void) {
   memcpy(positions, kPositions, sizeof positions);
   positions[23] = 3;
   given.positions = positions;
-  planish_fit_options_init(&options, sizeof options);
   planish_fit_info_init(&info, sizeof info);
   planish_surface_arrays_init(&arrays, sizeof arrays);
   planish_verification_init(&found, sizeof found);
-  options.method = PLANISH_METHOD_PROGRESSIVE;
-  options.max_iterations = 1;
+  set(options, "max_iterations", "1");
   EXPECT(planish_mesh_create(&given, &mesh) == PLANISH_OK);
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_NOT_CONVERGED);
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_NOT_CONVERGED);
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK);
   EXPECT(planish_fit_evaluate(fit, 1, &surface) == PLANISH_OK);
   EXPECT(planish_surface_view(surface, &arrays) == PLANISH_OK && arrays.base_count == 8);
@@ -44,11 +42,12 @@ static void test_errors(void) {
   EXPECT(fabs(info.max_error - sqrt(largest) / info.diagonal) < 1e-12);
   EXPECT(fabs(info.rms_error - sqrt(sum / 8) / info.diagonal) < 1e-12);
   EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
-  EXPECT(planish_verify(cage, mesh, &options, &found) == PLANISH_OK && !found.confirmed);
+  EXPECT(planish_verify(cage, mesh, options, &found) == PLANISH_OK && !found.confirmed);
   EXPECT(fabs(found.max_error - info.max_error) < 1e-12);
   EXPECT(fabs(found.rms_error - info.rms_error) < 1e-12);
   planish_surface_free(surface);
   planish_fit_free(fit);
+  planish_options_free(options);
   planish_mesh_free(cage);
   planish_mesh_free(mesh);
 }
@@ -118,19 +117,18 @@ static void check_derivatives(const planish_queries* queries, const planish_plac
 }
 
 static void test_derivatives(void) {
-  planish_fit_options rounded;
+  planish_options* rounded = options_with("creases", "use");
   static const planish_place places[] = {{2, 0.3, 0.4}, {5, 0.7, 0.1}, {0, 0.62, 0.81}};
   planish_mesh* mesh = cube();
   planish_fit* fit = NULL;
   planish_queries* queries = NULL;
   size_t i;
-  planish_fit_options_init(&rounded, sizeof rounded);
-  rounded.creases = "use";
-  EXPECT(planish_fit_create(mesh, &rounded, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, rounded, &fit) == PLANISH_OK);
   EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
   for (i = 0; i < 3; ++i) check_derivatives(queries, places + i);
   planish_queries_free(queries);
   planish_fit_free(fit);
+  planish_options_free(rounded);
   planish_mesh_free(mesh);
 }
 

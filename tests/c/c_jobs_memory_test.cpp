@@ -39,9 +39,15 @@ std::vector<std::int64_t> looked_at(std::int64_t count) {
 class CJobsMemory : public testing::Test {
  protected:
   CJobsMemory() {
-    planish_fit_options_init(&options_, sizeof options_);
-    options_.thread_count = 1;
-    options_.creases = "use";
+    EXPECT_EQ(planish_options_create(&options_), PLANISH_OK);
+    set("threads", "1");
+    set("creases", "use");
+    set("levels", "1");
+  }
+  ~CJobsMemory() override { planish_options_free(options_); }
+
+  void set(const char* name, const char* value) {
+    EXPECT_EQ(planish_options_set(options_, name, value), PLANISH_OK) << planish_last_error();
   }
 
   [[nodiscard]] std::filesystem::path given(const char* name, const PolygonMesh& mesh) const {
@@ -56,7 +62,7 @@ class CJobsMemory : public testing::Test {
     SCOPED_TRACE(input.filename().string() + " to " + output);
     const std::filesystem::path path = results_.path() / output;
     const auto job = [&] {
-      return planish_fit_file(input.c_str(), path.c_str(), 1, &options_, nullptr);
+      return planish_fit_file(input.c_str(), path.c_str(), options_, nullptr);
     };
     ASSERT_EQ(job(), end) << planish_last_error();  // threads keep some of what they took
     planish_status status = PLANISH_INTERNAL_ERROR;
@@ -83,7 +89,7 @@ class CJobsMemory : public testing::Test {
   const oneapi::tbb::global_control one_thread_{
       oneapi::tbb::global_control::max_allowed_parallelism, 1};
   const TemporaryFolder folder_, results_;
-  planish_fit_options options_;
+  planish_options* options_ = nullptr;
 };
 
 TEST_F(CJobsMemory, MeshesToEveryFormat) {
@@ -94,17 +100,19 @@ TEST_F(CJobsMemory, MeshesToEveryFormat) {
 
 // A result that is not as it was asked for is there, and its words fail nothing.
 TEST_F(CJobsMemory, WhatKeepsNoLimits) {
-  options_.step_tolerance = 1e-30;
+  set("step_tolerance", "1e-30");
   expect_clean_ends(given("cube.off", cube()), "a.step", PLANISH_NOT_CONVERGED);
-  options_.method = PLANISH_METHOD_PROGRESSIVE;
-  options_.max_iterations = 1;
+  set("interpolation", "progressive");
+  set("max_iterations", "1");
   expect_clean_ends(given("open.ply", random_open_mesh(2)), "a.ply", PLANISH_NOT_CONVERGED);
 }
 
 // From OBJ a document is made, from glTF that of the file is changed in place.
 TEST_F(CJobsMemory, GltfBothWays) {
   const auto mesh = given("laden.obj", laden_mesh(1)), asset = folder_.path() / "laden.glb";
-  ASSERT_EQ(planish_fit_file(mesh.c_str(), asset.c_str(), 0, &options_, nullptr), PLANISH_OK);
+  set("levels", "0");
+  ASSERT_EQ(planish_fit_file(mesh.c_str(), asset.c_str(), options_, nullptr), PLANISH_OK);
+  set("levels", "1");
   for (const char* name : {"a.gltf", "a.glb"}) {
     expect_clean_ends(mesh, name);
     expect_clean_ends(asset, name);
@@ -114,8 +122,8 @@ TEST_F(CJobsMemory, GltfBothWays) {
 
 TEST_F(CJobsMemory, OpenMeshesByBothMethods) {
   const auto mesh = given("open.ply", random_open_mesh(2));
-  for (const int method : {PLANISH_METHOD_PROGRESSIVE, PLANISH_METHOD_FAIR}) {
-    options_.method = method;
+  for (const char* method : {"progressive", "fair"}) {
+    set("interpolation", method);
     expect_clean_ends(mesh, "a.ply");
     expect_clean_ends(mesh, "a.step");
   }
@@ -123,8 +131,8 @@ TEST_F(CJobsMemory, OpenMeshesByBothMethods) {
 
 TEST_F(CJobsMemory, BothSchemes) {
   const auto mesh = given("prism.off", prism(5));
-  for (const int scheme : {PLANISH_SCHEME_DOO_SABIN, PLANISH_SCHEME_CATMULL_CLARK}) {
-    options_.scheme = scheme;
+  for (const char* scheme : {"doo-sabin", "catmull-clark"}) {
+    set("scheme", scheme);
     expect_clean_ends(mesh, "a.ply");
     expect_clean_ends(mesh, "a.step");
   }

@@ -17,10 +17,15 @@
 namespace planish::test {
 namespace {
 
-planish_fit_options one_thread_options() {
-  planish_fit_options options;
-  planish_fit_options_init(&options, sizeof options);
-  options.thread_count = 1;
+// The defaults on one thread, by a method; NULL: the default one.
+planish_options* one_thread_options(const char* method = nullptr) {
+  planish_options* options = nullptr;
+  EXPECT_EQ(planish_options_create(&options), PLANISH_OK);
+  EXPECT_EQ(planish_options_set(options, "threads", "1"), PLANISH_OK);
+  EXPECT_EQ(planish_options_set(options, "levels", "1"), PLANISH_OK);
+  if (method != nullptr) {
+    EXPECT_EQ(planish_options_set(options, "interpolation", method), PLANISH_OK);
+  }
   return options;
 }
 
@@ -84,9 +89,21 @@ TEST(CMemory, EveryFunctionSaysThatThereIsNone) {
   const std::string surface_path = (folder.path() / "surface.ply").string();
   const PolygonMesh torus = test::torus(4, 3, 3, 1);
   const planish_mesh_arrays arrays = arrays_of(torus);
-  const planish_fit_options options = one_thread_options();
-  planish_fit_options progressive = options;
-  progressive.method = PLANISH_METHOD_PROGRESSIVE;
+  planish_options* made_here =
+      made<planish_options>("planish_options_create", planish_options_free, planish_options_create);
+  expect_no_memory("planish_options_set", [&] {
+    // Longer than what stands in a string itself.
+    return planish_options_set(made_here, "step_tolerance", "0.0000000000000000000000000000000001");
+  });
+  const char* text = nullptr;
+  ASSERT_EQ(planish_options_get(made_here, "step_tolerance", &text), PLANISH_OK);
+  EXPECT_STREQ(text, "1e-34");
+  const std::int32_t sharp[] = {0, 1};
+  expect_no_memory("planish_options_set_sharp",
+                   [&] { return planish_options_set_sharp(made_here, sharp, 1, sharp, 2); });
+  planish_options_free(made_here);
+  planish_options* options = one_thread_options();
+  planish_options* progressive = one_thread_options("progressive");
   planish_mesh* mesh = made<planish_mesh>(
       "planish_mesh_create", planish_mesh_free,
       [&](planish_mesh** handle) { return planish_mesh_create(&arrays, handle); });
@@ -97,9 +114,9 @@ TEST(CMemory, EveryFunctionSaysThatThereIsNone) {
       [&](planish_mesh** handle) { return planish_mesh_read(mesh_path.c_str(), handle); });
   planish_fit* fit = made<planish_fit>(
       "planish_fit_create", planish_fit_free,
-      [&](planish_fit** handle) { return planish_fit_create(mesh, &options, handle); });
+      [&](planish_fit** handle) { return planish_fit_create(mesh, options, handle); });
   planish_fit* of_cage = nullptr;
-  ASSERT_EQ(planish_fit_create(mesh, &progressive, &of_cage), PLANISH_OK);
+  ASSERT_EQ(planish_fit_create(mesh, progressive, &of_cage), PLANISH_OK);
   planish_mesh* cage =
       made<planish_mesh>("planish_fit_cage", planish_mesh_free,
                          [&](planish_mesh** handle) { return planish_fit_cage(of_cage, handle); });
@@ -116,12 +133,12 @@ TEST(CMemory, EveryFunctionSaysThatThereIsNone) {
   expect_no_memory("planish_fit_write",
                    [&] { return planish_fit_write(fit, 1, surface_path.c_str()); });
   expect_no_memory("planish_fit_file", [&] {
-    return planish_fit_file(mesh_path.c_str(), surface_path.c_str(), 1, &options, nullptr);
+    return planish_fit_file(mesh_path.c_str(), surface_path.c_str(), options, nullptr);
   });
   planish_verification found;
   planish_verification_init(&found, sizeof found);
   expect_no_memory("planish_verify",
-                   [&] { return planish_verify(cage, mesh, &progressive, &found); });
+                   [&] { return planish_verify(cage, mesh, progressive, &found); });
 
   const planish_place place{0, 0.5, 0.5};
   const double point[] = {9, 1, 2}, direction[] = {-1, 0, 0};
@@ -144,6 +161,8 @@ TEST(CMemory, EveryFunctionSaysThatThereIsNone) {
   planish_surface_free(surface);
   planish_fit_free(fit);
   planish_fit_free(of_cage);
+  planish_options_free(options);
+  planish_options_free(progressive);
   for (planish_mesh* handle : {cage, read, mesh}) planish_mesh_free(handle);
 }
 
@@ -172,11 +191,11 @@ TEST(CMemory, EditorsGoOnWhereThereWasNone) {
   const planish_mesh_arrays arrays = arrays_of(torus);
   planish_mesh* mesh = nullptr;
   ASSERT_EQ(planish_mesh_create(&arrays, &mesh), PLANISH_OK);
-  for (const int method : {PLANISH_METHOD_PROGRESSIVE, PLANISH_METHOD_FAIR}) {
-    planish_fit_options options = one_thread_options();
-    options.method = method;
+  for (const char* method : {"progressive", "fair"}) {
+    planish_options* options = one_thread_options(method);
     planish_fit* fit = nullptr;
-    ASSERT_EQ(planish_fit_create(mesh, &options, &fit), PLANISH_OK);
+    ASSERT_EQ(planish_fit_create(mesh, options, &fit), PLANISH_OK);
+    planish_options_free(options);
     planish_editor* editor = made<planish_editor>(
         "planish_editor_create", planish_editor_free,
         [&](planish_editor** handle) { return planish_editor_create(fit, 1, handle); });

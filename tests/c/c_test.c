@@ -55,17 +55,14 @@ static void test_fit(void) {
   planish_mesh* mesh = cube();
   planish_fit* fit = NULL;
   planish_surface* surface = NULL;
-  planish_fit_options options;
+  planish_options* options = options_with("tolerance", "1e-10");
   planish_fit_info info;
   planish_surface_arrays arrays;
   int steps = 0;
-  planish_fit_options_init(&options, sizeof options);
   planish_fit_info_init(&info, sizeof info);
   planish_surface_arrays_init(&arrays, sizeof arrays);
-  options.tolerance = 1e-10;
-  options.progress = count_steps;
-  options.user = &steps;
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  planish_options_on_progress(options, count_steps, &steps);
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
   EXPECT(steps > 0);
   planish_mesh_free(mesh); /* the fit needs it no more */
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK);
@@ -76,21 +73,22 @@ static void test_fit(void) {
   EXPECT(arrays.face_count == 96 && arrays.face_offsets == NULL && arrays.base_count == 8);
   check_surface(&arrays, 1e-10 * sqrt(3.0));
   planish_surface_free(surface);
-  options.progress = cancel;
+  planish_options_on_progress(options, cancel, NULL);
   mesh = cube();
   surface = NULL;
   planish_fit_free(fit);
   fit = NULL;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_CANCELLED, "cancelled");
+  EXPECT_REFUSED(planish_fit_create(mesh, options, &fit), PLANISH_CANCELLED, "cancelled");
   EXPECT(fit == NULL);
-  options.progress = NULL;
-  options.max_iterations = 1;
-  options.method = PLANISH_METHOD_PROGRESSIVE;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_NOT_CONVERGED,
+  planish_options_on_progress(options, NULL, NULL);
+  set(options, "max_iterations", "1");
+  set(options, "interpolation", "progressive");
+  EXPECT_REFUSED(planish_fit_create(mesh, options, &fit), PLANISH_NOT_CONVERGED,
                  " of the diagonal after iteration 1, and options.tolerance ");
   EXPECT(fit != NULL && planish_fit_get_info(fit, &info) == PLANISH_OK && !info.converged);
-  EXPECT(info.iterations == 1 && info.method == PLANISH_METHOD_PROGRESSIVE);
+  EXPECT(info.iterations == 1 && strcmp(info.interpolation, "progressive") == 0);
   planish_fit_free(fit);
+  planish_options_free(options);
   planish_mesh_free(mesh);
 }
 
@@ -125,22 +123,20 @@ static void test_queries(void) {
   planish_queries* queries = NULL;
   planish_surface *coarse = NULL, *fine = NULL;
   planish_surface_arrays coarse_arrays, fine_arrays;
-  planish_fit_options options;
+  planish_options* options = options_with("tolerance", "1e-10");
   planish_place_answers on;
   planish_closest_answers near_to;
   planish_ray_answers hits;
   const char *code = NULL, *message = NULL;
   size_t i;
-  planish_fit_options_init(&options, sizeof options);
   planish_place_answers_init(&on, sizeof on);
   planish_closest_answers_init(&near_to, sizeof near_to);
   planish_ray_answers_init(&hits, sizeof hits);
   planish_surface_arrays_init(&coarse_arrays, sizeof coarse_arrays);
   planish_surface_arrays_init(&fine_arrays, sizeof fine_arrays);
-  options.tolerance = 1e-10;
-  options.thread_count = 1;
-  options.creases = "use";
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  set(options, "threads", "1");
+  set(options, "creases", "use");
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
   EXPECT(planish_fit_tessellate(fit, 1e-2, 0, &coarse) == PLANISH_OK);
   EXPECT(planish_fit_tessellate(fit, 1e-3, 20, &fine) == PLANISH_OK);
   EXPECT(planish_surface_view(coarse, &coarse_arrays) == PLANISH_OK);
@@ -152,8 +148,9 @@ static void test_queries(void) {
   EXPECT(planish_surface_warning_count(fine) == 0 && planish_surface_warning_count(NULL) == 0);
   planish_surface_free(coarse);
   planish_surface_free(fine);
-  options.method = PLANISH_METHOD_PROGRESSIVE;
-  EXPECT(planish_fit_create(folded, &options, &folded_fit) == PLANISH_OK);
+  set(options, "interpolation", "progressive");
+  EXPECT(planish_fit_create(folded, options, &folded_fit) == PLANISH_OK);
+  planish_options_free(options);
   EXPECT(planish_fit_tessellate(folded_fit, 0, 5, &fine) == PLANISH_OK);
   EXPECT(planish_surface_warning_count(fine) == 1);
   EXPECT(planish_surface_warning(fine, 0, &code, &message) == PLANISH_OK);
@@ -208,12 +205,11 @@ static void test_wrong_queries(void) {
   planish_mesh* mesh = cube();
   planish_fit* fit = NULL;
   planish_queries *queries = NULL, *none = NULL;
-  planish_fit_options options;
+  planish_options* options = options_with("scheme", "catmull-clark");
   planish_place_answers on;
   planish_closest_answers near_to;
   planish_ray_answers hits;
   double at[3] = {7, 7, 7}, no_number[3] = {0, 0, 0};
-  planish_fit_options_init(&options, sizeof options);
   planish_place_answers_init(&on, sizeof on);
   planish_closest_answers_init(&near_to, sizeof near_to);
   planish_ray_answers_init(&hits, sizeof hits);
@@ -246,10 +242,11 @@ static void test_wrong_queries(void) {
   planish_queries_free(NULL);
   planish_fit_free(fit);
   fit = NULL;
-  options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
-  options.max_iterations = 2;
-  EXPECT(planish_fit_create(mesh, &options, &fit) != PLANISH_INVALID_ARGUMENT);
-  EXPECT_REFUSED(planish_queries_create(fit, &none), PLANISH_INVALID_ARGUMENT, "DOO_SABIN");
+  set(options, "max_iterations", "2");
+  EXPECT(planish_fit_create(mesh, options, &fit) != PLANISH_INVALID_ARGUMENT);
+  EXPECT_REFUSED(planish_queries_create(fit, &none), PLANISH_INVALID_ARGUMENT,
+                 "take options.scheme doo-sabin");
+  planish_options_free(options);
   planish_fit_free(fit);
   planish_mesh_free(mesh);
 }
@@ -260,12 +257,11 @@ static void test_verify(void) {
   planish_fit* fit = NULL;
   planish_mesh_arrays view;
   planish_verification found;
-  planish_fit_options options;
-  planish_fit_options_init(&options, sizeof options);
-  options.method = PLANISH_METHOD_PROGRESSIVE;
+  planish_options* options = options_with("interpolation", "progressive");
   planish_mesh_arrays_init(&view, sizeof view);
   planish_verification_init(&found, sizeof found);
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
+  planish_options_free(options);
   EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
   EXPECT(planish_verify(cage, mesh, NULL, &found) == PLANISH_OK);
   EXPECT(found.confirmed && found.vertex_count == 8 && found.max_error <= 1e-6);
@@ -280,6 +276,36 @@ static void test_verify(void) {
   planish_mesh_free(mesh);
 }
 
+/* What was found to be sharp is handed on to who verifies, who looks for nothing then. */
+static void test_verify_sharp(void) {
+  planish_mesh *mesh = cube(), *cage = NULL;
+  planish_fit* fit = NULL;
+  planish_options* options = options_with("interpolation", "fair");
+  planish_verification found;
+  const int32_t *edges = NULL, *corners = NULL;
+  size_t edge_count = 0, corner_count = 0;
+  planish_verification_init(&found, sizeof found);
+  set(options, "creases", "auto");
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_sharp(fit, &edges, &edge_count, &corners, &corner_count) == PLANISH_OK);
+  EXPECT(edge_count == 12);
+  EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
+  EXPECT(planish_verify(cage, mesh, options, &found) == PLANISH_OK && found.confirmed);
+  set(options, "creases", "use");
+  EXPECT_REFUSED(planish_verify(cage, mesh, options, &found), PLANISH_UNUSABLE_MESH,
+                 "54 faces for 26");
+  EXPECT(planish_options_set_sharp(options, edges, edge_count, corners, corner_count) ==
+         PLANISH_OK);
+  planish_fit_free(fit);
+  EXPECT(planish_verify(cage, mesh, options, &found) == PLANISH_OK && found.confirmed);
+  EXPECT(planish_options_set_sharp(options, NULL, 0, NULL, 0) == PLANISH_OK);
+  EXPECT_REFUSED(planish_verify(cage, mesh, options, &found), PLANISH_UNUSABLE_MESH,
+                 "54 faces for 26");
+  planish_options_free(options);
+  planish_mesh_free(cage);
+  planish_mesh_free(mesh);
+}
+
 /* An open cage is of its weights and its rule of boundaries: verified with these alone. */
 static void test_verify_shapes(void) {
   static const double positions[] = {0,   0, 0, 1,   0, 0.3, 2, 0, 0, 0,   1, 0.2, 1, 1,
@@ -289,12 +315,14 @@ static void test_verify_shapes(void) {
   planish_mesh_arrays arrays;
   planish_mesh *mesh = NULL, *cage = NULL;
   planish_fit* fit = NULL;
-  planish_fit_options options, other;
+  static const char *const weights[] = {"doo-sabin", "averaged"},
+                           *const boundaries[] = {"edge", "edge-and-corner"};
+  planish_options *options = NULL, *other = NULL;
   planish_fit_info info;
   planish_verification found;
   const int32_t *sharp_edges = NULL, *sharp_corners = NULL;
   size_t edge_count = 7, corner_count = 7;
-  int32_t w, b, other_w, other_b;
+  int w, b, other_w, other_b;
   planish_mesh_arrays_init(&arrays, sizeof arrays);
   planish_verification_init(&found, sizeof found);
   arrays.positions = positions;
@@ -304,43 +332,44 @@ static void test_verify_shapes(void) {
   arrays.corners_per_face = 3;
   arrays.face_count = 8;
   EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
-  for (w = PLANISH_WEIGHTS_DOO_SABIN; w <= PLANISH_WEIGHTS_AVERAGED; ++w) {
-    for (b = PLANISH_BOUNDARY_EDGE; b <= PLANISH_BOUNDARY_EDGE_AND_CORNER; ++b) {
-      planish_fit_options_init(&options, sizeof options);
-      options.method = PLANISH_METHOD_PROGRESSIVE;
-      options.weights = w;
-      options.boundary = b;
-      options.quads = PLANISH_QUADS_OFF; /* on quads both weights are one */
-      EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  for (w = 0; w < 2; ++w) {
+    for (b = 0; b < 2; ++b) {
+      options = options_with("interpolation", "progressive");
+      set(options, "weights", weights[w]);
+      set(options, "boundary", boundaries[b]);
+      set(options, "quads", "off"); /* on quads both weights are one */
+      EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
       EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
       EXPECT(planish_fit_sharp(fit, &sharp_edges, &edge_count, &sharp_corners, &corner_count) ==
              PLANISH_OK);
       EXPECT(edge_count == 0 && corner_count == 0 && sharp_edges != NULL && sharp_corners != NULL);
       for (other_w = 0; other_w < 2; ++other_w) {
         for (other_b = 0; other_b < 2; ++other_b) {
-          other = options;
-          other.weights = other_w;
-          other.boundary = other_b;
-          EXPECT(planish_verify(cage, mesh, &other, &found) == PLANISH_OK);
+          other = options_with("quads", "off");
+          set(other, "weights", weights[other_w]);
+          set(other, "boundary", boundaries[other_b]);
+          EXPECT(planish_verify(cage, mesh, other, &found) == PLANISH_OK);
           EXPECT(found.confirmed == (other_w == w && other_b == b));
+          planish_options_free(other);
         }
       }
+      planish_options_free(options);
       planish_mesh_free(cage);
       planish_fit_free(fit);
     }
   }
-  planish_fit_options_init(&options, sizeof options);
-  options.method = PLANISH_METHOD_PROGRESSIVE;
-  options.quads = PLANISH_QUADS_ON;
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  options = options_with("interpolation", "progressive");
+  set(options, "quads", "on");
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
   planish_fit_info_init(&info, sizeof info);
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.face_count == 4);
   EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
-  EXPECT(planish_verify(cage, mesh, &options, &found) == PLANISH_OK && found.confirmed);
+  EXPECT(planish_verify(cage, mesh, options, &found) == PLANISH_OK && found.confirmed);
   EXPECT(planish_verify(cage, mesh, NULL, &found) == PLANISH_OK && found.confirmed);
-  options.quads = PLANISH_QUADS_OFF;
-  EXPECT_REFUSED(planish_verify(cage, mesh, &options, &found), PLANISH_UNUSABLE_MESH,
+  set(options, "quads", "off");
+  EXPECT_REFUSED(planish_verify(cage, mesh, options, &found), PLANISH_UNUSABLE_MESH,
                  "4 faces for 8");
+  planish_options_free(options);
   planish_mesh_free(cage);
   planish_fit_free(fit);
   planish_mesh_free(mesh);
@@ -354,10 +383,9 @@ static void test_weld(void) {
   planish_mesh* mesh = NULL;
   planish_fit* fit = NULL;
   planish_mesh_arrays arrays;
-  planish_fit_options options;
+  planish_options* options = options_with("weld", "1e-6");
   planish_fit_info info;
   planish_mesh_arrays_init(&arrays, sizeof arrays);
-  planish_fit_options_init(&options, sizeof options);
   planish_fit_info_init(&info, sizeof info);
   arrays.positions = positions;
   arrays.vertex_count = 6;
@@ -366,31 +394,28 @@ static void test_weld(void) {
   arrays.face_sizes = sizes;
   arrays.face_count = 2;
   EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 6);
   planish_fit_free(fit);
-  options.weld = 1e-6;
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 4);
   planish_fit_free(fit);
   fit = NULL;
-  options.weld = 0; /* equal positions: there are none */
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  set(options, "weld", "0"); /* equal positions: there are none */
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 6);
   planish_fit_free(fit);
   planish_mesh_free(mesh);
   fit = NULL;
   arrays.positions = equal;
   EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT_REFUSED(planish_options_set(options, "weld", "0.5"), PLANISH_INVALID_ARGUMENT, "weld");
+  EXPECT_REFUSED(planish_options_set(options, "weld", "-1"), PLANISH_INVALID_ARGUMENT,
+                 "options.weld: -1 is out of range; 0, or a fraction");
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK); /* 0 stays */
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 4);
   planish_fit_free(fit);
-  fit = NULL;
-  options.weld = 0.5;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "weld");
-  options.weld = -0.5; /* -1 alone is none */
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.weld: -0.5 is out of range; 0, or a fraction");
+  planish_options_free(options);
   planish_mesh_free(mesh);
 }
 
@@ -416,61 +441,6 @@ static void test_reader_warnings(void) {
   planish_mesh_free(mesh);
 }
 
-static void test_step(const char* input) {
-  planish_mesh* mesh = NULL;
-  planish_fit* fit = NULL;
-  planish_fit_options options;
-  planish_fit_options_init(&options, sizeof options);
-  EXPECT(options.step_angle == 0.25 && options.step_tolerance == 1e-6);
-  EXPECT(options.step_unit == PLANISH_STEP_AUTO && options.step_face_size == 16);
-  options.step_unit = PLANISH_STEP_INCH;
-  EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
-  EXPECT(planish_fit_write(fit, 1, "a.step") == PLANISH_OK);
-  planish_fit_free(fit);
-  fit = NULL;
-  /* A fit keeps what it was made with. */
-  options.step_tolerance = 1e-30;
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
-  EXPECT_REFUSED(planish_fit_write(fit, 1, "a.step"), PLANISH_NOT_CONVERGED,
-                 "faces leave the surface by up to");
-  EXPECT_REFUSED(planish_fit_file(input, "a.step", 1, &options, NULL), PLANISH_NOT_CONVERGED,
-                 "options.step_tolerance");
-  planish_fit_free(fit);
-  fit = NULL;
-  options.step_tolerance = 0;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.step_tolerance");
-  options.step_tolerance = 1e-6;
-  options.step_unit = 5;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "a planish_step_unit is wanted");
-  EXPECT(fit == NULL);
-  planish_mesh_free(mesh);
-}
-
-static void test_files(const char* input) {
-  planish_mesh* mesh = NULL;
-  planish_fit* fit = NULL;
-  planish_fit_info info;
-  planish_fit_info_init(&info, sizeof info);
-  EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
-  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
-  EXPECT(planish_fit_write(fit, 1, "a.glb") == PLANISH_OK);
-  EXPECT(planish_mesh_write(mesh, "mesh.ply") == PLANISH_OK);
-  EXPECT(planish_fit_file(input, "file.glb", 1, NULL, &info) == PLANISH_OK);
-  EXPECT(info.converged && info.vertex_count > 100);
-  EXPECT(planish_mesh_warning_count(mesh) == 0);
-  EXPECT_REFUSED(planish_mesh_read("none.obj", &mesh), PLANISH_UNREADABLE_INPUT, "none.obj");
-  EXPECT_REFUSED(planish_fit_write(fit, 1, "none/a.glb"), PLANISH_UNWRITABLE_OUTPUT, "none");
-  EXPECT_REFUSED(planish_fit_write(fit, 1, "a.iges"), PLANISH_INVALID_ARGUMENT, ".glb");
-  EXPECT_REFUSED(planish_fit_write(fit, 7, "a.glb"), PLANISH_INVALID_ARGUMENT, "7");
-  EXPECT_REFUSED(planish_mesh_write(mesh, "a.glb"), PLANISH_INVALID_ARGUMENT, ".obj");
-  EXPECT_REFUSED(planish_fit_file(input, input, 1, NULL, NULL), PLANISH_INVALID_ARGUMENT, "itself");
-  planish_fit_free(fit);
-  planish_mesh_free(mesh);
-}
-
 /* Whether a file holds a text without zeros. */
 static int file_has(const char* path, const char* text) {
   static char bytes[1 << 16];
@@ -483,18 +453,71 @@ static int file_has(const char* path, const char* text) {
   return 0;
 }
 
+static void test_step(const char* input) {
+  planish_mesh* mesh = NULL;
+  planish_fit* fit = NULL;
+  planish_editor* editor = NULL;
+  planish_options* options = options_with("step_unit", "in");
+  EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_write(fit, 1, "a.step") == PLANISH_OK);
+  EXPECT(file_has("a.step", "'INCH'"));
+  /* What is moved by an editor is written likewise. */
+  EXPECT(planish_editor_create(fit, 1, &editor) == PLANISH_OK);
+  planish_fit_free(fit);
+  EXPECT(planish_editor_fit(editor, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_write(fit, 1, "b.step") == PLANISH_OK && file_has("b.step", "'INCH'"));
+  planish_editor_free(editor);
+  planish_fit_free(fit);
+  fit = NULL;
+  /* A fit keeps what it was made with. */
+  set(options, "step_tolerance", "1e-30");
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "a.step"), PLANISH_NOT_CONVERGED,
+                 "faces leave the surface by up to");
+  EXPECT_REFUSED(planish_fit_file(input, "a.step", options, NULL), PLANISH_NOT_CONVERGED,
+                 "options.step_tolerance");
+  EXPECT_REFUSED(planish_options_set(options, "step_tolerance", "0"), PLANISH_INVALID_ARGUMENT,
+                 "options.step_tolerance");
+  EXPECT_REFUSED(planish_options_set(options, "step_unit", "inch"), PLANISH_INVALID_ARGUMENT,
+                 "options.step_unit: \"inch\" is not one of mm, cm, m, in, auto");
+  planish_fit_free(fit);
+  planish_options_free(options);
+  planish_mesh_free(mesh);
+}
+
+static void test_files(const char* input) {
+  planish_mesh* mesh = NULL;
+  planish_fit* fit = NULL;
+  planish_fit_info info;
+  planish_fit_info_init(&info, sizeof info);
+  EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_write(fit, 1, "a.glb") == PLANISH_OK);
+  EXPECT(planish_mesh_write(mesh, "mesh.ply") == PLANISH_OK);
+  EXPECT(planish_fit_file(input, "file.glb", NULL, &info) == PLANISH_OK);
+  EXPECT(info.converged && info.vertex_count > 100);
+  EXPECT(planish_mesh_warning_count(mesh) == 0);
+  EXPECT_REFUSED(planish_mesh_read("none.obj", &mesh), PLANISH_UNREADABLE_INPUT, "none.obj");
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "none/a.glb"), PLANISH_UNWRITABLE_OUTPUT, "none");
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "a.iges"), PLANISH_INVALID_ARGUMENT, ".glb");
+  EXPECT_REFUSED(planish_fit_write(fit, 7, "a.glb"), PLANISH_INVALID_ARGUMENT, "7");
+  EXPECT_REFUSED(planish_mesh_write(mesh, "a.glb"), PLANISH_INVALID_ARGUMENT, ".obj");
+  EXPECT_REFUSED(planish_fit_file(input, input, NULL, NULL), PLANISH_INVALID_ARGUMENT, "itself");
+  planish_fit_free(fit);
+  planish_mesh_free(mesh);
+}
+
 static void put_file(const char* path, const char* text) {
   FILE* file = fopen(path, "w");
   EXPECT(file != NULL && fputs(text, file) >= 0 && fclose(file) == 0);
 }
 
 static void test_named_files(void) {
-  planish_fit_options options;
-  planish_fit_options_init(&options, sizeof options);
-  EXPECT(options.textures == PLANISH_TEXTURES_BESIDE);
+  planish_options* options = options_with("levels", "1");
   put_file("y.mtl", "newmtl wood\n# mine\nKd 0.5 0 0\n");
   put_file("x.obj", "mtllib y.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n");
-  EXPECT_REFUSED(planish_fit_file("x.obj", "y.obj", 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
+  EXPECT_REFUSED(planish_fit_file("x.obj", "y.obj", NULL, NULL), PLANISH_INVALID_ARGUMENT,
                  "y.mtl is read with the input x.obj");
   planish_mesh *mesh = NULL, *cage = NULL;
   planish_fit* fit = NULL;
@@ -518,37 +541,65 @@ static void test_named_files(void) {
   planish_mesh_free(cage);
   planish_mesh_free(mesh);
   EXPECT(file_has("y.mtl", "# mine"));
-  EXPECT_REFUSED(planish_fit_file("x.obj", "o.json", 1, NULL, NULL), PLANISH_INVALID_ARGUMENT,
+  EXPECT_REFUSED(planish_fit_file("x.obj", "o.json", NULL, NULL), PLANISH_INVALID_ARGUMENT,
                  "3D Tiles are written by the command");
   EXPECT(mkdir("model", 0700) == 0);
   put_file("model/x.obj",
            "mtllib ../y.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n");
-  EXPECT(planish_fit_file("model/x.obj", "beside.glb", 1, &options, NULL) == PLANISH_OK);
+  EXPECT(planish_fit_file("model/x.obj", "beside.glb", options, NULL) == PLANISH_OK);
   EXPECT(!file_has("beside.glb", "0.5,0.0,0.0"));
-  options.textures = PLANISH_TEXTURES_ANYWHERE;
-  EXPECT(planish_fit_file("model/x.obj", "anywhere.glb", 1, &options, NULL) == PLANISH_OK);
+  set(options, "textures", "anywhere");
+  EXPECT(planish_fit_file("model/x.obj", "anywhere.glb", options, NULL) == PLANISH_OK);
   EXPECT(file_has("anywhere.glb", "0.5,0.0,0.0"));
-  options.textures = 2;
-  EXPECT_REFUSED(planish_fit_file("model/x.obj", "anywhere.glb", 1, &options, NULL),
-                 PLANISH_INVALID_ARGUMENT, "options.textures is 2");
+  EXPECT_REFUSED(planish_options_set(options, "textures", "none"), PLANISH_INVALID_ARGUMENT,
+                 "options.textures: \"none\" is not one of beside, anywhere");
+  planish_options_free(options);
   EXPECT(unlink("model/x.obj") == 0 && rmdir("model") == 0);
 }
 
 static void test_levels_of_detail(const char* input) {
-  static const int32_t coarser[] = {0};
-  planish_fit_options options;
-  planish_fit_options_init(&options, sizeof options);
-  EXPECT(planish_fit_file(input, "whole.glb", 0, NULL, NULL) == PLANISH_OK);
-  EXPECT(planish_fit_file("whole.glb", "one.glb", 1, &options, NULL) == PLANISH_OK);
+  planish_options* options = options_with("levels", "0");
+  EXPECT(planish_fit_file(input, "whole.glb", options, NULL) == PLANISH_OK);
+  set(options, "levels", "1");
+  EXPECT(planish_fit_file("whole.glb", "one.glb", options, NULL) == PLANISH_OK);
   EXPECT(!file_has("one.glb", "MSFT_lod"));
-  options.coarser_level_count = 1;
-  EXPECT_REFUSED(planish_fit_file("whole.glb", "lods.glb", 1, &options, NULL),
-                 PLANISH_INVALID_ARGUMENT, "options.coarser_levels");
-  options.coarser_levels = coarser;
-  EXPECT(planish_fit_file("whole.glb", "lods.glb", 1, &options, NULL) == PLANISH_OK);
+  set(options, "levels", "0,1");
+  EXPECT_REFUSED(planish_fit_file("whole.glb", "lods.glb", options, NULL), PLANISH_INVALID_ARGUMENT,
+                 "options.levels: several are a file each; take one, or options.lods msft");
+  set(options, "lods", "msft");
+  EXPECT(planish_fit_file("whole.glb", "lods.glb", options, NULL) == PLANISH_OK);
   EXPECT(file_has("lods.glb", "MSFT_lod"));
-  EXPECT_REFUSED(planish_fit_file(input, "no.glb", 1, &options, NULL), PLANISH_INVALID_ARGUMENT,
+  EXPECT_REFUSED(planish_fit_file(input, "no.glb", options, NULL), PLANISH_INVALID_ARGUMENT,
                  "take a file for each level");
+  EXPECT_REFUSED(planish_options_set(options, "levels", "1,1"), PLANISH_INVALID_ARGUMENT,
+                 "options.levels: level 1 is named twice");
+  EXPECT_REFUSED(planish_options_set(options, "levels", "7"), PLANISH_INVALID_ARGUMENT,
+                 "options.levels: 7 is out of range; levels are 0 to 6");
+  planish_options_free(options);
+}
+
+/* The option is the level that is not named, of fits and of their editors. */
+static void test_level_not_named(void) {
+  planish_mesh* mesh = cube();
+  planish_options* options = options_with("levels", "1");
+  planish_fit* fit = NULL;
+  planish_editor* editor = NULL;
+  planish_surface* surface = NULL;
+  planish_surface_arrays arrays;
+  planish_editor_arrays rows;
+  planish_surface_arrays_init(&arrays, sizeof arrays);
+  planish_editor_arrays_init(&rows, sizeof rows);
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_evaluate(fit, PLANISH_LEVEL_AUTO, &surface) == PLANISH_OK);
+  EXPECT(planish_surface_view(surface, &arrays) == PLANISH_OK && arrays.face_count == 24);
+  EXPECT(planish_editor_create(fit, PLANISH_LEVEL_AUTO, &editor) == PLANISH_OK);
+  EXPECT(planish_editor_view(editor, &rows) == PLANISH_OK);
+  EXPECT(rows.row_count == arrays.vertex_count);
+  planish_editor_free(editor);
+  planish_surface_free(surface);
+  planish_fit_free(fit);
+  planish_options_free(options);
+  planish_mesh_free(mesh);
 }
 
 static void test_wrong_meshes(void) {
@@ -600,62 +651,53 @@ static void test_wrong_options(void) {
   planish_mesh_arrays nothing;
   planish_mesh* empty = NULL;
   planish_fit* fit = NULL;
-  planish_fit_options options;
+  planish_options* options = options_with("weights", "averaged");
   planish_fit_info info;
-  planish_fit_options_init(&options, sizeof options);
   EXPECT_REFUSED(planish_fit_create(NULL, NULL, &fit), PLANISH_INVALID_ARGUMENT, "mesh is NULL");
   EXPECT_REFUSED(planish_fit_create(mesh, NULL, NULL), PLANISH_INVALID_ARGUMENT, "fit is NULL");
   EXPECT_REFUSED(planish_fit_get_info(NULL, &info), PLANISH_INVALID_ARGUMENT, "fit is NULL");
-  EXPECT_REFUSED(planish_fit_file(NULL, "a.glb", 2, NULL, NULL), PLANISH_INVALID_ARGUMENT, "input");
+  EXPECT_REFUSED(planish_fit_file(NULL, "a.glb", NULL, NULL), PLANISH_INVALID_ARGUMENT, "input");
   EXPECT_REFUSED(planish_verify(mesh, mesh, NULL, NULL), PLANISH_INVALID_ARGUMENT, "is NULL");
-  options.tolerance = -1;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+  EXPECT_REFUSED(planish_fit_file("a.obj", NULL, NULL, NULL), PLANISH_INVALID_ARGUMENT, "output");
+  /* Each by itself where it is set, */
+  EXPECT_REFUSED(planish_options_set(options, "tolerance", "-1"), PLANISH_INVALID_ARGUMENT,
                  "options.tolerance: -1 is out of range; ");
-  planish_fit_options_init(&options, sizeof options);
-  options.method = 77;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "method");
-  planish_fit_options_init(&options, sizeof options);
-  options.crease_degrees = -1;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.crease_degrees is -1; 0 to 180 is wanted");
-  options.crease_degrees = 180.5;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.crease_degrees is 180.5; ");
-  options.crease_degrees = 0;
-  options.creases = "auto:181";
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+  EXPECT_REFUSED(planish_options_set(options, "interpolation", "best"), PLANISH_INVALID_ARGUMENT,
+                 "options.interpolation: \"best\" is not one of auto, progressive, fair");
+  EXPECT_REFUSED(planish_options_set(options, "creases", "auto:-1"), PLANISH_INVALID_ARGUMENT,
+                 "options.creases: \"-1\" is no angle of 0 to 180 degrees");
+  EXPECT_REFUSED(planish_options_set(options, "creases", "auto:181"), PLANISH_INVALID_ARGUMENT,
                  "options.creases: \"181\" is no angle of 0 to 180 degrees");
-  options.creases = "normals";
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "planish_fit_file()");
-  options.creases = NULL;
-  options.weights = 2;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.weights is 2; a planish_weights is wanted");
-  options.weights = PLANISH_WEIGHTS_AVERAGED;
-  options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.weights: averaged belongs to options.scheme doo-sabin");
-  planish_fit_options_init(&options, sizeof options);
-  options.polish = 1001;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+  EXPECT_REFUSED(planish_options_set(options, "weights", "even"), PLANISH_INVALID_ARGUMENT,
+                 "options.weights: \"even\" is not one of doo-sabin, averaged");
+  EXPECT_REFUSED(planish_options_set(options, "polish", "1001"), PLANISH_INVALID_ARGUMENT,
                  "options.polish: 1001 is out of range; 0 to 1000 is wanted");
-  planish_fit_options_init(&options, sizeof options);
-  options.quads = 3;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.quads is 3; a planish_quads is wanted");
-  options.quads = PLANISH_QUADS_ON;
-  options.scheme = PLANISH_SCHEME_LOOP;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+  EXPECT_REFUSED(planish_options_set(options, "quads", "yes"), PLANISH_INVALID_ARGUMENT,
+                 "options.quads: \"yes\" is not one of auto, on, off");
+  /* all together where they are used. */
+  set(options, "scheme", "catmull-clark");
+  EXPECT_REFUSED(planish_fit_create(mesh, options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.weights: averaged belongs to options.scheme doo-sabin");
+  EXPECT_REFUSED(planish_fit_file("a.obj", "a.glb", options, NULL), PLANISH_INVALID_ARGUMENT,
+                 "options.weights: averaged belongs to options.scheme doo-sabin");
+  set(options, "weights", "doo-sabin");
+  set(options, "quads", "on");
+  set(options, "scheme", "loop");
+  EXPECT_REFUSED(planish_fit_create(mesh, options, &fit), PLANISH_INVALID_ARGUMENT,
                  "options.quads: loop surfaces are of triangles; take off");
-  planish_fit_options_init(&options, sizeof options);
-  options.sharp_corner_count = 1;
-  EXPECT_REFUSED(planish_verify(mesh, mesh, &options, NULL), PLANISH_INVALID_ARGUMENT,
-                 "options.sharp_corners is NULL");
-  planish_fit_options_init(&options, sizeof options);
-  options.method = PLANISH_METHOD_FAIR;
-  options.scheme = PLANISH_SCHEME_LOOP;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "air");
+  set(options, "quads", "auto");
+  set(options, "interpolation", "fair");
+  EXPECT_REFUSED(planish_fit_create(mesh, options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.interpolation: fair builds");
+  set(options, "scheme", "doo-sabin");
+  set(options, "creases", "normals");
+  EXPECT_REFUSED(planish_fit_create(mesh, options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.creases: normals are a file's; take planish_fit_file()");
+  EXPECT_REFUSED(planish_options_set_sharp(options, NULL, 0, NULL, 1), PLANISH_INVALID_ARGUMENT,
+                 "corners is NULL");
+  EXPECT_REFUSED(planish_options_set_sharp(options, kCorners, (size_t)1 << 40, NULL, 0),
+                 PLANISH_INVALID_ARGUMENT, "edge_count is 1099511627776");
+  planish_options_free(options);
   planish_mesh_arrays_init(&nothing, sizeof nothing);
   EXPECT(planish_mesh_create(&nothing, &empty) == PLANISH_OK);
   EXPECT_REFUSED(planish_fit_create(empty, NULL, &fit), PLANISH_UNUSABLE_MESH, "mesh");
@@ -667,22 +709,22 @@ static void test_wrong_options(void) {
   planish_surface_free(NULL);
 }
 
-/* A caller whose header ended behind `tolerance`, and one whose info ended behind `iterations`. */
+/* Callers whose headers ended behind `iterations`, and behind the mesh's `corner_count`. */
 static void test_older_structs(void) {
-  planish_mesh* mesh = cube();
+  planish_mesh* mesh = NULL;
   planish_fit* fit = NULL;
-  planish_fit_options options;
   planish_fit_info info;
-  memset(&options, 0xff, sizeof options);
-  planish_fit_options_init(&options, offsetof(planish_fit_options, max_iterations));
-  EXPECT(options.struct_size == offsetof(planish_fit_options, max_iterations));
-  EXPECT(options.tolerance == 1e-6 && options.max_iterations == -1 && options.weld != 0);
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  planish_mesh_arrays arrays = cube_arrays();
+  memset(&arrays.crease_edges, 0xff, sizeof arrays - offsetof(planish_mesh_arrays, crease_edges));
+  arrays.struct_size = offsetof(planish_mesh_arrays, crease_edges);
+  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
   memset(&info, 0x5a, sizeof info);
-  info.struct_size = offsetof(planish_fit_info, method);
+  planish_fit_info_init(&info, offsetof(planish_fit_info, max_error));
+  EXPECT(info.struct_size == offsetof(planish_fit_info, max_error) && info.max_error > 1e100);
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK);
-  EXPECT(info.converged == 1 && info.method == 0x5a5a5a5a);
-  EXPECT(info.struct_size == offsetof(planish_fit_info, method));
+  EXPECT(info.converged == 1 && info.max_error > 1e100);
+  EXPECT(info.struct_size == offsetof(planish_fit_info, max_error));
   planish_fit_free(fit);
   planish_mesh_free(mesh);
 }
@@ -745,32 +787,30 @@ static int watch(void* user, const char* step, double fraction) {
 static void test_callbacks(void) {
   static const char* const names[] = {"host.glb", "host.ply", "host.stl"};
   planish_mesh* mesh = bumpy_grid(250);
-  planish_fit_options options;
-  int method;
+  static const char* const methods[] = {"progressive", "fair", "auto"};
+  planish_options* options = options_with("levels", "2");
   size_t i;
   EXPECT(planish_mesh_write(mesh, "host.obj") == PLANISH_OK);
-  planish_fit_options_init(&options, sizeof options);
-  options.progress = watch;
-  for (method = PLANISH_METHOD_AUTO; method <= PLANISH_METHOD_FAIR; ++method) {
+  for (i = 0; i < sizeof methods / sizeof *methods; ++i) {
     host self = {0};
     planish_fit* fit = NULL;
     self.thread = pthread_self();
-    options.user = &self;
-    options.method = method;
-    EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+    planish_options_on_progress(options, watch, &self);
+    set(options, "interpolation", methods[i]);
+    EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
     EXPECT(!self.is_wronged && self.last == 1 && self.calls > 5);
     planish_fit_free(fit);
   }
-  options.method = PLANISH_METHOD_AUTO;
   for (i = 0; i < sizeof names / sizeof *names; ++i) {
     host self = {0};
     self.thread = pthread_self();
-    options.user = &self;
-    EXPECT(planish_fit_file("host.obj", names[i], 2, &options, NULL) == PLANISH_OK);
+    planish_options_on_progress(options, watch, &self);
+    EXPECT(planish_fit_file("host.obj", names[i], options, NULL) == PLANISH_OK);
     EXPECT(!self.is_wronged && self.last == 1 && self.calls > 10);
     remove(names[i]);
   }
   remove("host.obj");
+  planish_options_free(options);
   planish_mesh_free(mesh);
 }
 
@@ -784,18 +824,18 @@ typedef struct work {
   planish_mesh* mesh;
   planish_fit* fit;
   planish_queries* queries;
-  planish_fit_options options;
+  planish_options* options;
   double* points;
   size_t count;
 } work;
 
 static void do_create(work* on) {
   planish_fit* fit = NULL;
-  EXPECT(planish_fit_create(on->mesh, &on->options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_create(on->mesh, on->options, &fit) == PLANISH_OK);
   planish_fit_free(fit);
 }
 static void do_file(work* on) {
-  EXPECT(planish_fit_file("one.obj", "one.glb", 2, &on->options, NULL) == PLANISH_OK);
+  EXPECT(planish_fit_file("one.obj", "one.glb", on->options, NULL) == PLANISH_OK);
 }
 static void do_write(work* on) { EXPECT(planish_fit_write(on->fit, 2, "one.ply") == PLANISH_OK); }
 static void do_evaluate(work* on) {
@@ -811,11 +851,9 @@ static void do_tessellate(work* on) {
 static void do_verify(work* on) {
   planish_mesh* cage = NULL;
   planish_verification found;
-  planish_fit_options options = on->options;
   planish_verification_init(&found, sizeof found);
-  options.method = PLANISH_METHOD_PROGRESSIVE;
   EXPECT(planish_fit_cage(on->fit, &cage) == PLANISH_OK);
-  EXPECT(planish_verify(cage, on->mesh, &options, &found) == PLANISH_OK && found.confirmed);
+  EXPECT(planish_verify(cage, on->mesh, on->options, &found) == PLANISH_OK && found.confirmed);
   planish_mesh_free(cage);
 }
 static void do_queries(work* on) {
@@ -838,11 +876,11 @@ static void test_one_thread(void) {
   size_t i;
   int attempt;
   on.mesh = bumpy_grid(120);
-  planish_fit_options_init(&on.options, sizeof on.options);
-  on.options.thread_count = 1;
-  on.options.method = PLANISH_METHOD_PROGRESSIVE;
+  on.options = options_with("threads", "1");
+  set(on.options, "levels", "2");
+  set(on.options, "interpolation", "progressive");
   EXPECT(planish_mesh_write(on.mesh, "one.obj") == PLANISH_OK);
-  EXPECT(planish_fit_create(on.mesh, &on.options, &on.fit) == PLANISH_OK);
+  EXPECT(planish_fit_create(on.mesh, on.options, &on.fit) == PLANISH_OK);
   on.count = 500;
   on.points = malloc(3 * on.count * sizeof *on.points);
   for (i = 0; i < 3 * on.count; ++i) on.points[i] = (double)(i % 119);
@@ -862,6 +900,7 @@ static void test_one_thread(void) {
   }
   remove("one.obj"), remove("one.glb"), remove("one.ply");
   free(on.points);
+  planish_options_free(on.options);
   planish_fit_free(on.fit);
   planish_mesh_free(on.mesh);
 }
@@ -869,18 +908,22 @@ static void test_one_thread(void) {
 // README begins
 static planish_status print_surface(const char* path) {
   planish_mesh* mesh = NULL;
+  planish_options* options = NULL;
   planish_fit* fit = NULL;
   planish_surface* surface = NULL;
   planish_surface_arrays arrays;
   planish_status status = planish_mesh_read(path, &mesh);
   planish_surface_arrays_init(&arrays, sizeof arrays);
-  if (status == PLANISH_OK) status = planish_fit_create(mesh, NULL, &fit);
+  if (status == PLANISH_OK) status = planish_options_create(&options);
+  if (status == PLANISH_OK) status = planish_options_set(options, "creases", "auto:40");
+  if (status == PLANISH_OK) status = planish_fit_create(mesh, options, &fit);
   if (status == PLANISH_OK) status = planish_fit_evaluate(fit, 2, &surface);
   if (status == PLANISH_OK) status = planish_surface_view(surface, &arrays);
   if (status != PLANISH_OK) fprintf(stderr, "%s\n", planish_last_error());
   printf("%lu vertices\n", (unsigned long)arrays.vertex_count);
   planish_surface_free(surface);
   planish_fit_free(fit);
+  planish_options_free(options);
   planish_mesh_free(mesh);
   return status;
 }
@@ -907,11 +950,13 @@ int main(int argc, char** argv) {
   test_callbacks();
   test_one_thread();
   test_verify();
+  test_verify_sharp();
   test_verify_shapes();
   test_weld();
   test_reader_warnings();
   test_named_files();
   test_levels_of_detail(argv[1]);
+  test_level_not_named();
   test_files(argv[1]);
   test_step(argv[1]);
   test_wrong_meshes();

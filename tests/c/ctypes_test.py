@@ -4,23 +4,7 @@ import ctypes
 import sys
 
 
-class FitOptions(ctypes.Structure):
-    _fields_ = [
-        ("struct_size", ctypes.c_size_t),
-        ("method", ctypes.c_int32),
-        ("scheme", ctypes.c_int32),
-        ("tolerance", ctypes.c_double),
-        ("max_iterations", ctypes.c_int32),
-        ("repairs", ctypes.c_int32),
-        ("uses_creases", ctypes.c_int32),
-        ("crease_degrees", ctypes.c_double),
-        ("thread_count", ctypes.c_int32),
-        ("progress", ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_char_p,
-                                      ctypes.c_double)),
-        ("warning", ctypes.c_void_p),
-        ("user", ctypes.c_void_p),
-        ("weld", ctypes.c_double),
-    ]
+PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_double)
 
 
 class SurfaceArrays(ctypes.Structure):
@@ -44,19 +28,26 @@ def main(library_path, mesh_path):
     library.planish_version.restype = ctypes.c_char_p
     assert library.planish_version().count(b".") == 2
 
-    mesh, fit, surface = ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_void_p()
+    mesh, options, fit, surface = (ctypes.c_void_p() for _ in range(4))
     assert library.planish_mesh_read(mesh_path.encode(), ctypes.byref(mesh)) == 0
-    options = FitOptions()
-    library.planish_fit_options_init(ctypes.byref(options), ctypes.c_size_t(ctypes.sizeof(options)))
-    assert options.tolerance == 1e-6 and options.max_iterations == 200 and options.repairs == 1
+    assert library.planish_options_create(ctypes.byref(options)) == 0
+    value = ctypes.c_char_p()
+    for name, default in [(b"tolerance", b"1e-06"), (b"max_iterations", b"200"), (b"repair", b"safe")]:
+        assert library.planish_options_get(options, name, ctypes.byref(value)) == 0
+        assert value.value == default
+    assert library.planish_options_set(options, b"tolerance", b"1e-7") == 0
+    assert library.planish_options_set(options, b"tolerance", b"small") == 2
+    assert b"options.tolerance" in library.planish_last_error()
     steps = []
 
     def note(_user, step, fraction):
         steps.append((step, fraction))
         return 0
 
-    options.progress = type(options.progress)(note)
-    assert library.planish_fit_create(mesh, ctypes.byref(options), ctypes.byref(fit)) == 0
+    progress = PROGRESS(note)
+    library.planish_options_on_progress(options, progress, None)
+    assert library.planish_fit_create(mesh, options, ctypes.byref(fit)) == 0
+    library.planish_options_free(options)
     assert steps and all(0 <= fraction <= 1 for _, fraction in steps)
     assert library.planish_fit_evaluate(fit, 2, ctypes.byref(surface)) == 0
     arrays = SurfaceArrays()

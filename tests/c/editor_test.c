@@ -7,12 +7,11 @@
 
 #include "torus.h"
 
-static planish_fit* fit_of(planish_mesh* mesh, int32_t method) {
-  planish_fit_options options;
+static planish_fit* fit_of(planish_mesh* mesh, const char* method) {
+  planish_options* options = options_with("interpolation", method);
   planish_fit* fit = NULL;
-  planish_fit_options_init(&options, sizeof options);
-  options.method = method;
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
+  planish_options_free(options);
   planish_mesh_free(mesh);
   return fit;
 }
@@ -57,7 +56,7 @@ static void check_fit(const planish_editor* editor) {
   planish_fit_free(fit);
 }
 
-static void test_moves(int32_t method) {
+static void test_moves(const char* method) {
   planish_fit* fit = fit_of(torus(), method);
   planish_editor* editor = NULL;
   planish_edit_change change;
@@ -113,7 +112,7 @@ static void test_moves(int32_t method) {
 static void test_selection(void) {
   /* A quarter turn about z and a step along it. */
   static const double kTurn[12] = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0.5};
-  planish_fit* fit = fit_of(torus(), PLANISH_METHOD_PROGRESSIVE);
+  planish_fit* fit = fit_of(torus(), "progressive");
   planish_editor* editor = NULL;
   const int32_t *found = NULL, centre = 100;
   const double* weights = NULL;
@@ -140,7 +139,7 @@ static void test_selection(void) {
   planish_fit_free(fit);
 }
 
-static void test_creases(int32_t method) {
+static void test_creases(const char* method) {
   planish_fit* fit = fit_of(torus(), method);
   planish_editor* editor = NULL;
   planish_queries* smooth = NULL;
@@ -196,9 +195,9 @@ static void test_creases(int32_t method) {
 }
 
 static void test_refusals(void) {
-  planish_fit* fit = fit_of(cube(), PLANISH_METHOD_PROGRESSIVE);
+  planish_fit* fit = fit_of(cube(), "progressive");
   planish_fit* loop = NULL;
-  planish_fit_options options;
+  planish_options* options = options_with("interpolation", "progressive");
   planish_editor *editor = NULL, *none = NULL;
   const int32_t* found = NULL;
   const double* weights = NULL;
@@ -225,24 +224,23 @@ static void test_refusals(void) {
   EXPECT(found == NULL && !view_of(editor).can_undo);
   EXPECT(planish_editor_move(NULL, &inside, to, 1, NULL) == PLANISH_INVALID_ARGUMENT);
   EXPECT(planish_editor_move(editor, NULL, NULL, 0, NULL) == PLANISH_OK);
-  planish_fit_options_init(&options, sizeof options);
-  options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
-  options.max_iterations = 1;
-  options.method = PLANISH_METHOD_PROGRESSIVE;
-  EXPECT(planish_fit_create(mesh, &options, &loop) == PLANISH_NOT_CONVERGED);
+  set(options, "scheme", "catmull-clark");
+  set(options, "max_iterations", "1");
+  EXPECT(planish_fit_create(mesh, options, &loop) == PLANISH_NOT_CONVERGED);
   EXPECT(planish_editor_create(loop, 2, &none) == PLANISH_INVALID_ARGUMENT && none == NULL);
   planish_editor_free(editor);
   planish_editor_free(NULL);
+  planish_options_free(options);
   planish_fit_free(loop);
   planish_fit_free(fit);
   planish_mesh_free(mesh);
 }
 
 int main(void) {
-  test_moves(PLANISH_METHOD_PROGRESSIVE);
-  test_moves(PLANISH_METHOD_FAIR);
-  test_creases(PLANISH_METHOD_PROGRESSIVE);
-  test_creases(PLANISH_METHOD_FAIR);
+  test_moves("progressive");
+  test_moves("fair");
+  test_creases("progressive");
+  test_creases("fair");
   test_selection();
   test_refusals();
   return failures == 0 ? 0 : 1;

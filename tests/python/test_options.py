@@ -66,26 +66,6 @@ FACES[0] = (0, 1, 12)
 FACES[-1] = (7, 13, 10)
 
 
-class FitOptions(ctypes.Structure):
-    _fields_ = [
-        ("struct_size", ctypes.c_size_t), ("method", ctypes.c_int32), ("scheme", ctypes.c_int32),
-        ("tolerance", ctypes.c_double), ("max_iterations", ctypes.c_int32),
-        ("repairs", ctypes.c_int32), ("uses_creases", ctypes.c_int32),
-        ("crease_degrees", ctypes.c_double), ("thread_count", ctypes.c_int32),
-        ("progress", ctypes.c_void_p), ("warning", ctypes.c_void_p), ("user", ctypes.c_void_p),
-        ("weld", ctypes.c_double), ("weights", ctypes.c_int32), ("solver", ctypes.c_int32),
-        ("boundary", ctypes.c_int32), ("precision", ctypes.c_int32), ("polish", ctypes.c_int32),
-        ("creases", ctypes.c_char_p), ("sharp_edges", ctypes.c_void_p),
-        ("sharp_edge_count", ctypes.c_size_t), ("sharp_corners", ctypes.c_void_p),
-        ("sharp_corner_count", ctypes.c_size_t), ("within", ctypes.c_double),
-        ("quads", ctypes.c_int32), ("step_angle", ctypes.c_double),
-        ("step_tolerance", ctypes.c_double), ("step_unit", ctypes.c_int32),
-        ("step_face_size", ctypes.c_int32), ("coarser_levels", ctypes.c_void_p),
-        ("coarser_level_count", ctypes.c_size_t), ("textures", ctypes.c_int32),
-        ("refine", ctypes.c_int32),
-    ]
-
-
 @pytest.fixture(name="mesh")
 def mesh_fixture(tmp_path):
     path = tmp_path / "sheet.obj"
@@ -132,41 +112,14 @@ def by_python(mesh, options, folder, ending="ply"):
 
 def by_c(library, mesh, options, folder, ending="ply"):
     out = folder / f"c.{ending}"
-    own = FitOptions()
-    library.planish_fit_options_init(ctypes.byref(own), ctypes.c_size_t(ctypes.sizeof(own)))
-    given = dict(options)
-    # Its one preset in C is what it stands for.
-    if given.get("preset") == "paper":
-        given = {"interpolation": "progressive", "weights": "averaged", "solver": "plain", **given}
-        del given["preset"]
-    elif "preset" in given:
-        return 2
-    for name, value in given.items():
-        if name == "interpolation":
-            name = "method"
-            words = VALUES["interpolation"][:-1]
-        else:
-            words = {**VALUES, **STEP_VALUES}[name][:-1]
-        if name == "repair":
-            if value not in words:
-                return 2  # there is no third int32_t
-            own.repairs = value == "safe"
-        elif name == "creases":
-            own.creases = value.encode()
-        elif name == "within" and isinstance(value, str):
-            if value == "Auto":
-                return 2  # a number
-            own.within = -1 if value == "auto" else float(value)
-        elif isinstance(value, str):
-            setattr(own, name, words.index(value) if value in words else len(words))
-        elif abs(value) >= 2**31 and name != "tolerance":
-            return 2  # nor is there such a number
-        elif name in ("weld", "within") and value == -1:
-            return 2  # C's word for what is left out, or measured
-        else:
-            setattr(own, name, value)
-    status = library.planish_fit_file(str(mesh).encode(), str(out).encode(), 1, ctypes.byref(own),
-                                      None)
+    own = ctypes.c_void_p()
+    assert library.planish_options_create(ctypes.byref(own)) == 0
+    status = 0
+    for name, value in {"levels": 1, **options}.items():
+        status = status or library.planish_options_set(own, name.encode(), text_of(value).encode())
+    if status == 0:
+        status = library.planish_fit_file(str(mesh).encode(), str(out).encode(), own, None)
+    library.planish_options_free(own)
     if status in (0, 5):
         return out.read_bytes()
     assert status in (2, 4), library.planish_last_error()

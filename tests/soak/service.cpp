@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <initializer_list>
 #include <map>
+#include <memory>
 
 #include "planish/c/planish.h"
 #include "soak/mutated_files.h"
@@ -23,19 +25,31 @@ bool is_result(planish_status status) {
   return status == PLANISH_OK || status == PLANISH_NOT_CONVERGED;
 }
 
-planish_fit_options options_by_lot(std::mt19937& random) {
-  planish_fit_options options;
-  planish_fit_options_init(&options, sizeof options);
-  constexpr std::array<const char*, 5> kCreases{nullptr, "use", "ignore", "auto", "choose"};
-  options.method = static_cast<std::int32_t>(random() % 3);
-  options.creases = kCreases[random() % kCreases.size()];
-  options.quads = static_cast<std::int32_t>(random() % 3);
-  options.weld = random() % 2 ? 0 : -1;
-  options.repairs = random() % 4 != 0;
-  options.thread_count = static_cast<std::int32_t>(random() % 3);
-  options.weights = random() % 4 == 0;
-  options.within = random() % 8 == 0 ? -1 : 0;
-  if (random() % 8 == 0) options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
+struct Free {
+  void operator()(planish_options* options) const { planish_options_free(options); }
+};
+using OwnOptions = std::unique_ptr<planish_options, Free>;
+
+OwnOptions options_by_lot(std::mt19937& random) {
+  planish_options* made = nullptr;
+  if (planish_options_create(&made) != PLANISH_OK) return nullptr;
+  OwnOptions options(made);
+  const auto set = [&](const char* name, const char* value) {
+    if (planish_options_set(made, name, value) != PLANISH_OK) complain(planish_last_error());
+  };
+  const auto by_lot = [&](std::initializer_list<const char*> values) {
+    return values.begin()[random() % values.size()];
+  };
+  set("interpolation", by_lot({"auto", "progressive", "fair"}));
+  set("creases", by_lot({"use", "ignore", "auto", "choose"}));
+  set("quads", by_lot({"auto", "on", "off"}));
+  if (random() % 2) set("weld", "0");
+  set("repair", by_lot({"safe", "safe", "safe", "none"}));
+  set("threads", by_lot({"0", "1", "2"}));
+  set("levels", by_lot({"0", "1", "2"}));
+  if (random() % 4 == 0) set("weights", "averaged");
+  if (random() % 8 == 0) set("within", "auto");
+  if (random() % 8 == 0) set("scheme", "catmull-clark");
   return options;
 }
 
@@ -46,9 +60,9 @@ class Service {
       std::filesystem::remove(entry.path());
     const std::filesystem::path input = folder_.path() / ("input" + file.extension);
     std::ofstream(input, std::ios::binary) << file.bytes;
-    const planish_fit_options options = options_by_lot(random);
-    fit_file(input, options, random);
-    if (random() % 3 == 0) use_handles(input, options, random);
+    const OwnOptions options = options_by_lot(random);
+    fit_file(input, options.get(), random);
+    if (random() % 3 == 0) use_handles(input, options.get(), random);
   }
 
   void print() const {
@@ -74,16 +88,14 @@ class Service {
     return is_result(status);
   }
 
-  void fit_file(const std::filesystem::path& input, const planish_fit_options& options,
+  void fit_file(const std::filesystem::path& input, const planish_options* options,
                 std::mt19937& random) {
     constexpr std::array<const char*, 7> kFormats{".glb", ".obj",  ".ply", ".off",
                                                   ".stl", ".usda", ".step"};
     const std::filesystem::path output =
         folder_.path() / (std::string("output") + kFormats[random() % kFormats.size()]);
     const bool has_result =
-        check(planish_fit_file(input.c_str(), output.c_str(),
-                               static_cast<std::int32_t>(random() % 3), &options, nullptr),
-              input);
+        check(planish_fit_file(input.c_str(), output.c_str(), options, nullptr), input);
     int files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_.path()))
       ++files;
@@ -101,14 +113,14 @@ class Service {
     }
   }
 
-  void use_handles(const std::filesystem::path& input, const planish_fit_options& options,
+  void use_handles(const std::filesystem::path& input, const planish_options* options,
                    std::mt19937& random) {
     planish_mesh* mesh = nullptr;
     planish_fit* fit = nullptr;
     planish_surface* surface = nullptr;
     planish_queries* queries = nullptr;
     if (check(planish_mesh_read(input.c_str(), &mesh), input) &&
-        check(planish_fit_create(mesh, &options, &fit), input)) {
+        check(planish_fit_create(mesh, options, &fit), input)) {
       planish_mesh_free(mesh);
       mesh = nullptr;
       if (random() % 2) {

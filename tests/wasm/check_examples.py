@@ -73,9 +73,9 @@ def check_types(folder):
     run(*tsc, "--skipLibCheck", "readme.ts", "readme_worker.ts", "three/main.ts", "assets.d.ts", folder=folder)
     # The package's own types, whole.
     run(*tsc, "node_modules/planish/index.d.ts", folder=folder)
-    for wrong, words in [("planish.fit({ positions: [] }, { method: 'best' })", "'\"best\"' is not assignable"),
+    for wrong, words in [("planish.fit({ positions: [] }, { interpolation: 'best' })", "'\"best\"' is not assignable"),
                          ("planish.fit({ faces: [] })", "'positions' is missing"),
-                         ("planish.fitFile(new Uint8Array(), 'a.obj', { levels: 2 })", "'levels' does not exist")]:
+                         ("planish.fitFile(new Uint8Array(), 'a.obj', { level: 2 })", "'level' does not exist")]:
         (folder / "wrong.ts").write_text(f"import {{ load }} from 'planish';\nconst planish = await load();\n{wrong};\n")
         said = run(*tsc, "--skipLibCheck", "wrong.ts", folder=folder, status=2)
         check(words in said, f"{wrong}: {said}")

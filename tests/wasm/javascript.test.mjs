@@ -15,7 +15,7 @@ let library, planish, module;
 // Members as layout.cpp names them, four or eight bytes each.
 function layout() {
   const source = readFileSync(join(root, 'tools/wasm/layout.cpp'), 'utf8');
-  const doubles = /tolerance|weld|within|step_angle|error|diagonal|degrees|^[uv]$/;
+  const doubles = /within|error|diagonal|degrees|^[uv]$/;
   let text = '', size = 0, lines = [];
   const end = (name) => {
     if (name) text += `struct planish_${name} ${size}\n${lines.join('')}`;
@@ -27,7 +27,7 @@ function layout() {
       end(struct);
       struct = first;
     } else {
-      const type = doubles.test(second) ? 'f64' : /^(positions|coarser_levels|creases|progress|warning)$/.test(second) ? 'ptr' : 'i32';
+      const type = doubles.test(second) ? 'f64' : /^(positions|interpolation)$/.test(second) ? 'ptr' : 'i32';
       lines.push(`${second} ${type} ${size}\n`);
       size += 8;
     }
@@ -36,12 +36,13 @@ function layout() {
   return text;
 }
 
-// Memory, files and calls of a library: planish_fit_file() copies the file, and keeps what it was told.
+// Memory, files and calls of a library: planish_fit_file() copies the file, and keeps what it was told. Of options it
+// refuses speed.
 const STUB = `
 const LAYOUT = '@LAYOUT@';
 export default async function make() {
   const files = new Map(), taken = new Set(), calls = [], functions = new Map();
-  const module = globalThis.planishStub = { HEAPU8: new Uint8Array(1 << 20), files, taken, calls, functions, status: 0, error: '' };
+  const module = globalThis.planishStub = { HEAPU8: new Uint8Array(1 << 20), files, taken, calls, functions, handles: new Map(), made: 0, status: 0, error: '' };
   let top = 64;
   const text = (at) => {
     const end = module.HEAPU8.indexOf(0, at);
@@ -73,11 +74,25 @@ export default async function make() {
     _planish_version: () => constant('9.9'),
     _planish_last_error: () => constant(module.error),
     _planish_last_error_element: () => 7,
-    _planish_fit_options_init: (at, size) => module.HEAPU8.fill(0, at, at + size),
+    _planish_options_create: (at) => {
+      const handle = 1000 + module.made++;
+      module.handles.set(handle, { set: [] });
+      new DataView(module.HEAPU8.buffer).setUint32(at, handle, true);
+      return 0;
+    },
+    _planish_options_set: (at, name, value) => {
+      module.handles.get(at).set.push([text(name), text(value)]);
+      if (text(name) !== 'speed') return 0;
+      module.error = 'options.speed: there is no such option here';
+      return 2;
+    },
+    _planish_options_on_progress: (at, call) => { module.handles.get(at).progress = call; },
+    _planish_options_on_warning: (at, call) => { module.handles.get(at).warning = call; },
+    _planish_options_free: (at) => { if (!module.handles.delete(at)) throw new Error('no options'); },
     _planish_fit_info_init: (at, size) => module.HEAPU8.fill(0, at, at + size),
-    _planish_fit_file: (from, to, level, options, info) => {
-      calls.push({ from: text(from), to: text(to), level, options });
-      module.told?.(options, info);
+    _planish_fit_file: (from, to, options, info) => {
+      calls.push({ from: text(from), to: text(to), set: module.handles.get(options).set });
+      module.told?.(module.handles.get(options), info);
       if (module.status === 0) files.set(text(to), files.get(text(from)).slice());
       return module.status;
     },
@@ -95,20 +110,21 @@ before(async () => {
 });
 after(() => rmSync(folder, { recursive: true, force: true }));
 
-function members() {
-  const found = {};
-  let struct;
+// Where a member of a struct lies.
+function offset(struct, member) {
+  let found;
   for (const line of layout().trim().split('\n')) {
     const [first, second, third] = line.split(' ');
-    if (first === 'struct') struct = found[second] = {};
-    else struct[first] = { type: second, offset: Number(third) };
+    if (first === 'struct') found = second === struct;
+    else if (found && first === member) return Number(third);
   }
-  return found.planish_fit_options;
+  assert.fail(`${struct} has no ${member}`);
 }
 
 function nothingIsLeft() {
   assert.equal(module.taken.size, 0, 'memory');
   assert.equal(module.functions.size, 0, 'functions');
+  assert.equal(module.handles.size, 0, 'options');
   assert.deepEqual([...module.files.keys()], []);
 }
 
@@ -117,34 +133,31 @@ function refused(call, code, words) {
   nothingIsLeft();
 }
 
-test('coarser levels, level and options reach the library', () => {
-  const at = members();
-  let told;
-  module.told = (options) => {
-    const view = new DataView(module.HEAPU8.buffer);
-    const levels = view.getUint32(options + at.coarser_levels.offset, true);
-    told = {
-      count: view.getInt32(options + at.coarser_level_count.offset, true),
-      levels: [...new Int32Array(module.HEAPU8.buffer, levels, 2)],
-      method: view.getInt32(options + at.method.offset, true),
-      tolerance: view.getFloat64(options + at.tolerance.offset, true),
-    };
+test('options reach the library by name, as text', () => {
+  module.told = ({ progress }, info) => {
+    assert.equal(progress, undefined);
+    const word = module._malloc(8); // of the library, which outlives the call
+    module.taken.delete(word);
+    module.stringToUTF8('fair', word);
+    new DataView(module.HEAPU8.buffer).setUint32(info + offset('planish_fit_info', 'interpolation'), word, true);
   };
-  const result = planish.fitFile(new Uint8Array([1, 2, 3]), 'duck.GLB',
-    { level: 3, coarserLevels: [2, 0], method: 'fair', tolerance: 1e-5 });
-  assert.deepEqual(told, { count: 2, levels: [2, 0], method: 2, tolerance: 1e-5 });
+  const result = planish.fitFile(new Uint8Array([1, 2, 3]), 'duck.GLB', {
+    levels: [2, 0], lods: 'msft', interpolation: 'fair', tolerance: 1e-7, maxIterations: 12, within: 'auto', stepFaceSize: 4,
+    polish: undefined,
+  });
+  assert.equal(result.info.interpolation, 'fair');
   assert.deepEqual([...result.bytes], [1, 2, 3]);
-  assert.equal(module.calls.at(-1).from, '/from.glb');
-  assert.equal(module.calls.at(-1).to, '/to.glb');
-  assert.equal(module.calls.at(-1).level, 3);
+  assert.deepEqual(module.calls.at(-1), {
+    from: '/from.glb', to: '/to.glb',
+    set: [['levels', '2,0'], ['lods', 'msft'], ['interpolation', 'fair'], ['tolerance', '1e-7'], ['max_iterations', '12'],
+      ['within', 'auto'], ['step_face_size', '4']],
+  });
   nothingIsLeft();
 });
 
 test('warnings are heard, exceptions come out, and nothing is left behind', () => {
-  const at = members();
-  module.told = (options) => {
-    const view = new DataView(module.HEAPU8.buffer);
-    const call = module.functions.get(view.getUint32(options + at.warning.offset, true));
+  module.told = ({ warning }) => {
+    const call = module.functions.get(warning);
     const code = module._malloc(8);
     module.stringToUTF8('odd', code);
     call(0, code, code);
@@ -164,8 +177,7 @@ test('errors name the file and what was wrong', () => {
   refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb'), 'UNREADABLE_INPUT', /^duck.glb: meshes/);
   [module.status, module.error] = [0, ''];
   refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb', { output: 'x.gltf' }), 'INVALID_ARGUMENT', /beside/);
-  refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb', { coarserLevels: [0.5] }), 'INVALID_ARGUMENT', /0.5/);
-  refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb', { speed: 1 }), 'INVALID_ARGUMENT', /"speed" is no option/);
+  refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb', { speed: 1 }), 'INVALID_ARGUMENT', /^options.speed: there is no such/);
   refused(() => planish.fit({ positions: [1, 2] }), 'INVALID_ARGUMENT', /multiple of 3/);
 });
 

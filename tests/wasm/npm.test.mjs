@@ -37,9 +37,9 @@ function refused(call, code, words) {
 }
 
 test('the surface passes through the vertices', () => {
-  for (const method of ['progressive', 'fair']) {
-    const fit = planish.fit(cube, { method });
-    assert.equal(fit.info.method, method);
+  for (const interpolation of ['progressive', 'fair']) {
+    const fit = planish.fit(cube, { interpolation });
+    assert.equal(fit.info.interpolation, interpolation);
     const surface = fit.evaluate(2);
     assert.equal(surface.indices.length, 6 * 6 * 16);
     surface.baseVertices.forEach((vertex, i) => {
@@ -95,8 +95,8 @@ const equal = (a, b, bound = 0) => a.length === b.length && a.every((value, i) =
 test('vertices move, and the surface follows where they reach', () => {
   const mesh = planish.read(scene('goblet.obj'), 'goblet.obj');
   const given = mesh.arrays();
-  for (const method of ['progressive', 'fair']) {
-    const fit = planish.fit(mesh, { method });
+  for (const interpolation of ['progressive', 'fair']) {
+    const fit = planish.fit(mesh, { interpolation });
     const editor = fit.edit(1);
     const first = editor.rows();
     const shown = { positions: first.positions.slice(), normals: first.normals.slice() };
@@ -113,11 +113,11 @@ test('vertices move, and the surface follows where they reach', () => {
     // As if the mesh had been so from the start.
     const moved = { ...given, positions: given.positions.slice() };
     moved.positions.set(to, 3 * 4000);
-    const anew = planish.fit(moved, { method }).evaluate(1);
+    const anew = planish.fit(moved, { interpolation }).evaluate(1);
     const row = anew.baseVertices.indexOf(4000);
     for (let d = 0; d < 3; ++d) assert.ok(Math.abs(shown.positions[3 * row + d] - to[d]) < 1e-6 * fit.info.diagonal);
     const gap = anew.positions.reduce((most, x, i) => Math.max(most, Math.abs(x - shown.positions[i])), 0);
-    assert.ok(gap < 1e-5 * fit.info.diagonal, `${method}: ${gap}`);
+    assert.ok(gap < 1e-5 * fit.info.diagonal, `${interpolation}: ${gap}`);
     assert.ok(equal(editor.fit().evaluate(1).positions, shown.positions, 1e-9));
     assert.ok(editor.closest(to).distances[0] < 1e-6 * fit.info.diagonal);
     assert.ok(editor.state.canUndo && editor.state.errorBound < 1e-6);
@@ -154,7 +154,7 @@ test('an editor makes edges sharp, and refuses what it cannot do', () => {
 });
 
 test('a cage is fitted to its own surface', () => {
-  const cage = planish.fit(cube, { method: 'progressive' }).cage();
+  const cage = planish.fit(cube, { interpolation: 'progressive' }).cage();
   const arrays = cage.arrays();
   assert.equal(arrays.faceSizes.length, 6);
   assert.ok(arrays.positions[0] < -1.2, 'outside of the cube');
@@ -186,21 +186,23 @@ test('files', () => {
 
 test('a glTF keeps all that is no triangle, with levels of detail', () => {
   const given = planish.fit(cube).glb(0);
-  const { bytes, info } = planish.fitFile(given, 'cube.glb', { level: 2, coarserLevels: [1, 0] });
+  const { bytes, info } = planish.fitFile(given, 'cube.glb', { levels: [2, 1, 0], lods: 'msft' });
   const document = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + new DataView(bytes.buffer).getUint32(12, true))));
   assert.equal(info.converged, true);
   assert.deepEqual(document.extensionsUsed, ['MSFT_lod']);
   assert.equal(document.meshes.length, 3);
-  refused(() => planish.fitFile(given, 'cube.glb', { coarserLevels: [3] }), 'INVALID_ARGUMENT', /level/);
+  refused(() => planish.fitFile(given, 'cube.glb', { levels: [2, 1] }), 'INVALID_ARGUMENT', /options.lods msft/);
   refused(() => planish.fitFile(given.subarray(0, 99), 'cube.glb'), 'UNREADABLE_INPUT', /^cube.glb/);
 });
 
 test('errors say what, where and which', () => {
   const bytes = (text) => new TextEncoder().encode(text);
   refused(() => planish.fit({ positions: [0, 0, 0, 1, 0, 0], faces: [[0, 1, 7]] }), 'UNUSABLE_MESH', /face 0 names vertex 7 of 2/);
+  refused(() => planish.fit(cube, { maxIteration: 1 }), 'INVALID_ARGUMENT', /did you mean max_iterations\?/);
+  refused(() => planish.fit(cube, { chordErrors: [0.1] }), 'INVALID_ARGUMENT', /chord_errors: .* planish fit does it/);
   refused(() => planish.fit(cube, { tolerance: -1 }), 'INVALID_ARGUMENT', /tolerance.*1e-6/);
-  refused(() => planish.fit(cube, { method: 'best' }), 'INVALID_ARGUMENT', /"best" is none of auto/);
-  refused(() => planish.fit(cube, { speed: 1 }), 'INVALID_ARGUMENT', /"speed" is no option/);
+  refused(() => planish.fit(cube, { interpolation: 'best' }), 'INVALID_ARGUMENT', /interpolation: "best" is not one of auto/);
+  refused(() => planish.fit(cube, { speed: 1 }), 'INVALID_ARGUMENT', /options.speed: there is no such option here/);
   refused(() => planish.fit({ ...cube, faces: [[0, 1, 2.5]] }), 'INVALID_ARGUMENT', /2.5/);
   refused(() => planish.fit({ positions: [1, 2] }), 'INVALID_ARGUMENT', /multiple of 3/);
   refused(() => planish.fit(cube).evaluate(9), 'INVALID_ARGUMENT', /0 to 6/);

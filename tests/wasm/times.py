@@ -17,7 +17,7 @@ const planish = await load(), bytes = readFileSync(process.argv[2]);
 let least = Infinity;
 for (let i = 0; i < 12; ++i) {
   const before = process.cpuUsage();
-  planish.fitFile(bytes, process.argv[2], { level: 2 });
+  planish.fitFile(bytes, process.argv[2], { levels: 2 });
   const { user, system } = process.cpuUsage(before);
   if (i > 3) least = Math.min(least, (user + system) / 1000);
 }

@@ -1,31 +1,20 @@
 #include "planish/c/editor.h"
 
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
-#include "planish/core/formatted.h"
 
 namespace planish::c {
 namespace {
-
-constexpr std::size_t kMostVertices = std::numeric_limits<std::int32_t>::max();
 
 std::vector<glm::dvec3> vectors_of(const double* values, std::size_t count) {
   std::vector<glm::dvec3> result(count);
   for (std::size_t i = 0; i < count; ++i)
     result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
   return result;
-}
-
-void require_list(const std::int32_t* values, std::size_t count, const char* name,
-                  const char* count_name) {
-  if (count > 0) require(values, name);
-  if (count > kMostVertices)
-    refuse(formatted("{} is {}, more than 2^31 - 1; name fewer at once", count_name, count));
 }
 
 // The parts of every call that names vertices, before memory is taken for so many.
@@ -65,7 +54,7 @@ template <class Work>
 planish_status changing(planish_editor* editor, planish_edit_change* change, const Work& work) {
   require(editor, "editor");
   EditChange made;
-  run_on(editor->thread_count, [&] { made = work(editor->edited->editor); });
+  run_on(editor->kept.thread_count, [&] { made = work(editor->edited->editor); });
   tell(editor, made, change);
   return PLANISH_OK;
 }
@@ -75,7 +64,7 @@ template <class Make>
 planish_status replacing(planish_editor* editor, planish_edit_change* change, const Make& make) {
   std::shared_ptr<EditedFit> next;
   EditChange made;
-  run_on(editor->thread_count, [&] {
+  run_on(editor->kept.thread_count, [&] {
     const EditedFit& now = *editor->edited;
     next = std::make_shared<EditedFit>(now.first, make(now.editor));
     made = next->editor.everything();
@@ -122,10 +111,8 @@ planish_status planish_editor_create(const planish_fit* fit, int32_t level,
     require(fit, "fit");
     require(editor, "editor");
     auto made = std::make_unique<planish_editor>();
-    made->thread_count = fit->thread_count;
-    made->precision = fit->precision;
-    made->inputs = fit->inputs;
-    run_on(made->thread_count,
+    made->kept = fit->kept;
+    run_on(made->kept.thread_count,
            [&] { made->edited = std::make_shared<EditedFit>(fit->whole, fit->settled(level)); });
     *editor = made.release();
     return PLANISH_OK;
@@ -247,10 +234,8 @@ planish_status planish_editor_fit(const planish_editor* editor, planish_fit** fi
     require(editor, "editor");
     require(fit, "fit");
     auto made = std::make_unique<planish_fit>();
-    made->thread_count = editor->thread_count;
-    made->precision = editor->precision;
-    made->inputs = editor->inputs;
-    run_on(made->thread_count,
+    made->kept = editor->kept;
+    run_on(made->kept.thread_count,
            [&] { made->fitted = planish::edited(*editor->edited->first, editor->edited->editor); });
     *fit = made.release();
     return PLANISH_OK;
@@ -263,7 +248,7 @@ planish_status planish_editor_queries(planish_editor* editor, planish_queries** 
     require(queries, "queries");
     auto made = std::make_unique<planish_queries>();
     made->source = editor->edited;
-    made->thread_count = editor->thread_count;
+    made->thread_count = editor->kept.thread_count;
     run_on(made->thread_count, [&] { made->queries = &editor->edited->editor.queries(); });
     *queries = made.release();
     return PLANISH_OK;

@@ -1,80 +1,18 @@
-#include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
+#include "planish/c/options.h"
 #include "planish/c/planish.h"
 #include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/pipeline/fit_file.h"
-#include "planish/pipeline/option_table.h"
 #include "planish/pipeline/verify_cage.h"
 
 namespace planish::c {
 namespace {
-
-constexpr std::int32_t kMaxThreads = 4096;
-constexpr double kNoWeld = -1, kMeasured = -1;
-
-[[noreturn]] void out_of_range(std::string_view name, double value, const char* wanted) {
-  refuse(formatted("options.{} is {}; {}", name, shortest(value), wanted));
-}
-
-std::string spelled(std::string_view name) {
-  return "options." + std::string(name == "interpolation" ? "method" : name);
-}
-
-void set_number(FitSettings& settings, std::string_view name, double value) {
-  set_option(fit_option(name), settings, {.number = value}, spelled(name));
-}
-
-void set_whole(FitSettings& settings, std::string_view name, std::int32_t value) {
-  set_option(fit_option(name), settings, {.whole = value}, spelled(name));
-}
-
-// The enums of planish.h have the words of the options in their order.
-void set_choice(FitSettings& settings, std::string_view name, std::int32_t value,
-                const char* wanted) {
-  const FitOption& option = fit_option(name);
-  if (value < 0 || static_cast<std::size_t>(value) >= option.words.size())
-    refuse(formatted("{} is {}; {}", spelled(name), value, wanted));
-  set_option(option, settings, {.text = option.words[static_cast<std::size_t>(value)]},
-             spelled(name));
-}
-
-void set_creases(FitSettings& settings, const planish_fit_options& options) {
-  if (options.creases != nullptr) {
-    read_option(fit_option("creases"), settings, options.creases, spelled("creases"));
-    return;
-  }
-  if (!(options.crease_degrees >= 0 && options.crease_degrees <= 180))
-    out_of_range("crease_degrees", options.crease_degrees, "0 to 180 is wanted");
-  settings.creases.use_tags = options.uses_creases != 0;
-  if (options.crease_degrees > 0) settings.creases.dihedral_degrees = options.crease_degrees;
-}
-
-// An exception out of progress() ends the work, as whatever a callback throws.
-Callbacks callbacks_of(const planish_fit_options& options) {
-  Callbacks callbacks;
-  if (options.progress != nullptr) {
-    callbacks.progress = [options](std::string_view step, double fraction) {
-      if (options.progress(options.user, std::string(step).c_str(), fraction) != 0)
-        throw Error(ErrorCode::Cancelled, "cancelled");
-    };
-  }
-  if (options.warning != nullptr) {
-    callbacks.warning = [options](const Warning& warning) {
-      options.warning(options.user, warning.code.c_str(), warning.message.c_str());
-    };
-  }
-  return callbacks;
-}
-
-std::unique_ptr<Backend> backend_of(Precision precision, int thread_count) {
-  return make_cpu_backend({.solve_precision = precision, .thread_count = thread_count});
-}
 
 planish_fit_info info_of(const FittedMesh& fitted) {
   planish_fit_info info;
@@ -82,8 +20,7 @@ planish_fit_info info_of(const FittedMesh& fitted) {
   const Interpolation& result = fitted.fit.interpolation;
   info.converged = result.converged ? 1 : 0;
   info.iterations = result.iterations;
-  info.method = fitted.options.method == InterpolationMethod::Fair ? PLANISH_METHOD_FAIR
-                                                                   : PLANISH_METHOD_PROGRESSIVE;
+  info.interpolation = fitted.options.method == InterpolationMethod::Fair ? "fair" : "progressive";
   info.max_error = result.error.max;
   info.rms_error = result.error.rms;
   info.diagonal = fitted.fit.placement.diagonal;
@@ -103,7 +40,7 @@ planish_status convergence_status(const FittedMesh& fitted) {
       [&] {
         return formatted(
             "not converged: the largest error is {} of the diagonal after iteration {}, and "
-            "options.tolerance {}; allow more of either, or take PLANISH_METHOD_FAIR",
+            "options.tolerance {}; allow more of either, or take options.interpolation fair",
             shortest(found.error.max), found.iterations, shortest(fitted.options.tolerance));
       },
       "not converged");
@@ -139,48 +76,21 @@ planish_status written_status(const FittedMesh& fitted, const StepFigures* step)
   return PLANISH_NOT_CONVERGED;
 }
 
-FitSettings settings_of(const planish_fit_options& options) {
-  FitSettings settings;
-  set_choice(settings, "interpolation", options.method, "a planish_method is wanted");
-  set_choice(settings, "scheme", options.scheme, "a planish_scheme is wanted");
-  set_choice(settings, "weights", options.weights, "a planish_weights is wanted");
-  set_choice(settings, "solver", options.solver, "a planish_solver is wanted");
-  set_choice(settings, "boundary", options.boundary, "a planish_boundary is wanted");
-  set_choice(settings, "precision", options.precision, "a planish_precision is wanted");
-  set_choice(settings, "quads", options.quads, "a planish_quads is wanted");
-  set_choice(settings, "textures", options.textures, "a planish_textures is wanted");
-  set_choice(settings, "refine", options.refine, "a planish_refine is wanted");
-  set_choice(settings, "step_unit", options.step_unit, "a planish_step_unit is wanted");
-  set_number(settings, "step_angle", options.step_angle);
-  set_number(settings, "step_tolerance", options.step_tolerance);
-  set_whole(settings, "step_face_size", options.step_face_size);
-  set_number(settings, "tolerance", options.tolerance);
-  if (options.weld != kNoWeld) set_number(settings, "weld", options.weld);
-  set_whole(settings, "max_iterations", options.max_iterations);
-  set_whole(settings, "polish", options.polish);
-  set_creases(settings, options);
-  if (options.within != 0)
-    read_option(fit_option("within"), settings,
-                options.within == kMeasured ? "auto" : shortest(options.within), spelled("within"));
-  settings.repair = options.repairs != 0 ? RepairChoice::Safe : RepairChoice::None;
-  if (options.thread_count < 0 || options.thread_count > kMaxThreads)
-    out_of_range("thread_count", options.thread_count, "0 to 4096 is wanted");
-  check_consistent(settings, spelled);
-  return settings;
-}
-
-// Of a mesh that is no file.
-FitSettings mesh_settings_of(const planish_fit_options& options) {
-  FitSettings settings = settings_of(options);
-  if (settings.creases.split_normals)
-    refuse("options.creases: normals are a file's; take planish_fit_file()");
-  return settings;
-}
-
-MeshFitOptions mesh_options(const FitSettings& settings, const planish_fit_options& options) {
+// With the caller's functions.
+MeshFitOptions mesh_options(const FitSettings& settings, const planish_options& options) {
   MeshFitOptions how = mesh_fit_options(settings);
   how.fit.callbacks = callbacks_of(options);
   return how;
+}
+
+// Without the files of the mesh.
+Kept kept_of(const FitSettings& settings, const planish_options& options) {
+  return {.thread_count = options.thread_count,
+          .precision = solve_precision(settings),
+          .step = settings.step,
+          .z_up = settings.up == UpAxis::Z,
+          .level = levels_of(settings).finest,
+          .inputs = {}};
 }
 
 }  // namespace
@@ -188,40 +98,22 @@ MeshFitOptions mesh_options(const FitSettings& settings, const planish_fit_optio
 
 using namespace planish::c;
 
-void planish_fit_options_init(planish_fit_options* options, size_t struct_size) {
-  const planish::FitSettings own;
-  planish_fit_options defaults{};
-  defaults.tolerance = own.tolerance;
-  defaults.max_iterations = own.max_iterations;
-  defaults.repairs = 1;
-  defaults.uses_creases = 1;
-  defaults.weld = kNoWeld;
-  defaults.polish = own.polish_steps;
-  defaults.step_angle = own.step.faces.angle;
-  defaults.step_tolerance = own.step.faces.deviation;
-  defaults.step_unit = PLANISH_STEP_AUTO;
-  defaults.step_face_size = own.step.faces.face_size;
-  start(defaults, options, struct_size);
-}
-
 void planish_fit_info_init(planish_fit_info* info, size_t struct_size) {
   start({}, info, struct_size);
 }
 
-planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_options* options,
+planish_status planish_fit_create(const planish_mesh* mesh, const planish_options* options,
                                   planish_fit** fit) {
   return call([&] {
     require(mesh, "mesh");
     require(fit, "fit");
-    const planish_fit_options own = taken(options, planish_fit_options_init, "options");
-    const planish::FitSettings settings = mesh_settings_of(own);
+    const planish_options& own = options_of(options);
+    const planish::FitSettings& settings = mesh_settings(own);
     const planish::MeshFitOptions how = mesh_options(settings, own);
     auto made = std::make_unique<planish_fit>();
-    made->thread_count = own.thread_count;
-    made->precision = solve_precision(settings);
-    made->step = settings.step;
-    made->inputs = mesh->inputs;
-    const auto backend = backend_of(made->precision, own.thread_count);
+    made->kept = kept_of(settings, own);
+    made->kept.inputs = mesh->inputs;
+    const auto backend = made->kept.make_backend();
     made->fitted = planish::fit_mesh(mesh->mesh, "mesh", *backend, how);
     *fit = made.release();
     return convergence_status((*fit)->fitted);
@@ -259,9 +151,9 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage) {
     require(fit, "fit");
     require(cage, "cage");
     const planish::FittedMesh& fitted = fit->fitted;
-    run_on(fit->thread_count, [&] {
+    run_on(fit->kept.thread_count, [&] {
       auto made = new_mesh(planish::control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
-      made->inputs = fit->inputs;
+      made->inputs = fit->kept.inputs;
       *cage = made.release();
     });
     return PLANISH_OK;
@@ -272,12 +164,14 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
   return call([&] {
     require(fit, "fit");
     require(path, "path");
-    const auto backend = backend_of(fit->precision, fit->thread_count);
+    const auto backend = fit->kept.make_backend();
     planish::StepFigures figures;
-    const planish::InputFiles inputs = fit->inputs;  // other threads may write the fit, too
+    // Other threads may write the fit, too.
+    const planish::InputFiles inputs = fit->kept.inputs;
     planish::write_fitted_surface(path, fit->fitted, "surface", *backend,
                                   {.level = fit->settled(level),
-                                   .step = fit->step,
+                                   .z_up = fit->kept.z_up,
+                                   .step = fit->kept.step,
                                    .step_figures = &figures,
                                    .inputs = &inputs});
     return written_status(fit->fitted, &figures);
@@ -286,25 +180,26 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
 
 void planish_fit_free(planish_fit* fit) { delete fit; }
 
-planish_status planish_fit_file(const char* input, const char* output, int32_t level,
-                                const planish_fit_options* options, planish_fit_info* info) {
+planish_status planish_fit_file(const char* input, const char* output,
+                                const planish_options* options, planish_fit_info* info) {
   return call([&] {
     require(input, "input");
     require(output, "output");
-    const planish_fit_options own = taken(options, planish_fit_options_init, "options");
-    planish::FitFileOptions how;
-    const planish::FitSettings settings = settings_of(own);
-    how.mesh = mesh_options(settings, own);
-    how.split_normals = settings.creases.split_normals;
-    if (level != PLANISH_LEVEL_AUTO) how.level = level;
-    if (own.coarser_level_count > 0) {
-      require(own.coarser_levels, "options.coarser_levels");
-      how.coarser_levels.assign(own.coarser_levels, own.coarser_levels + own.coarser_level_count);
-    }
-    how.textures = settings.textures;
-    how.step = settings.step;
-    const auto backend = backend_of(solve_precision(settings), own.thread_count);
-    how.backend = backend.get();
+    const planish_options& own = options_of(options);
+    const planish::FitSettings& settings = consistent_settings(own);
+    Levels levels = levels_of(settings);
+    const Kept kept = kept_of(settings, own);
+    const auto backend = kept.make_backend();
+    const planish::FitFileOptions how{.mesh = mesh_options(settings, own),
+                                      .level = levels.finest,
+                                      .coarser_levels = std::move(levels.coarser),
+                                      .cage = {},
+                                      .z_up = kept.z_up,
+                                      .split_normals = settings.creases.split_normals,
+                                      .keeps_asset = settings.asset == planish::AssetChoice::Keep,
+                                      .textures = settings.textures,
+                                      .step = settings.step,
+                                      .backend = backend.get()};
     const planish::FileFit done = planish::fit_file(input, output, how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
     return written_status(done.fitted, done.step ? &*done.step : nullptr);
@@ -316,20 +211,13 @@ void planish_verification_init(planish_verification* verification, size_t struct
 }
 
 planish_status planish_verify(const planish_mesh* cage, const planish_mesh* given,
-                              const planish_fit_options* options,
-                              planish_verification* verification) {
+                              const planish_options* options, planish_verification* verification) {
   return call([&] {
     require(cage, "cage");
     require(given, "given");
-    const planish_fit_options how = taken(options, planish_fit_options_init, "options");
-    planish::VerifyOptions verify = verify_options(mesh_settings_of(how));
-    if (how.sharp_edge_count > 0) require(how.sharp_edges, "options.sharp_edges");
-    if (how.sharp_corner_count > 0) require(how.sharp_corners, "options.sharp_corners");
-    planish::FoundCreases sharp;
-    for (size_t i = 0; i < how.sharp_edge_count; ++i)
-      sharp.edges.push_back({how.sharp_edges[2 * i], how.sharp_edges[2 * i + 1]});
-    sharp.corners.assign(how.sharp_corners, how.sharp_corners + how.sharp_corner_count);
-    if (how.sharp_edges != nullptr || how.sharp_corners != nullptr) verify.found = &sharp;
+    const planish_options& how = options_of(options);
+    planish::VerifyOptions verify = verify_options(mesh_settings(how));
+    if (how.sharp) verify.found = &*how.sharp;
     planish::Verification result;
     run_on(how.thread_count,
            [&] { result = planish::verify_cage(cage->mesh, given->mesh, verify); });

@@ -19,7 +19,7 @@ constexpr std::size_t kQueryGrain = 64;
 // The mesh is left where it is by a fit that is freed.
 LimitSurface limit_of(const planish_fit& fit) {
   if (fit.fitted.options.scheme != Scheme::DooSabin)
-    refuse("only Doo-Sabin surfaces answer; set options.scheme to PLANISH_SCHEME_DOO_SABIN");
+    refuse("only Doo-Sabin surfaces answer; take options.scheme doo-sabin");
   return LimitSurface(
       fitted_surface(fit.fitted.mesh, fit.fitted.fit, fit.fitted.evaluate_options()));
 }
@@ -102,8 +102,8 @@ planish_status planish_queries_create(const planish_fit* fit, planish_queries** 
     require(queries, "queries");
     auto made = std::make_unique<planish_queries>();
     made->source = fit->whole;
-    made->thread_count = fit->thread_count;
-    run_on(fit->thread_count, [&] {
+    made->thread_count = fit->kept.thread_count;
+    run_on(fit->kept.thread_count, [&] {
       made->own_limit = std::make_unique<const planish::LimitSurface>(limit_of(*fit));
       made->own = std::make_unique<const planish::SurfaceQueries>(*made->own_limit);
     });

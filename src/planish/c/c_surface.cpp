@@ -1,6 +1,5 @@
 #include <memory>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
@@ -21,8 +20,7 @@ planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
     const int splits = fit->settled(level);
     planish::require_level(splits);
     const planish::FittedMesh& fitted = fit->fitted;
-    const auto backend = planish::make_cpu_backend(
-        {.solve_precision = fit->precision, .thread_count = fit->thread_count});
+    const auto backend = fit->kept.make_backend();
     auto made = std::make_unique<planish_surface>();
     planish::EvaluateOptions options = fitted.evaluate_options(splits);
     options.callbacks = made->callbacks();
@@ -39,7 +37,7 @@ planish_status planish_fit_tessellate(const planish_fit* fit, double chord_error
     require(fit, "fit");
     require(surface, "surface");
     auto made = std::make_unique<planish_surface>();
-    run_on(fit->thread_count, [&] {
+    run_on(fit->kept.thread_count, [&] {
       made->surface = planish::tessellate(
           fit->fitted,
           {.chord_error = chord_error, .angle = angle, .callbacks = made->callbacks()});

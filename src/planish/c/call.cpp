@@ -2,6 +2,8 @@
 
 #include <oneapi/tbb/task_arena.h>
 
+#include <limits>
+
 #include "planish/core/version.h"
 
 namespace planish::c {
@@ -62,6 +64,14 @@ void run_on(int thread_count, const std::function<void()>& work) {
 }
 
 void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }
+
+void require_list(const std::int32_t* values, std::size_t count, const char* name,
+                  const char* count_name) {
+  constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (count > 0) require(values, name);
+  if (count > kMost)
+    refuse(formatted("{} is {}, more than 2^31 - 1; name fewer at once", count_name, count));
+}
 
 void give_warning(std::span<const Warning> warnings, const char* of, std::size_t index,
                   const char** code, const char** message) {

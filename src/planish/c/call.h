@@ -57,6 +57,10 @@ void require(Pointer* pointer, const char* name) {
   if (pointer == nullptr) refuse(std::string(name) + " is NULL");
 }
 
+/// Throws for NULL and for more values, or pairs of them, than the library counts.
+void require_list(const std::int32_t* values, std::size_t count, const char* name,
+                  const char* count_name);
+
 /// Sets the defaults of a caller's struct of `size` bytes, as it knows it, and its size.
 template <class Struct>
 void start(const Struct& defaults, Struct* target, std::size_t size) {

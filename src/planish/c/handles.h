@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,20 @@ struct RiderViews {
   }
 };
 
+/// What a fit keeps of its options and its mesh, and hands on to what is made of it.
+struct Kept {
+  int thread_count = 0;
+  Precision precision = Precision::Float;
+  StepSettings step;
+  bool z_up = false;
+  std::optional<int> level;  ///< in place of PLANISH_LEVEL_AUTO; empty: by the mesh's density
+  InputFiles inputs;         ///< of its mesh
+
+  [[nodiscard]] std::unique_ptr<Backend> make_backend() const {
+    return make_cpu_backend({.solve_precision = precision, .thread_count = thread_count});
+  }
+};
+
 }  // namespace planish::c
 
 struct planish_mesh {
@@ -63,14 +78,11 @@ struct planish_mesh {
 struct planish_fit {
   std::shared_ptr<planish::FittedMesh> whole;  ///< with the queries that are made of it
   planish::FittedMesh& fitted;
-  int thread_count = 0;
-  planish::Precision precision = planish::Precision::Float;
-  planish::StepSettings step;
-  planish::InputFiles inputs;  ///< of its mesh
+  planish::c::Kept kept;
 
-  /// Of planish_fit_write() and others; PLANISH_LEVEL_AUTO by the mesh's density.
+  /// Of planish_fit_write() and others; PLANISH_LEVEL_AUTO by options, or by the mesh's density.
   [[nodiscard]] int settled(std::int32_t level) const {
-    return level == PLANISH_LEVEL_AUTO ? fitted.density.level() : level;
+    return level == PLANISH_LEVEL_AUTO ? kept.level.value_or(fitted.density.level()) : level;
   }
 
   planish_fit() : whole(std::make_shared<planish::FittedMesh>()), fitted(*whole) {}
@@ -116,9 +128,7 @@ struct planish_editor {
   std::shared_ptr<planish::c::EditedFit> edited;
   std::vector<planish_row_range> rows;  ///< of the last change
   planish::Selection selection;         ///< the last one
-  planish::InputFiles inputs;           ///< of the fit
-  int thread_count = 0;
-  planish::Precision precision = planish::Precision::Float;
+  planish::c::Kept kept;                ///< of the fit
 };
 
 namespace planish::c {

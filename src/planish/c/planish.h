@@ -4,8 +4,8 @@
 /* The library for C and for whatever calls C: a mesh in, the smooth surface through its vertices
  * out, on the CPU. C99.
  *
- * - Handles (planish_mesh, planish_fit, planish_surface, planish_queries) are opaque; each *_free()
- * takes NULL. What a handle was made from may be freed before it.
+ * - Handles (planish_mesh, planish_options, planish_fit, planish_surface, planish_queries) are
+ *   opaque; each *_free() takes NULL. What a handle was made from may be freed before it.
  * - Every function that can fail returns a status and leaves its outputs as they were unless it is
  *   PLANISH_OK or PLANISH_NOT_CONVERGED. Of every status but PLANISH_OK planish_last_error() says
  *   what, where, the value and the remedy. No C++ exception leaves the library.
@@ -35,71 +35,11 @@ typedef enum planish_status {
   PLANISH_NOT_CONVERGED = 5,    /**< a result all the same: outputs are set, files written */
   PLANISH_NO_MEMORY = 6,        /**< thrown before it is taken */
   PLANISH_UNWRITABLE_OUTPUT = 7,
-  PLANISH_CANCELLED = 130 /**< planish_fit_options::progress returned other than 0 */
+  PLANISH_CANCELLED = 130 /**< progress() returned other than 0 */
 } planish_status;
 
-typedef enum planish_method {
-  PLANISH_METHOD_AUTO = 0, /**< the better one by measurement */
-  PLANISH_METHOD_PROGRESSIVE = 1,
-  PLANISH_METHOD_FAIR = 2
-} planish_method;
-
-typedef enum planish_scheme {
-  PLANISH_SCHEME_DOO_SABIN = 0,
-  PLANISH_SCHEME_CATMULL_CLARK = 1,
-  PLANISH_SCHEME_LOOP = 2 /**< triangles only */
-} planish_scheme;
-
-typedef enum planish_weights {
-  PLANISH_WEIGHTS_DOO_SABIN = 0, /**< Doo and Sabin 1978 */
-  PLANISH_WEIGHTS_AVERAGED = 1   /**< the paper's */
-} planish_weights;
-
-typedef enum planish_solver {
-  PLANISH_SOLVER_CHEBYSHEV = 0,
-  PLANISH_SOLVER_PLAIN = 1, /**< the paper's */
-  PLANISH_SOLVER_CG = 2     /**< closed smooth meshes only */
-} planish_solver;
-
-typedef enum planish_quads {
-  PLANISH_QUADS_AUTO = 0,
-  PLANISH_QUADS_ON,
-  PLANISH_QUADS_OFF
-} planish_quads;
-
-typedef enum planish_refine {
-  PLANISH_REFINE_AUTO = 0,
-  PLANISH_REFINE_ON,
-  PLANISH_REFINE_OFF
-} planish_refine;
-
-typedef enum planish_boundary {
-  PLANISH_BOUNDARY_EDGE = 0,
-  PLANISH_BOUNDARY_EDGE_AND_CORNER = 1 /**< corners where one face meets an open boundary */
-} planish_boundary;
-
-typedef enum planish_precision {
-  PLANISH_PRECISION_AUTO = 0, /**< double for tolerances below 1e-8 */
-  PLANISH_PRECISION_FLOAT = 1,
-  PLANISH_PRECISION_DOUBLE = 2
-} planish_precision;
-
-/** What the coordinates of a STEP file are in. */
-typedef enum planish_step_unit {
-  PLANISH_STEP_MILLIMETRE = 0,
-  PLANISH_STEP_CENTIMETRE = 1,
-  PLANISH_STEP_METRE = 2,
-  PLANISH_STEP_INCH = 3,
-  PLANISH_STEP_AUTO = 4 /**< of planish_fit_file(), metres of a glTF; else millimetres */
-} planish_step_unit;
-
-/** Where files may lie that an input of planish_fit_file() names: textures, materials, buffers. */
-typedef enum planish_textures {
-  PLANISH_TEXTURES_BESIDE = 0, /**< in its folder or below, links resolved */
-  PLANISH_TEXTURES_ANYWHERE = 1
-} planish_textures;
-
 typedef struct planish_mesh planish_mesh;
+typedef struct planish_options planish_options;
 typedef struct planish_fit planish_fit;
 typedef struct planish_surface planish_surface;
 typedef struct planish_queries planish_queries;
@@ -172,77 +112,60 @@ planish_status planish_mesh_write(const planish_mesh* mesh, const char* path);
 planish_status planish_mesh_view(const planish_mesh* mesh, planish_mesh_arrays* arrays);
 void planish_mesh_free(planish_mesh* mesh);
 
+/* -- Options --------------------------------------------------------------------------------- */
+
+/** The defaults, on all cores. */
+planish_status planish_options_create(planish_options** options);
+/** Sets an option by the name that it has in scene files of `planish run`, to the text that its
+ * flag of `planish fit` takes: "polish" to "8", "creases" to "auto:40", "weld" to "1e-6"; `planish
+ * fit --help` lists them. The order does not matter; "preset" gives way to what is set besides.
+ * PLANISH_INVALID_ARGUMENT for unknown names, for options of the command alone ("compress", say),
+ * and for values that the command refuses, too: what was set before stays. Options that contradict
+ * each other are refused where they are used.
+ * - "levels": of planish_fit_file(), and what PLANISH_LEVEL_AUTO stands for. Several are levels of
+ *   detail of one glTF, for which "lods" has to be "msft".
+ * - "device": "cpu".
+ * - "threads", which is of this interface alone: how many, the caller's included, work on all that
+ *   is done with what is made by the options: 1 to 4096; 0, the default: all cores. */
+planish_status planish_options_set(planish_options* options, const char* name, const char* value);
+/** What an option is set to now, its default included; "" where it has none. The text belongs to
+ * the options until one of them is set. */
+planish_status planish_options_get(const planish_options* options, const char* name,
+                                   const char** value);
+/** `progress` is called on the calling thread and no other, every few hundredths of a second, with
+ * what is being done and the fraction of the whole call that is done: it never falls and ends at 1.
+ * Another result than 0 cancels. NULL: none. `user` is given to it, here and below. */
+void planish_options_on_progress(planish_options* options,
+                                 int (*progress)(void* user, const char* step, double fraction),
+                                 void* user);
+/** `warning` is called on the calling thread with a stable code and a sentence. NULL: none. */
+void planish_options_on_warning(planish_options* options,
+                                void (*warning)(void* user, const char* code, const char* message),
+                                void* user);
+/** For planish_verify() of a surface with found creases: what planish_fit_sharp() gives, which is
+ * copied. NULL and NULL, as at first: they are looked for once more. */
+planish_status planish_options_set_sharp(planish_options* options, const int32_t* edges,
+                                         size_t edge_count, const int32_t* corners,
+                                         size_t corner_count);
+void planish_options_free(planish_options* options);
+
 /* -- Fits ------------------------------------------------------------------------------------ */
-
-typedef struct planish_fit_options {
-  size_t struct_size;
-  int32_t method;         /**< a planish_method */
-  int32_t scheme;         /**< a planish_scheme */
-  double tolerance;       /**< of the largest error, of the bounding box's diagonal: 1e-6 */
-  int32_t max_iterations; /**< 200 */
-  int32_t repairs;        /**< not 0: mends what can be mended */
-  int32_t uses_creases;   /**< not 0: edges and vertices that the mesh tags stay sharp */
-  double crease_degrees;  /**< edges whose faces turn by more are sharp, too; 0: none */
-  int32_t
-      thread_count; /**< of all that is done with the fit, the caller's included; 0: all cores */
-  /** Called on the calling thread and no other, every few hundredths of a second, with what is
-   * being done and the fraction of the whole call that is done: it never falls and ends at 1.
-   * Another result than 0 cancels. May be NULL. */
-  int (*progress)(void* user, const char* step, double fraction);
-  /** Called on the calling thread with a stable code and a sentence. May be NULL. */
-  void (*warning)(void* user, const char* code, const char* message);
-  void* user; /**< given to both */
-  /** Vertices within this fraction of the diagonal become one, first: 0 (equal positions), or 1e-12
-   * to less than 0.1; -1: none, the default. */
-  double weld;
-  int32_t weights;   /**< a planish_weights, of Doo-Sabin */
-  int32_t solver;    /**< a planish_solver, of the progressive method */
-  int32_t boundary;  /**< a planish_boundary */
-  int32_t precision; /**< a planish_precision, of the solve */
-  int32_t polish;    /**< steps that even out the curvature of a fair surface: 8 */
-  /** What is sharp, as `planish fit --creases` has it: "choose", "use", "ignore", "auto" or
-   * "auto:40"; of planish_fit_file() "normals", too. NULL: as uses_creases and crease_degrees say,
-   * and "choose" where these are the defaults. */
-  const char* creases;
-  /** For planish_verify() of a surface with found creases: what planish_fit_sharp() gives. NULL and
-   * NULL: they are looked for once more. */
-  const int32_t* sharp_edges;
-  size_t sharp_edge_count;
-  const int32_t* sharp_corners;
-  size_t sharp_corner_count;
-  /** A surface that bends less, and passes every vertex at no more than this fraction of the
-   * diagonal, above the tolerance and less than 0.1; 0: through them, the default; -1: by the noise
-   * that is measured. */
-  double within;
-  int32_t quads; /**< a planish_quads: whether triangles are joined to quads */
-  /** Of STEP, by planish_fit_file() and planish_fit_write(): the most degrees by which normals jump
-   * where faces meet, 0.25, and that faces leave the surface, of the diagonal, 1e-6. */
-  double step_angle, step_tolerance;
-  int32_t step_unit;      /**< a planish_step_unit, AUTO; coordinates stay as they are */
-  int32_t step_face_size; /**< most quads along a face, of which one of the mesh has two: 16 */
-  /** Of planish_fit_file(), of a glTF that becomes one: further levels of detail in the same file
-   * (MSFT_lod), each less than the one before, the first less than its level. NULL: none. */
-  const int32_t* coarser_levels;
-  size_t coarser_level_count;
-  int32_t textures; /**< a planish_textures, of planish_fit_file() */
-  int32_t refine;   /**< a planish_refine: whether vertices are added between uneven ones */
-} planish_fit_options;
-
-void planish_fit_options_init(planish_fit_options* options, size_t struct_size);
 
 typedef struct planish_fit_info {
   size_t struct_size;
   int32_t converged;
-  int32_t iterations; /**< 0 for the fair method */
-  int32_t method;     /**< the planish_method that was taken */
-  double max_error;   /**< of a vertex from the surface, of the diagonal */
+  int32_t iterations;        /**< 0 for the fair method */
+  const char* interpolation; /**< that was taken: "progressive" or "fair" */
+  double max_error;          /**< of a vertex from the surface, of the diagonal */
   double rms_error;
-  double diagonal;       /**< of the vertices' bounding box, in the mesh's unit */
-  size_t vertex_count;   /**< of the mesh as it was fitted, after repair */
-  size_t face_count;     /**< the same */
-  size_t warning_count;  /**< of repair and fit */
-  double crease_degrees; /**< by which creases were found, for planish_verify(); 0: none were */
-  /** Whether sharp features were found by the shape: planish_verify() then wants options.creases
+  double diagonal;      /**< of the vertices' bounding box, in the mesh's unit */
+  size_t vertex_count;  /**< of the mesh as it was fitted, after repair */
+  size_t face_count;    /**< the same */
+  size_t warning_count; /**< of repair and fit */
+  /** By which creases were found; 0: none were. planish_verify() then wants "creases" to be "auto:"
+   * and this. */
+  double crease_degrees;
+  /** Whether sharp features were found by the shape: planish_verify() then wants "creases" to be
    * "auto". */
   int32_t finds_features;
   double within; /**< how far the surface might leave vertices, of the diagonal; the same */
@@ -251,7 +174,7 @@ typedef struct planish_fit_info {
 void planish_fit_info_init(planish_fit_info* info, size_t struct_size);
 
 /** Fits the surface; `options` may be NULL: the defaults. PLANISH_NOT_CONVERGED sets *fit, too. */
-planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_options* options,
+planish_status planish_fit_create(const planish_mesh* mesh, const planish_options* options,
                                   planish_fit** fit);
 planish_status planish_fit_get_info(const planish_fit* fit, planish_fit_info* info);
 /** What was found to be sharp, tags aside: edges, two vertices each, and corners, of the mesh as it
@@ -260,8 +183,9 @@ planish_status planish_fit_sharp(const planish_fit* fit, const int32_t** edges, 
                                  const int32_t** corners, size_t* corner_count);
 /** The control cage, a mesh of its own. Of the fair method it is the mesh of level 1. */
 planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
-/** A level that is not named: 2 splits, of a dense mesh 1: 20,000 vertices or more, and faces of
- * 3/4 of its area turn by less than 20 degrees to each neighbour. */
+/** A level that is not named: the finest of the option "levels"; unset, 2 splits, of a dense mesh
+ * 1: 20,000 vertices or more, and faces of 3/4 of its area turn by less than 20 degrees to each
+ * neighbour. */
 #define PLANISH_LEVEL_AUTO (-1)
 
 /** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL, USD text or STEP, which has
@@ -271,11 +195,10 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
 planish_status planish_fit_write(const planish_fit* fit, int32_t level, const char* path);
 void planish_fit_free(planish_fit* fit);
 
-/** From file to file, as `planish fit INPUT -o OUTPUT`; `options` and `info` may be NULL. `level`
- * as planish_fit_write() has it, of a glTF's meshes each. An existing output is replaced once the
- * new one is whole. */
-planish_status planish_fit_file(const char* input, const char* output, int32_t level,
-                                const planish_fit_options* options, planish_fit_info* info);
+/** From file to file, as `planish fit INPUT -o OUTPUT`, of a glTF each of its meshes; `options` and
+ * `info` may be NULL. An existing output is replaced once the new one is whole. */
+planish_status planish_fit_file(const char* input, const char* output,
+                                const planish_options* options, planish_fit_info* info);
 
 /* -- Surfaces -------------------------------------------------------------------------------- */
 
@@ -407,11 +330,10 @@ void planish_verification_init(planish_verification* verification, size_t struct
 
 /** How far the vertices of `given` are from the surface of `cage`, by limit points in double; of
  * the options, which may be NULL, those that shape the surface count, as they were given to the
- * fit: method (auto: progressive), scheme, weights, boundary, creases, repairs, weld,
- * sharp_edges, sharp_corners; and tolerance. Not confirming is PLANISH_OK. */
+ * fit ("interpolation" auto: progressive), with what is set to be sharp, and "tolerance". Not
+ * confirming is PLANISH_OK. */
 planish_status planish_verify(const planish_mesh* cage, const planish_mesh* given,
-                              const planish_fit_options* options,
-                              planish_verification* verification);
+                              const planish_options* options, planish_verification* verification);
 
 #ifdef __cplusplus
 }

@@ -5,10 +5,10 @@ import { load, PlanishError } from 'planish';
 const [mesh, surface] = process.argv.slice(2);
 const planish = await load();
 try {
-  const { bytes, info, warnings } = planish.fitFile(readFileSync(mesh), mesh, { output: surface, level: 2 });
+  const { bytes, info, warnings } = planish.fitFile(readFileSync(mesh), mesh, { output: surface, levels: 2 });
   for (const { message } of warnings) console.error(message);
   writeFileSync(surface, bytes);
-  console.log(`${surface}: ${info.method}, the vertices are off by at most ${info.maxError.toExponential(1)} of the diagonal`);
+  console.log(`${surface}: ${info.interpolation}, the vertices are off by at most ${info.maxError.toExponential(1)} of the diagonal`);
 } catch (error) {
   if (!(error instanceof PlanishError)) throw error;
   console.error(error.message);

@@ -4,7 +4,7 @@ import { whole } from './error.js';
 import { Handle, check, isDone } from './handle.js';
 import { Memory } from './memory.js';
 import { Mesh } from './mesh.js';
-import { CHOICES, FitOptions, LEVEL_AUTO } from './options.js';
+import { FitOptions, LEVEL_AUTO } from './options.js';
 import { queriesOf } from './queries.js';
 import { surfaceOf } from './surface.js';
 
@@ -12,7 +12,7 @@ function created(module, mesh, options, warnings) {
   return new Memory(module).use((memory) => {
     const told = new FitOptions(memory, options, warnings);
     const handle = memory.out();
-    const status = module._planish_fit_create(mesh.alive, told.struct, handle);
+    const status = module._planish_fit_create(mesh.alive, told.pointer, handle);
     try {
       told.end();
     } catch (error) {
@@ -25,9 +25,9 @@ function created(module, mesh, options, warnings) {
 }
 
 /** What a planish_fit_info says. */
-export function infoOf(info) {
+export function infoOf(module, info) {
   return {
-    converged: info.converged !== 0, iterations: info.iterations, method: CHOICES.method[info.method],
+    converged: info.converged !== 0, iterations: info.iterations, interpolation: module.UTF8ToString(info.interpolation),
     maxError: info.max_error, rmsError: info.rms_error, diagonal: info.diagonal,
     vertexCount: info.vertex_count, faceCount: info.face_count, creaseDegrees: info.crease_degrees,
     findsFeatures: info.finds_features !== 0,
@@ -49,11 +49,11 @@ export class Fit extends Handle {
     this.info = new Memory(module).use((memory) => {
       const at = memory.struct('fit_info', {});
       check(module, module._planish_fit_get_info(this.alive, at));
-      return infoOf(memory.read('fit_info', at));
+      return infoOf(module, memory.read('fit_info', at));
     });
   }
 
-  /** The surface after `level` splits of each face, 0 to 6; without one 2, of a dense mesh 1. */
+  /** The surface after `level` splits of each face, 0 to 6; without one as `levels` says, else 2, of a dense mesh 1. */
   evaluate(level = LEVEL_AUTO, { origin } = {}) {
     whole([level], 'level');
     return this.#surface((memory, handle) => this.module._planish_fit_evaluate(this.alive, level, handle), origin);

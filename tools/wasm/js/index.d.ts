@@ -35,25 +35,31 @@ export interface MeshArrays extends Riders {
   corners?: ArrayLike<number>;
 }
 
-/** Those of `planish fit`; defaults are the same. */
+/** Those of `planish fit`, with the names that scene files have in snake case; defaults are the same. */
 export interface FitOptions {
-  method?: 'auto' | 'progressive' | 'fair';
+  /** Averaged weights and the plain iteration, as published. */
+  preset?: 'paper';
+  interpolation?: 'auto' | 'progressive' | 'fair';
   scheme?: 'doo-sabin' | 'catmull-clark' | 'loop';
   /** Largest error, of the bounding box's diagonal: 1e-6. */
   tolerance?: number;
   maxIterations?: number;
-  repairs?: boolean;
+  repair?: 'safe' | 'none';
   weld?: number;
   weights?: 'doo-sabin' | 'averaged';
   solver?: 'chebyshev' | 'plain' | 'cg';
   boundary?: 'edge' | 'edge-and-corner';
   precision?: 'auto' | 'float' | 'double';
   polish?: number;
-  /** "choose", "use", "ignore", "auto" or "auto:40". */
+  /** "choose", "use", "ignore", "auto" or "auto:40"; of a file "normals", too. */
   creases?: string;
   within?: number | 'auto';
   quads?: 'auto' | 'on' | 'off';
   refine?: 'auto' | 'on' | 'off';
+  /** Splits, 0 to 6, where a call names no level: 'auto' is 2, of a dense mesh 1. */
+  levels?: number | number[] | 'auto';
+  /** 'z' turns a Z-up mesh upright for glTF, and is told to USD. */
+  up?: 'y' | 'z';
   /** What the coordinates of STEP are in: 'auto', which is mm, and metres of a glTF fitted as a file. */
   stepUnit?: 'mm' | 'cm' | 'm' | 'in' | 'auto';
   /** Most degrees by which normals jump where faces of STEP meet: 0.25. */
@@ -70,10 +76,10 @@ export interface FitOptions {
 /** `output` tells the format by its ending: 'surface.glb'; no .gltf, which has files beside it. */
 export interface FitFileOptions extends FitOptions {
   output?: string;
-  /** Splits, 0 to 6; without it 2, of a dense mesh 1. */
-  level?: number;
-  /** Of a glTF that becomes one: levels of detail in the same file (MSFT_lod), each less than the one before. */
-  coarserLevels?: number[];
+  /** Of a glTF that becomes one: with 'msft' several `levels` are levels of detail in the same file (MSFT_lod). */
+  lods?: 'files' | 'msft';
+  /** Of a glTF that becomes one: all that it holds, or its scene as one mesh. */
+  asset?: 'keep' | 'merge';
 }
 
 export interface FileFit {
@@ -85,7 +91,7 @@ export interface FileFit {
 export interface FitInfo {
   converged: boolean;
   iterations: number;
-  method: 'auto' | 'progressive' | 'fair';
+  interpolation: 'progressive' | 'fair';
   /** Of a vertex from the surface, of the diagonal. */
   maxError: number;
   rmsError: number;
@@ -149,10 +155,10 @@ export interface Questions {
 export interface Fit extends Questions {
   readonly info: FitInfo;
   readonly warnings: { code: string; message: string }[];
-  /** Without a level 2, of a dense mesh 1, as write() and edit(). */
+  /** Without a level as `levels` says, else 2, of a dense mesh 1, as write() and edit(). */
   evaluate(level?: number, placing?: Placing): Surface;
   tessellate(options: { chordError?: number; angle?: number } & Placing): Surface;
-  /** glb, gltf, obj, ply, off, stl, usda or step, by the name's ending; without a level 2, of a dense mesh 1. */
+  /** glb, gltf, obj, ply, off, stl, usda or step, by the name's ending. */
   write(name: string, level?: number): Uint8Array;
   glb(level?: number): Uint8Array;
   cage(): Mesh;

@@ -1,11 +1,11 @@
 // The library behind planish/c/planish.h for JavaScript: meshes in, surfaces through all of their vertices out.
 import makeModule from './planish_library.mjs';
-import { PlanishError, refuse, whole } from './error.js';
+import { PlanishError, refuse } from './error.js';
 import { fitted, infoOf } from './fit.js';
 import { check } from './handle.js';
 import { Memory } from './memory.js';
 import { Mesh } from './mesh.js';
-import { FitOptions, LEVEL_AUTO, coarserLevels } from './options.js';
+import { FitOptions } from './options.js';
 
 export { PlanishError };
 
@@ -66,22 +66,21 @@ class Planish {
   }
 
   /** A file's bytes become another's, as `planish fit` makes them: of a glTF all that is no triangle comes along.
-   * `output` tells the format by its ending; `coarserLevels`: levels of detail in the same glTF (MSFT_lod). */
-  fitFile(bytes, name, { output = 'surface.glb', level = LEVEL_AUTO, coarserLevels: coarser, ...options } = {}) {
+   * `output` tells the format by its ending; of `lods` "msft" several `levels` are levels of detail in one glTF. */
+  fitFile(bytes, name, { output = 'surface.glb', ...options } = {}) {
     const module = this.#module;
-    whole([level], 'level');
     const ending = (file) => String(file).split('.').pop().toLowerCase();
     if (ending(output) === 'gltf') refuse('output: a .gltf has files beside it; take .glb');
     const from = `/from.${ending(name)}`, to = `/to.${ending(output)}`, warnings = [];
     module.FS.writeFile(from, bytes);
     try {
       const info = new Memory(module).use((memory) => {
-        const told = new FitOptions(memory, options, warnings, coarserLevels(memory, coarser));
+        const told = new FitOptions(memory, options, warnings);
         const at = memory.struct('fit_info', {});
-        const status = module._planish_fit_file(memory.text(from), memory.text(to), level, told.struct, at);
+        const status = module._planish_fit_file(memory.text(from), memory.text(to), told.pointer, at);
         told.end();
         check(module, status, from, name);
-        return infoOf(memory.read('fit_info', at));
+        return infoOf(module, memory.read('fit_info', at));
       });
       return { bytes: module.FS.readFile(to), info, warnings };
     } finally {

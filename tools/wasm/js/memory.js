@@ -25,8 +25,7 @@ const SETTERS = { f64: 'setFloat64', i32: 'setInt32', u32: 'setUint32', ptr: 'se
 const GETTERS = { f64: 'getFloat64', i64: 'getBigInt64', i32: 'getInt32', u32: 'getUint32', ptr: 'getUint32' };
 
 export class Memory {
-  #taken = [];
-  #callbacks = [];
+  #ends = [];
   constructor(module) {
     this.module = module;
     this.layout = layoutOf(module);
@@ -36,9 +35,13 @@ export class Memory {
     try {
       return work(this);
     } finally {
-      for (const pointer of this.#taken) this.module._free(pointer);
-      for (const callback of this.#callbacks) this.module.removeFunction(callback);
+      for (const work of this.#ends.reverse()) work();
     }
+  }
+
+  /** Work for the end of use(), the last first. */
+  atEnd(work) {
+    this.#ends.push(work);
   }
 
   // Anew each time: the heap may have grown since.
@@ -52,7 +55,7 @@ export class Memory {
     if (!pointer) {
       throw new PlanishError(`${bytes} bytes are more than WebAssembly has left`, 'NO_MEMORY');
     }
-    this.#taken.push(pointer);
+    this.atEnd(() => this.module._free(pointer));
     return pointer;
   }
 
@@ -91,7 +94,7 @@ export class Memory {
 
   callback(signature, call) {
     const pointer = this.module.addFunction(call, signature);
-    this.#callbacks.push(pointer);
+    this.atEnd(() => this.module.removeFunction(pointer));
     return pointer;
   }
 

@@ -1,60 +1,26 @@
-// What a fit is told, as planish_fit_options has it.
-import { refuse, whole } from './error.js';
+// What a fit is told: options of planish_options_set(), by the names of scene files in camel case, as text.
+import { check } from './handle.js';
 
-// As the enums of the C header have them.
-export const CHOICES = {
-  method: ['auto', 'progressive', 'fair'],
-  scheme: ['doo-sabin', 'catmull-clark', 'loop'],
-  weights: ['doo-sabin', 'averaged'],
-  solver: ['chebyshev', 'plain', 'cg'],
-  boundary: ['edge', 'edge-and-corner'],
-  precision: ['auto', 'float', 'double'],
-  quads: ['auto', 'on', 'off'],
-  refine: ['auto', 'on', 'off'],
-  stepUnit: ['mm', 'cm', 'm', 'in', 'auto'],
-};
-/** PLANISH_LEVEL_AUTO: 2, of a dense mesh 1. */
+/** PLANISH_LEVEL_AUTO: what the option `levels` says; else 2, of a dense mesh 1. */
 export const LEVEL_AUTO = -1;
-const NUMBERS = {
-  tolerance: 'tolerance', maxIterations: 'max_iterations', weld: 'weld', polish: 'polish', stepAngle: 'step_angle',
-  stepTolerance: 'step_tolerance', stepFaceSize: 'step_face_size',
-};
 
-// Members of planish_fit_options.
-function settings(options) {
-  const values = {};
-  for (const [name, value] of Object.entries(options)) {
-    if (value === undefined || name === 'progress' || name === 'warning') continue;
-    if (name in CHOICES) {
-      const choice = CHOICES[name].indexOf(value);
-      values[name === 'stepUnit' ? 'step_unit' : name] = choice;
-      if (choice < 0) refuse(`${name}: "${value}" is none of ${CHOICES[name].join(', ')}`);
-    } else if (name in NUMBERS) {
-      if (typeof value !== 'number') refuse(`${name}: a number is wanted, not ${value}`);
-      values[NUMBERS[name]] = value;
-    } else if (name === 'within') {
-      values.within = value === 'auto' ? -1 : value;
-    } else if (name === 'repairs') {
-      values.repairs = value ? 1 : 0;
-    } else if (name === 'creases') {
-      values.creases = String(value);
-    } else if (name === 'coarserLevels') {
-      refuse('coarserLevels: they are of fitFile()');
-    } else {
-      refuse(`"${name}" is no option of a fit`);
-    }
-  }
-  return values;
-}
+const nameOf = (key) => key.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
 
-/** Options of a call into the library: what they point to is in its memory, progress() and warning() are
- * heard. An exception of theirs must not pass through the library: it cancels, and end() throws it. */
+/** Options of a call into the library, for as long as its memory is in use; progress() and warning() are heard. An
+ * exception of theirs must not pass through the library: it cancels, and end() throws it. */
 export class FitOptions {
   #thrown;
-  constructor(memory, options, warnings, further = {}) {
+  constructor(memory, { progress, warning, ...options }, warnings) {
     const { module } = memory;
-    const values = { ...settings(options), ...further };
-    if (values.creases !== undefined) values.creases = memory.text(values.creases);
+    const handle = memory.out();
+    check(module, module._planish_options_create(handle));
+    const pointer = memory.pointer(handle);
+    memory.atEnd(() => module._planish_options_free(pointer));
+    this.pointer = pointer;
+    // Lists become texts with commas between.
+    for (const [key, value] of Object.entries(options))
+      if (value !== undefined)
+        check(module, module._planish_options_set(pointer, memory.text(nameOf(key)), memory.text(String(value))));
     const guarded = (call) => {
       try {
         return call();
@@ -63,26 +29,19 @@ export class FitOptions {
         return false;
       }
     };
-    if (options.progress) {
-      values.progress = memory.callback('iiid', (user, step, fraction) =>
-        guarded(() => options.progress(module.UTF8ToString(step), fraction)) === false ? 1 : 0);
+    if (progress) {
+      module._planish_options_on_progress(pointer, memory.callback('iiid', (user, step, fraction) =>
+        guarded(() => progress(module.UTF8ToString(step), fraction)) === false ? 1 : 0), 0);
     }
-    values.warning = memory.callback('viii', (user, code, message) => {
-      const warning = { code: module.UTF8ToString(code), message: module.UTF8ToString(message) };
-      warnings.push(warning);
-      if (options.warning) guarded(() => options.warning(warning.code, warning.message));
-    });
-    this.struct = memory.struct('fit_options', values);
+    module._planish_options_on_warning(pointer, memory.callback('viii', (user, code, message) => {
+      const told = { code: module.UTF8ToString(code), message: module.UTF8ToString(message) };
+      warnings.push(told);
+      if (warning) guarded(() => warning(told.code, told.message));
+    }), 0);
   }
 
   /** Throws what progress() or warning() has thrown. */
   end() {
     if (this.#thrown) throw this.#thrown;
   }
-}
-
-/** The member of planish_fit_options, of levels of detail. */
-export function coarserLevels(memory, levels) {
-  if (!levels?.length) return {};
-  return { coarser_levels: memory.i32(whole(levels, 'coarserLevels')), coarser_level_count: levels.length };
 }

@@ -192,7 +192,7 @@ async function edit() {
       }
     };
     const file = chosen.find(({ name }) => name === mains()[0]);
-    const options = { method: $('method').value, creases: $('creases').value };
+    const options = { interpolation: $('method').value, creases: $('creases').value };
     if (within) options.within = within === 'auto' ? within : Number(within);
     const start = await ask({ edit: 'start', module, file, options, level });
     $('result').hidden = true;
