@@ -54,7 +54,7 @@ test('the surface passes through the vertices', () => {
 });
 
 test('triangles are closed and turned outwards', () => {
-  const fit = planish.fit(cube);
+  const fit = planish.fit(cube, { creases: 'ignore' });
   for (const surface of [fit.evaluate(2), fit.tessellate({ chordError: 1e-3 })]) {
     const edges = new Map();
     let volume = 0;
@@ -138,7 +138,7 @@ test('vertices move, and the surface follows where they reach', () => {
 });
 
 test('an editor makes edges sharp, and refuses what it cannot do', () => {
-  const editor = planish.fit(cube).edit(2, { origin: 'center' });
+  const editor = planish.fit(cube, { creases: 'ignore' }).edit(2, { origin: 'center' });
   const near = editor.rays([-0.9, -0.9, 9], [0, 0, -1]).positions[2];
   const change = editor.setSharp({ edges: [[4, 5], [5, 6], [6, 7], [7, 4]] });
   assert.equal(change.isWhole, true);
@@ -281,8 +281,10 @@ test("the README's first example runs as it stands", () => {
   const text = readFileSync(join(folder, 'node_modules/planish/README.md'), 'utf8').match(/```js\n([^]*?)```/)[1];
   writeFileSync(join(folder, 'example.js'), `${text}\nconsole.log(positions.length, file.length, nearest[2]);\n`);
   const [positions, file, top] = execFileSync('node', ['example.js'], { cwd: folder, encoding: 'utf8' }).split(' ');
-  assert.equal(Number(positions), 3 * 98);
-  assert.ok(Number(file) > 1000 && Number(top) > 1);
+  // A cube's edges stay sharp: a grid for each side.
+  assert.equal(Number(positions), 3 * 6 * 25);
+  assert.ok(Number(file) > 1000);
+  assert.equal(Number(top), 1);
 });
 
 test('npx planish is the command', () => {
@@ -313,7 +315,7 @@ test('a file that is larger than all memory is refused before it is read', async
   const path = module._malloc(16), handle = module._malloc(4);
   module.stringToUTF8('/large.ply', path, 16);
   assert.equal(module._planish_mesh_read(path, handle), 6);
-  assert.match(module.UTF8ToString(module._planish_last_error()), /large.ply: 4294967396 bytes are more than this program can hold/);
+  assert.match(module.UTF8ToString(module._planish_last_error()), /large.ply: 4294967396 bytes are to be read, and \d+ bytes of memory are free/);
   // An array of more than all memory is no internal error.
   const { Memory } = await installed('memory.js');
   new Memory(module).use((memory) => {
