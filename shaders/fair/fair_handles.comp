@@ -31,7 +31,7 @@ vec3 crease_handle(CreaseArms arms) {
 }
 
 // Of the other edge's distance from the curve: how far a handle may lead into a face.
-const float kCorridor = 1.0 / 4.0;
+const float kCorridor = 1.0 / 12.0;
 const float kLeastCorridorFactor = 0.02;
 
 // Wider corners than of 174 degrees count as that.

@@ -57,12 +57,13 @@ double factor_at_corner(double degrees) {
   const std::vector<dvec3> normals = unit_face_normals(topology, mesh.positions);
   return corridor_factor(
       topology, mesh.positions, normals, 0,
-      topology.crease_neighbours(0)[0] == 1 ? dvec3(0.6, 0.3, 0) : dvec3(-0.6, -0.3, 0));
+      topology.crease_neighbours(0)[0] == 1 ? dvec3(0.2, 0.1, 0) : dvec3(-0.2, -0.1, 0));
 }
 
 TEST(CreaseHandle, KeepsToItsCorridorContinuouslyThroughStraightCorners) {
-  // Into a corner of 100 degrees by a quarter of its other edge's height.
-  EXPECT_NEAR(factor_at_corner(100), 0.7 * std::sin(100 * std::numbers::pi / 180) / 4 / 0.3, 1e-12);
+  // Into a corner of 100 degrees by a twelfth of its other edge's height.
+  EXPECT_NEAR(factor_at_corner(100), 0.7 * std::sin(100 * std::numbers::pi / 180) / 12 / 0.1,
+              1e-12);
   double before = factor_at_corner(100);
   for (double degrees = 100.1; degrees < 260; degrees += 0.1) {
     const double factor = factor_at_corner(degrees);

@@ -13,9 +13,8 @@ namespace {
 
 // A handle may pass the shorter arm by this factor.
 constexpr double kLongestHandle = 1.15;
-// Of the other edge's distance from the curve: how far a handle may lead into a face. Where the
-// edge on the other side bends in as far, half of the face is left.
-constexpr double kCorridor = 1.0 / 4.0;
+// Of the other edge's distance from the curve: how far a handle may lead into a face.
+constexpr double kCorridor = 1.0 / 12.0;
 constexpr double kLeastCorridorFactor = 0.02;
 
 // Wider corners than of 174 degrees count as that: the handle does not run into what lies behind

@@ -26,7 +26,7 @@ struct CreaseArms {
 [[nodiscard]] glm::dvec3 crease_handle(const CreaseArms& arms);
 
 /// What a handle is to be scaled by, at least 0.02, so that it stays in a corridor along the curve:
-/// in each face beside the sharp edges at the vertex it moves into the face by at most a quarter of
+/// in each face beside the sharp edges at the vertex it moves into the face by at most a twelfth of
 /// what the face's other edge does. A handle along a reflex boundary would otherwise run through
 /// thin faces.
 [[nodiscard]] double corridor_factor(const FairTopology& topology,
