@@ -234,10 +234,8 @@ Explained SegmentJumps::explained_by_far(std::int32_t segment, int side,
   std::int32_t region = line.regions[side];
   Across across = across_[segment][side];
   int behind = 1 - side_of(across.segment, region);
-  const auto turns_little = [&](std::int32_t far) {
-    return std::abs(map_.segments[far].turn) < kLittle * std::abs(line.turn);
-  };
-  if (!is_sharp[across.segment] && turns_little(across.segment)) {
+  if (!is_sharp[across.segment] &&
+      std::abs(map_.segments[across.segment].turn) < kLittle * std::abs(line.turn)) {
     const Across& next = across_[across.segment][behind];
     if (next.segment >= 0) {
       region = map_.segments[across.segment].regions[behind];
