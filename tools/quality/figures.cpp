@@ -43,14 +43,24 @@ ConvexMesh fitted_mesh(const PolygonMesh& mesh, const Method& method) {
   return same;
 }
 
+// Of each face of a surface the given face that it descends from; `source_faces` of the fitted
+// mesh's, empty: they are the given ones.
+std::vector<std::int32_t> given_faces_of(const SurfaceMesh& surface, const PolygonMesh& fitted,
+                                         std::span<const std::int32_t> source_faces) {
+  std::vector<std::int32_t> given;
+  for (std::int32_t f = 0; f < fitted.face_count(); ++f) {
+    const std::int64_t count = descendant_count(surface, fitted.face_size(f));
+    given.insert(given.end(), static_cast<std::size_t>(count),
+                 source_faces.empty() ? f : source_faces[f]);
+  }
+  return given;
+}
+
 // Against the faces of the mesh that was given, of which those of the fitted one are parts.
 SurfaceQuality own_quality(const SurfaceMesh& surface, const ConvexMesh& fitted,
                            const PolygonMesh& given) {
-  std::vector<std::int32_t> ancestors;
-  for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
-    const auto count = descendant_count(surface, fitted.mesh.face_size(f));
-    ancestors.insert(ancestors.end(), static_cast<std::size_t>(count), fitted.source_faces[f]);
-  }
+  const std::vector<std::int32_t> ancestors =
+      given_faces_of(surface, fitted.mesh, fitted.source_faces);
   return surface_quality(surface, [&](std::int64_t face, std::int32_t) {
     return area_vector(given.positions, given.face(ancestors[face]));
   });
@@ -102,12 +112,8 @@ void compare_with_pieces(Figures& figures, const SurfaceMesh& surface, const Fit
                          const TruePieces& pieces) {
   // How far from its corner towards the face's middle a normal is looked up.
   constexpr double kInward = 0.01;
-  std::vector<std::int32_t> given_faces;  // of the surface's
-  for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
-    const std::int32_t given = fitted.source_faces.empty() ? f : fitted.source_faces[f];
-    const std::int64_t count = descendant_count(surface, fitted.mesh.face_size(f));
-    given_faces.insert(given_faces.end(), static_cast<std::size_t>(count), given);
-  }
+  const std::vector<std::int32_t> given_faces =
+      given_faces_of(surface, fitted.mesh, fitted.source_faces);
   std::vector<std::int64_t> first_corners(given_faces.size() + 1, 0);
   for (std::size_t f = 0; f < given_faces.size(); ++f)
     first_corners[f + 1] = first_corners[f] + std::ssize(surface.face(f));
