@@ -29,7 +29,6 @@ class Lot {
 struct Body {
   PolygonMesh mesh;
   std::vector<std::int32_t> surfaces;  ///< of each face which; kFacet: one of its own
-  bool is_planar = true;               ///< faces may be cut anyhow
 };
 inline constexpr std::int32_t kFacet = -1;
 
