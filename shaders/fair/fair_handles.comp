@@ -1,4 +1,4 @@
-// The two curve points at every crease or boundary vertex, on opposite sides of it.
+// The two curve points at every crease or boundary vertex, on opposite sides of it, before fair_corridor.
 // fair/crease_handle.h.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -8,13 +8,11 @@ READ_STORED(0, FairCrease, creases);
 READ(1, vec4, given)
 READ(2, float, shares)
 READ(3, vec4, points)
-READ(4, FairPlace, places)
-READ(5, vec4, face_normals)
-WRITE(6, vec4, shifts);
-WRITE(7, vec4, result);
+READ(4, vec4, face_normals)
+WRITE(5, vec4, shifts);
+WRITE(6, vec4, result);
 
 #include "fair_crease.glsl"
-#include "fair_walk.glsl"
 
 // A handle may pass the shorter arm by this factor.
 const float kLongestFactor = 1.15;
@@ -28,38 +26,6 @@ vec3 crease_handle(CreaseArms arms) {
   if (!(size > 0.0)) return vec3(0.0);  // a cusp: both arms the same way
   return direction *
          (min((before + after) / 2.0, kLongestFactor * min(before, after)) / size);
-}
-
-// Of the other edge's distance from the curve: how far a handle may lead into a face.
-const float kCorridor = 1.0 / 12.0;
-const float kLeastCorridorFactor = 0.02;
-
-// Wider corners than of 174 degrees count as that.
-const float kWidestSine = 0.1;
-
-// In one face, between its sharp edge and its other one; `inward` at right angles to the former.
-float face_factor(vec3 handle, vec3 sharp, vec3 inward, vec3 other) {
-  float size = safe_length(inward);
-  if (!(size > 0.0)) return 1.0;
-  float lateral = dot(handle, inward / size), height = dot(other, inward / size);
-  if (dot(other, sharp) < 0.0 || height < 0.0) height = max(height, kWidestSine * safe_length(other));
-  return height > 0.0 && lateral > kCorridor * height ? kCorridor * height / lateral : 1.0;
-}
-
-float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {
-  float factor = 1.0;
-  FOR_RING(i, crease.first, crease.count) {
-    FairPlace place = places_at(i);
-    vec3 next = given_at(place.next).xyz - own, previous = given_at(place.previous).xyz - own;
-    vec3 normal = face_normals_at(place.face).xyz;
-    if (place.next == crease.before || place.next == crease.after)
-      factor = min(factor, face_factor(place.next == crease.before ? handle : -handle,
-                                       next, cross(normal, next), previous));
-    if (place.previous == crease.before || place.previous == crease.after)
-      factor = min(factor, face_factor(place.previous == crease.before ? handle : -handle,
-                                       previous, cross(previous, normal), next));
-  }
-  return max(ring_min(factor), kLeastCorridorFactor);
 }
 
 // Square of the sine between planes: below it they have no line in common.
@@ -78,9 +44,7 @@ vec3 in_planes(FairCrease crease, vec3 handle) {
 
 void main() {
   FOR_ELEMENTS(i) {
-    uint c = kShared ? creases[i].large : i;
-    FairCrease crease = creases[c];
-    if (!is_walked(crease.count)) continue;
+    FairCrease crease = creases[i];
     vec3 own = given_at(crease.vertex).xyz;
     CreaseArms arms =
         CreaseArms((given_at(crease.before).xyz - own) / 4.0, (given_at(crease.after).xyz - own) / 4.0);
@@ -93,9 +57,7 @@ void main() {
       shift = (own - point) - ((before - point) + (after - point)) / 8.0;
     }
     handle = in_planes(crease, handle);
-    handle *= corridor_factor(crease, own, handle);
-    if (!leads()) continue;
-    shifts[c] = vec4(shift, share);
+    shifts[i] = vec4(shift, share);
     result[crease.curve0] = vec4(handle, 0.0);
     result[crease.curve1] = vec4(-handle, 0.0);
   }

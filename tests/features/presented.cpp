@@ -126,7 +126,8 @@ KnownMesh presented(const Body& body, Lot& lot, std::string& what) {
     what += "; turned";
     const dvec3 axis = glm::normalize(dvec3(lot.real(-1, 1), lot.real(-1, 1), lot.real(-1, 1)) +
                                       dvec3(1e-3, 0, 0));
-    const double angle = lot.real(0, 2 * glm::pi<double>()), c = std::cos(angle), s = std::sin(angle);
+    const double angle = lot.real(0, 2 * glm::pi<double>()), c = std::cos(angle),
+                 s = std::sin(angle);
     change([&](const dvec3& p) {
       return c * p + s * glm::cross(axis, p) + (1 - c) * glm::dot(axis, p) * axis;
     });

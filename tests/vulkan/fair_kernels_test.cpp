@@ -127,8 +127,9 @@ struct Prepared {
   std::vector<double> shares;
 };
 
-// The twin of fair_handles.
-SectorShape crease_shape(const DeviceNet& net, const Prepared& from, std::int32_t v) {
+// The twin of fair_handles and fair_corridor.
+SectorShape crease_shape(const DeviceNet& net, const GivenStep& step, const Prepared& from,
+                         std::int32_t v) {
   const CreaseArms arms = crease_arms(net.topology, net.given, v);
   SectorShape shape{crease_handle(arms), from.shares[v], dvec3(0.0)};
   if (shape.share > 0) {
@@ -139,11 +140,12 @@ SectorShape crease_shape(const DeviceNet& net, const Prepared& from, std::int32_
     shape.tensor_shift =
         net.given[v] - points[v] - (points[before] + points[after] - 2.0 * points[v]) / 8.0;
   }
-  shape.handle *= corridor_factor(net.topology, net.given, from.face_normals, v, shape.handle);
+  shape.handle *=
+      corridor_factor(net.topology, net.given, step, from.face_normals, v, shape.handle);
   return shape;
 }
 
-// The twins of fair_polygons, fair_reversed, fair_handles and fair_sectors.
+// The twins of fair_polygons, fair_reversed, fair_handles, fair_corridor and fair_sectors.
 std::vector<dvec3> built(const DeviceNet& net, const Prepared& from) {
   const FairTopology& topology = net.topology;
   std::vector<dvec3> result = from.offsets;
@@ -155,7 +157,7 @@ std::vector<dvec3> built(const DeviceNet& net, const Prepared& from) {
       build_vertex_polygon(topology, net.given, step, v, {from.normals[v], from.shares[v]}, scratch,
                            result);
     if (topology.kind(v) != VertexKind::Crease) continue;
-    const SectorShape shape = crease_shape(net, from, v);
+    const SectorShape shape = crease_shape(net, step, from, v);
     const std::int32_t crease = topology.crease_of_vertex[v];
     const std::int32_t first = topology.sector_offsets[crease];
     for (std::int32_t s = first; s < topology.sector_offsets[crease + 1]; ++s)

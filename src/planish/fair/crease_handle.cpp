@@ -13,21 +13,22 @@ namespace {
 
 // A handle may pass the shorter arm by this factor.
 constexpr double kLongestHandle = 1.15;
-// Of the other edge's distance from the curve: how far a handle may lead into a face.
-constexpr double kCorridor = 1.0 / 12.0;
+// Of the way that the corner's own control point is from the curve: how far a handle may lead into
+// a face.
+constexpr double kCorridor = 0.5;
 constexpr double kLeastCorridorFactor = 0.02;
 
-// Wider corners than of 174 degrees count as that: the handle does not run into what lies behind
-// it, and polygons' corners pass through 180 degrees.
-constexpr double kWidestSine = 0.1;
+// Wider corners than of 174 degrees in a triangle count as that: the handle does not run into what
+// lies behind it, and polygons' corners pass through 180 degrees.
+constexpr double kWidestSine = 0.1 / 6;
 
 // The factor in one face, between its sharp edge and its other one; `inward` is in the face and at
-// right angles to the sharp edge.
-double face_factor(const dvec3& handle, const dvec3& sharp, const dvec3& inward,
-                   const dvec3& other) {
+// right angles to the sharp edge, `point` the corner's control point.
+double face_factor(const dvec3& handle, const dvec3& sharp, const dvec3& inward, const dvec3& other,
+                   const dvec3& point) {
   const double lateral = glm::dot(handle, inward);
-  double height = glm::dot(other, inward);
-  if (glm::dot(other, sharp) < 0 || height < 0)
+  double height = glm::dot(point, inward);
+  if (glm::dot(other, sharp) < 0 || glm::dot(other, inward) < 0)
     height = std::max(height, kWidestSine * glm::length(other));
   return height > 0 && lateral > kCorridor * height ? kCorridor * height / lateral : 1.0;
 }
@@ -48,8 +49,8 @@ double imbalance(const CreaseArms& arms) {
 }
 
 double corridor_factor(const FairTopology& topology, std::span<const dvec3> given,
-                       std::span<const dvec3> face_normals, std::int32_t vertex,
-                       const dvec3& handle) {
+                       const GivenStep& step, std::span<const dvec3> face_normals,
+                       std::int32_t vertex, const dvec3& handle) {
   const std::int32_t before = topology.crease_neighbours(vertex)[0];
   double factor = 1;
   const FairTopology::Ring ring = topology.ring(vertex);
@@ -63,7 +64,8 @@ double corridor_factor(const FairTopology& topology, std::span<const dvec3> give
       const double length = glm::length(inward);
       if (!(length > 0)) return;
       const dvec3 along = neighbour == before ? handle : -handle;
-      factor = std::min(factor, face_factor(along, sharp, inward / length, other));
+      factor =
+          std::min(factor, face_factor(along, sharp, inward / length, other, step.offset(corner)));
     };
     if (topology.corner_cw[corner] >= topology.corner_count) {
       note(ring.next[i], next, glm::cross(normal, next), previous);

@@ -3,6 +3,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "planish/fair/corner_offsets.h"
 #include "planish/fair/fair_topology.h"
 
 namespace planish {
@@ -26,11 +27,11 @@ struct CreaseArms {
 [[nodiscard]] glm::dvec3 crease_handle(const CreaseArms& arms);
 
 /// What a handle is to be scaled by, at least 0.02, so that it stays in a corridor along the curve:
-/// in each face beside the sharp edges at the vertex it moves into the face by at most a twelfth of
-/// what the face's other edge does. A handle along a reflex boundary would otherwise run through
+/// in each face beside the sharp edges at the vertex it moves into the face by at most half of what
+/// the corner's control point does. A handle along a reflex boundary would otherwise run through
 /// thin faces.
 [[nodiscard]] double corridor_factor(const FairTopology& topology,
-                                     std::span<const glm::dvec3> given,
+                                     std::span<const glm::dvec3> given, const GivenStep& step,
                                      std::span<const glm::dvec3> face_normals, std::int32_t vertex,
                                      const glm::dvec3& handle);
 

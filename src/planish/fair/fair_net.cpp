@@ -140,7 +140,7 @@ void NetBuilder::build_crease(std::int32_t vertex) {
   const std::int32_t begin = topology.sector_offsets[crease],
                      end = topology.sector_offsets[crease + 1];
   shape.handle = in_planes(begin, end, shape.handle);
-  shape.handle *= corridor_factor(topology, given, face_normals, vertex, shape.handle);
+  shape.handle *= corridor_factor(topology, given, step, face_normals, vertex, shape.handle);
   for (std::int32_t s = begin; s < end; ++s) {
     const std::int32_t face = planes.of_sector_at(s);
     shape.normal = face < 0 ? std::nullopt : std::optional(face_normals[face]);

@@ -124,10 +124,11 @@ void GpuFair::plan_build(Binder& binder) {
   binder.add(build_, Kernel::FairSectorNormals, t.sector_count,
              {&t.sectors, &t.places, &b.given, &b.face_normals, &b.sector_normals},
              t.large_sector_count);
-  binder.add(
-      build_, Kernel::FairHandles, t.crease_count,
-      {&t.creases, &b.given, &b.shares, &points, &t.places, &b.face_normals, &b.shifts, &b.result},
-      t.large_crease_count);
+  binder.add(build_, Kernel::FairHandles, t.crease_count,
+             {&t.creases, &b.given, &b.shares, &points, &b.face_normals, &b.shifts, &b.result});
+  binder.add(build_, Kernel::FairCorridor, t.crease_count,
+             {&t.creases, &b.given, &t.places, &b.face_normals, &b.given_offsets, &b.result},
+             t.large_crease_count);
   binder.add(build_, Kernel::FairSectors, t.sector_count,
              {&t.sectors, &t.places, &b.given, &b.sector_normals, &b.given_offsets, &offsets(),
               &b.shifts, &b.result},
