@@ -144,7 +144,9 @@ OptionValue parse_option(const OptionInfo& option, std::string_view text, std::s
         refuse(where, in_double_quotes(text) + " is no number; " + wanted_of(option));
       break;
     case OptionKind::Switch:
-      value.is_on = true;
+      value.is_on = text == "true";
+      if (!value.is_on && text != "false")
+        refuse(where, in_double_quotes(text) + " is neither true nor false");
       break;
     case OptionKind::Wholes:
       if (!parse_list(text, value.wholes, parse_integer)) no_list();
