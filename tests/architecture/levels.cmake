@@ -23,7 +23,8 @@ set(level_brep 5)
 set(level_osd 5)
 set(level_reconstruct 5)
 set(level_distributed 6)
-set(level_c 6)
+set(level_job 6)
+set(level_c 7)
 # Neighbours on one level that may be used: tables and splits are made of meshes, files of surfaces,
 # kernels repeat the fair construction and number rows as patches do, fits are tessellated and become B-spline faces.
 set(allowed stencil>mesh files>surface vulkan>fair vulkan>patches pipeline>limit pipeline>brep brep>limit edit>pipeline edit>limit)

@@ -11,7 +11,7 @@
 #include "cli/json_schema.h"
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 #include "support/expect_error.h"
 #include "support/file_size_limit.h"
 
@@ -258,9 +258,9 @@ TEST_F(StepCommand, ScenesAndTheLibraryWriteTheSameBytes) {
           .exit_code,
       0);
   FitFileOptions options;
-  options.step = {{.angle = 1, .deviation = 1e-5, .face_size = 6}, StepUnit::Inch};
+  options.settings.step = {{.angle = 1, .deviation = 1e-5, .face_size = 6}, StepUnit::Inch};
   options.cage = path("cage.obj");
-  options.mesh.method = InterpolationMethod::Progressive;
+  options.settings.interpolation = InterpolationChoice::Progressive;
   const FileFit done = fit_file(torus_, path("c.step"), options);
   EXPECT_TRUE(read("a.step") == read("b.step"));
   EXPECT_TRUE(read("c.step") == read("b.step"));
@@ -269,7 +269,7 @@ TEST_F(StepCommand, ScenesAndTheLibraryWriteTheSameBytes) {
   EXPECT_TRUE(done.step->keeps_limits);
   EXPECT_EQ(done.byte_count, read("c.step").size());
   EXPECT_EQ(done.face_count, std::ssize(StepFile(path("c.step")).all("ADVANCED_FACE")));
-  options.mesh.fit.scheme = Scheme::Loop;
+  options.settings.scheme = Scheme::Loop;
   const std::string message = message_of(ErrorCode::InvalidArgument,
                                          [&] { (void)fit_file(torus_, path("d.step"), options); });
   EXPECT_THAT(message, HasSubstr("d.step: STEP's faces are quads, and patches of loop are"));
@@ -286,7 +286,7 @@ TEST_F(StepCommand, WritesCatmullClarkSurfaces) {
     ASSERT_EQ(file.at(id).values[1].number(), 3);
   // fit_file() writes the same.
   FitFileOptions options;
-  options.mesh.fit.scheme = Scheme::CatmullClark;
+  options.settings.scheme = Scheme::CatmullClark;
   const FileFit done = fit_file(torus_, path("d.step"), options);
   EXPECT_EQ(done.step->faces, output["step"]["faces"]);
   EXPECT_EQ(read("p.step").size(), read("d.step").size());

@@ -14,6 +14,7 @@
 
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
 #include "support/meshes.h"
 #include "support/temporary_folder.h"
 
@@ -70,8 +71,8 @@ std::string content_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A new row is refused until the interface heeds it, and it is told here.
-TEST(COptions, EveryRowIsServedOrRefusedByName) {
+// But tags, which name vertices.
+TEST(COptions, EveryRowIsServed) {
   std::vector<std::string_view> refused;
   for (const FitOption& option : option_table()) {
     SCOPED_TRACE(option.name);
@@ -80,7 +81,7 @@ TEST(COptions, EveryRowIsServedOrRefusedByName) {
     if (planish_options_set(options.get(), name.c_str(), value.c_str()) != PLANISH_OK) {
       refused.push_back(option.name);
       EXPECT_THAT(planish_last_error(), StartsWith("options." + name + ": this interface"));
-      EXPECT_THAT(planish_last_error(), testing::ContainsRegex("planish (fit|run) does it"));
+      EXPECT_THAT(planish_last_error(), HasSubstr("planish run does it"));
       const char* unset = nullptr;
       EXPECT_EQ(planish_options_get(options.get(), name.c_str(), &unset), PLANISH_INVALID_ARGUMENT);
       continue;
@@ -89,8 +90,26 @@ TEST(COptions, EveryRowIsServedOrRefusedByName) {
     read_option(option, settings, value, "test");
     EXPECT_EQ(text(options, name), option.get ? option.get(settings) : value);
   }
-  EXPECT_THAT(refused, ElementsAre("attributes", "compress", "bake", "tile_vertices", "skirts",
-                                   "crease_edges", "corner_vertices", "chord_errors", "angle"));
+  EXPECT_THAT(refused, ElementsAre("crease_edges", "corner_vertices"));
+  for (const PointOption& option : point_option_table()) {
+    const OwnOptions options = defaults();
+    const std::string value(option.example.empty() ? option.initial : option.example);
+    set(options, option.name, option.words.empty() ? value : std::string(option.words.back()));
+  }
+}
+
+TEST(COptions, WhatIsOfFilesIsRefusedForMeshes) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() / "cube.obj";
+  write_mesh(path, FileFormat::Obj, cube());
+  planish_mesh* mesh = nullptr;
+  ASSERT_EQ(planish_mesh_read(path.c_str(), &mesh), PLANISH_OK);
+  const OwnOptions options = defaults();
+  set(options, "compress", "meshopt");
+  planish_fit* fit = nullptr;
+  EXPECT_EQ(planish_fit_create(mesh, options.get(), &fit), PLANISH_INVALID_ARGUMENT);
+  EXPECT_STREQ(planish_last_error(), "options.compress: is of files; take planish_fit_file()");
+  planish_mesh_free(mesh);
 }
 
 TEST(COptions, UnknownNamesAreToldTheNearest) {
@@ -100,8 +119,8 @@ TEST(COptions, UnknownNamesAreToldTheNearest) {
   EXPECT_THAT(refusal(options, "thread", "1"), HasSubstr("did you mean threads?"));
   EXPECT_THAT(refusal(options, "max-iterations", "1"), HasSubstr("did you mean max_iterations?"));
   EXPECT_THAT(refusal(options, "\x1b", "1"), StartsWith("options.\\x1b: there is no"));
-  // Of points, of reports and of no rows at all.
-  for (const char* name : {"outliers", "report", "page", ""})
+  // Of reports and of no rows at all.
+  for (const char* name : {"report", ""})
     EXPECT_THAT(refusal(options, name, "1"), HasSubstr("planish fit --help")) << name;
 }
 

@@ -14,7 +14,7 @@
 #include "files/gltf/asset_sample.h"
 #include "files/gltf/large_asset.h"
 #include "planish/files/mesh_file.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 
@@ -356,26 +356,10 @@ TEST_F(AssetCommand, LevelsOfDetailInOneFile) {
   EXPECT_THAT(made["extensionsUsed"].dump(), HasSubstr("MSFT_lod"));
   EXPECT_FALSE(made.contains("extensionsRequired")) << made["extensionsRequired"];
   // The library writes the same.
-  const FileFit fit = fit_file(input_, path("library.glb"), {.level = 2, .coarser_levels = {1, 0}});
+  const FileFit fit = fit_file(input_, path("library.glb"),
+                               {.settings = settings_of({{"levels", "2,1,0"}, {"lods", "msft"}})});
   EXPECT_EQ(read("out.glb"), read("library.glb"));
   EXPECT_EQ(fit.vertex_count, report["outputs"][0]["vertices"]);
-}
-
-TEST_F(AssetCommand, TheLibraryRefusesLevelsOfDetailThatCannotBe) {
-  const auto refusal = [&](const std::string& input, const std::string& output,
-                           const FitFileOptions& options) {
-    return message_of(ErrorCode::InvalidArgument,
-                      [&] { (void)fit_file(input, path(output), options); });
-  };
-  EXPECT_THAT(refusal(input_, "a.glb", {.level = 1, .coarser_levels = {0, 0}}),
-              HasSubstr("coarser_levels: 0 follows level 0; name levels from fine to coarse"));
-  EXPECT_THAT(refusal(input_, "a.glb", {.level = 1, .coarser_levels = {-1}}), HasSubstr("-1"));
-  for (const std::string& input : {write("cube.obj", cube_obj()), input_})
-    EXPECT_THAT(
-        refusal(input, input == input_ ? "a.ply" : "a.glb", {.level = 1, .coarser_levels = {0}}),
-        HasSubstr("becomes a glTF by itself; take a file for each level"));
-  EXPECT_FALSE(exists("a.glb"));
-  EXPECT_FALSE(exists("a.ply"));
 }
 
 TEST_F(AssetCommand, LevelsOfDetailThatCannotBeAreRefused) {

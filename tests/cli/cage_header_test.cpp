@@ -1,4 +1,4 @@
-#include "output/cage_header.h"
+#include "planish/job/cage_header.h"
 
 #include <gmock/gmock.h>
 

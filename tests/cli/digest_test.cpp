@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "output/digest.h"
-#include "output/plain_sha256.h"
+#include "planish/job/digest.h"
+#include "planish/job/plain_sha256.h"
 
 namespace planish::command {
 namespace {

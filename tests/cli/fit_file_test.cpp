@@ -1,5 +1,5 @@
-// fit_file() writes what the command writes.
-#include "planish/pipeline/fit_file.h"
+// What fit_file() gives besides files.
+#include "planish/job/fit_file.h"
 
 #include <gmock/gmock.h>
 
@@ -15,47 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class FitFile : public FolderTest {
- protected:
-  void expect_same(const std::string& input, const std::string& extension,
-                   const std::vector<std::string>& flags, const FitFileOptions& options) {
-    const std::string by_command = "command" + extension, by_library = "library" + extension;
-    std::vector<std::string> arguments{"fit",      input, "-o", path(by_command),
-                                       "--device", "cpu", "-f"};
-    arguments.insert(arguments.end(), flags.begin(), flags.end());
-    const ProcessResult result = run_planish(arguments);
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    const FileFit done = fit_file(input, path(by_library), options);
-    EXPECT_TRUE(done.fitted.fit.interpolation.converged);
-    EXPECT_EQ(done.byte_count, read(by_library).size());
-    EXPECT_EQ(read(by_library), read(by_command)) << extension;
-  }
-};
-
-TEST_F(FitFile, WritesTheCommandsBytes) {
-  const std::string goblet = PLANISH_SCENES "/goblet.obj";
-  for (const char* extension : {".glb", ".obj", ".ply", ".stl", ".usda", ".off"})
-    expect_same(goblet, extension, {}, {});
-}
-
-TEST_F(FitFile, TakesTheCommandsChoices) {
-  const std::string mixed = PLANISH_SCENES "/mixed_polygons.obj";
-  expect_same(mixed, ".glb", {}, {});  // the method by measurement
-  FitFileOptions options;
-  options.mesh.method = InterpolationMethod::Fair;
-  options.level = 1;
-  expect_same(mixed, ".glb", {"--interpolation", "fair", "--levels", "1"}, options);
-  options.mesh = {.method = InterpolationMethod::Progressive, .crease_degrees = 40};
-  options.mesh.fit.tolerance = 1e-10;
-  options.z_up = true;
-  expect_same(mixed, ".glb",
-              {"--interpolation", "progressive", "--creases", "auto:40", "--tolerance", "1e-10",
-               "--up", "z", "--levels", "1"},
-              options);
-  options = {};
-  options.mesh.fit.scheme = Scheme::CatmullClark;
-  expect_same(PLANISH_SCENES "/goblet.obj", ".glb", {"--scheme", "catmull-clark"}, options);
-}
+using FitFile = FolderTest;
 
 // A roof over two faces whose corners have the normals of their face, or of the vertex.
 std::string roof_obj(bool is_split) {
@@ -68,14 +28,13 @@ std::string roof_obj(bool is_split) {
 TEST_F(FitFile, SplitNormalsAreCreasesWhereAsked) {
   const std::string roof = write("roof.obj", roof_obj(true));
   FitFileOptions options;
-  options.split_normals = true;
-  expect_same(roof, ".glb", {"--creases", "normals"}, options);
+  options.settings = settings_of({{"creases", "normals"}});
   const FileFit sharp = fit_file(roof, path("sharp.glb"), options);
   EXPECT_EQ(sharp.fitted.fit.sharp_edge_count, 7);  // the ridge beside the border
   EXPECT_EQ(sharp.fitted.creases(), "normals");
   EXPECT_TRUE(sharp.fitted.warnings.empty());
   FitFileOptions rounded;
-  rounded.mesh.chooses_creases = false;
+  rounded.settings.creases.chooses = false;
   EXPECT_EQ(fit_file(roof, path("smooth.glb"), rounded).fitted.fit.sharp_edge_count, 6);
   const FileFit none = fit_file(write("smooth.obj", roof_obj(false)), path("none.glb"), options);
   ASSERT_EQ(none.fitted.warnings.size(), 1u);
@@ -87,9 +46,9 @@ TEST_F(FitFile, MendsWhatTheCommandMends) {
   const std::string input = write("turned.obj",
                                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\n"
                                   "f 1 2 3 4\nf 2 3 6 5\n");
-  expect_same(input, ".glb", {}, {});
+  EXPECT_EQ(fit_file(input, path("mended.glb")).fitted.warnings.size(), 1u);
   FitFileOptions options;
-  options.mesh.repairs = false;
+  options.settings.repair = RepairChoice::None;
   const std::string message = message_of(ErrorCode::UnusableMesh,
                                          [&] { (void)fit_file(input, path("none.glb"), options); });
   EXPECT_THAT(message, HasSubstr("turned.obj: "));
@@ -119,13 +78,15 @@ TEST_F(FitFile, ErrorsNameTheRemedy) {
                                   "property float y\nproperty float z\nend_header\n0 0 0\n");
   const auto message = [&](ErrorCode code, const std::string& from, const std::string& to,
                            int level = 2) {
-    return message_of(code, [&] { (void)fit_file(from, to, {.level = level}); });
+    FitFileOptions options;
+    options.settings.set_levels({level});
+    return message_of(code, [&] { (void)fit_file(from, to, options); });
   };
   EXPECT_THAT(message(ErrorCode::InvalidArgument, input, path("a.iges")),
-              HasSubstr("take .glb, .gltf"));
+              HasSubstr("is written as .glb, .gltf"));
   EXPECT_THAT(message(ErrorCode::InvalidArgument, input, input), HasSubstr("is the input itself"));
   EXPECT_THAT(message(ErrorCode::InvalidArgument, input, path("a.glb"), 9), HasSubstr("9"));
-  EXPECT_THAT(message(ErrorCode::UnusableMesh, cloud, path("a.glb")), HasSubstr("reconstruct()"));
+  EXPECT_THAT(message(ErrorCode::UnusableMesh, cloud, path("a.glb")), HasSubstr("cloud.ply"));
   EXPECT_THAT(message(ErrorCode::UnreadableInput, path("none.obj"), path("a.glb")),
               HasSubstr("none.obj"));
   EXPECT_FALSE(std::filesystem::exists(path("a.glb")));

@@ -10,10 +10,11 @@
 #include <sstream>
 
 #include "cli/needs.h"
-#include "job/forecast.h"
+#include "planish/core/counted.h"
+#include "planish/job/forecast.h"
+#include "planish/job/text.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
-#include "terminal/text.h"
 
 namespace planish::test {
 namespace {
@@ -92,7 +93,7 @@ TEST_F(Forecasts, SizesCountWhatAMeshCarries) {
       const std::string& file = c.files[i];
       const auto vertices = outputs[i]["vertices"].get<std::int64_t>();
       EXPECT_THAT(text, testing::ContainsRegex(file + "  \\(level ., " +
-                                               command::counted(vertices, "vertex") + ", "))
+                                               counted(vertices, "vertex") + ", "))
           << c.scene;
       auto bytes = static_cast<double>(std::filesystem::file_size(path(file)));
       if (file == "a.gltf") bytes += static_cast<double>(std::filesystem::file_size(path("a.bin")));
@@ -254,14 +255,14 @@ TEST_F(Needs, OfPointsByTheirNumber) {
 // Where measurement chooses the method there are two fits.
 TEST(ForecastOf, CountsTheFitsThatAreMade) {
   const ReadyFit ready = prepare_fit(torus(20, 20, 1.0, 0.4), "torus");
-  command::Settings settings;
+  Settings settings;
   settings.interpolation = InterpolationChoice::Progressive;
-  const command::MeshNeed need{&ready, nullptr};
-  const double one = command::forecast_of({&need, 1}, settings, {}, 0).seconds;
+  const MeshNeed need{&ready, nullptr};
+  const double one = forecast_of({&need, 1}, settings, {}, 0).seconds;
   settings.interpolation = InterpolationChoice::Auto;
-  EXPECT_DOUBLE_EQ(command::forecast_of({&need, 1}, settings, {}, 0).seconds, 2 * one);
+  EXPECT_DOUBLE_EQ(forecast_of({&need, 1}, settings, {}, 0).seconds, 2 * one);
   settings.within.is_measured = true;
-  EXPECT_GT(command::forecast_of({&need, 1}, settings, {}, 0).seconds, 4 * one);
+  EXPECT_GT(forecast_of({&need, 1}, settings, {}, 0).seconds, 4 * one);
   EXPECT_GT(one, 0);
 }
 

@@ -6,9 +6,9 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "job/job_input.h"
-#include "job/measure_surface.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/job/job_input.h"
+#include "planish/job/measure_surface.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 
@@ -235,7 +235,7 @@ TEST_F(Mending, SaysHowFarSeparatedSheetsAreApart) {
 // apart.
 TEST(SheetGapOfAJob, DoesNotGrowWithTheMesh) {
   for (const double unit : {1.0, 1000.0}) {
-    command::JobInput made;
+    JobInput made;
     PolygonMesh& mesh = made.fitted.mesh;
     mesh.positions = {{0, 0, 0},   {1, 0, 0},   {1, 1, 0},    {0, 1, 0},
                       {0, 0, 0.2}, {1, 0, 0.2}, {1, -1, 0.2}, {0, -1, 0.2}};
@@ -246,9 +246,9 @@ TEST(SheetGapOfAJob, DoesNotGrowWithTheMesh) {
     made.fitted.source_vertices = {0, 1, 2, 3, 0, 1, 4, 5};
     made.fitted.separated_edges = {{0, 1}};
     made.fitted.fit = fit(mesh, *make_cpu_backend(), {});
-    command::JobReport report;
+    JobReport report;
     report.surface.emplace();
-    command::note_sheet_gap(made, fitted_surface(mesh, made.fitted.fit, {}), report);
+    note_sheet_gap(made, fitted_surface(mesh, made.fitted.fit, {}), report);
     ASSERT_TRUE(report.surface->sheet_gap);
     EXPECT_NEAR(*report.surface->sheet_gap, 0.2 / std::sqrt(1 + 4 + 0.04), 1e-6) << unit;
   }

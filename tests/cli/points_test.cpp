@@ -14,7 +14,7 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "files/gltf/glb_bytes.h"
-#include "job/sampling.h"
+#include "job/sample_surface.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/json.h"
 #include "planish/files/mesh_file.h"
@@ -58,7 +58,7 @@ class Points : public testing::Test {
 
 // Not on the triangles that they are drawn from.
 TEST(Sampling, DrawsFromTheExactSurface) {
-  command::Input input;
+  Input input;
   input.file.mesh = torus(12, 8, 2, 0.7);
   const PolygonMesh& mesh = input.file.mesh;
   const PointCloud cloud = command::sample_surface(input, {.points = 2000}, {});

@@ -18,7 +18,8 @@ std::string output_of(ProgressMode mode, const Work& work) {
     Console console(LogLevel::Info, ColorMode::Never);
     Progress all(
         console, mode, [&now] { return now; }, 3);
-    JobProgress progress(all, "goblet", 2);
+    JobDisplay display(all, "goblet", 2);
+    JobProgress progress(display.visit());
     progress.plan({{"read", 1}, {"solve", 2}, {"evaluate", 1}, {"evaluate", 4}});
     work(progress, now);
     all.finish();

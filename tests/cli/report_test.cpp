@@ -11,13 +11,13 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "output/digest.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
+#include "planish/job/digest.h"
+#include "planish/job/report.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/surface_quality.h"
-#include "report/report.h"
 
 namespace planish::test {
 namespace {
@@ -131,7 +131,7 @@ TEST_F(Report, DescribesOutputsAsTheyAreOnDisk) {
   for (const auto& output : report["outputs"]) {
     const std::string name = std::filesystem::path(output["path"].get<std::string>()).filename();
     const std::string content = read(name);
-    EXPECT_EQ(output["sha256"], command::sha256(std::as_bytes(std::span(content)))) << name;
+    EXPECT_EQ(output["sha256"], sha256(std::as_bytes(std::span(content)))) << name;
     const std::size_t companion = name == "p.gltf" ? read("p.bin").size() : 0;
     EXPECT_EQ(output["bytes"], content.size() + companion) << name;
   }
@@ -207,7 +207,7 @@ TEST_F(Report, KnowsTheFoldedArea) {
 
 // Each key has its own figure: no two are alike.
 TEST(ReportJson, TimesAndMemoryStandUnderTheirNames) {
-  command::JobReport report;
+  JobReport report;
   report.timing = {.read = 1,
                    .check = 2,
                    .topology = 3,
@@ -220,7 +220,7 @@ TEST(ReportJson, TimesAndMemoryStandUnderTheirNames) {
                    .total = 10};
   report.host_peak_bytes = 11;
   report.device_bytes = 12;
-  const nlohmann::ordered_json said = command::to_json(report);
+  const nlohmann::ordered_json said = to_json(report);
   EXPECT_EQ(said["timing_ms"],
             nlohmann::ordered_json::parse(
                 R"({"read": 1.0, "check": 2.0, "topology": 3.0, "stencils": 4.0, "upload": 5.0,
@@ -250,7 +250,7 @@ TEST_F(Report, MemoryIsTheProcesss) {
 TEST_F(Report, Sha256IsTheStandardOne) {
   // FIPS 180-2, appendix B.1.
   const std::string text = "abc";
-  EXPECT_EQ(command::sha256(std::as_bytes(std::span(text))),
+  EXPECT_EQ(sha256(std::as_bytes(std::span(text))),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <fstream>
 
-#include "job/input.h"
-#include "job/point_input.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/files/formats.h"
+#include "planish/job/input.h"
+#include "planish/job/point_input.h"
 
 namespace planish::command {
 namespace {

@@ -1,4 +1,4 @@
-#include "options/settings.h"
+#include "planish/job/job_settings.h"
 
 #include <gmock/gmock.h>
 

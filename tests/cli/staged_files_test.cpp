@@ -1,5 +1,5 @@
 // Files that come to an output's place while the job runs.
-#include "output/staged_files.h"
+#include "planish/job/staged_files.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,6 @@
-#include "terminal/text.h"
+#include "planish/job/text.h"
+#include "planish/core/counted.h"
+#include "planish/core/number_text.h"
 
 #include <gtest/gtest.h>
 

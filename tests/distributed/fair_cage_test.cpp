@@ -35,7 +35,7 @@ void expect_cage(const std::string& name, const PolygonMesh& mesh, DistributedOp
   if (is_first_rank()) expected = cage_of_one_machine(mesh, options);
   for (const int count : kRankCounts)
     on_ranks(count, [&](const Ranks& ranks) {
-      JobWatch watch(ranks.rank);
+      RankWatch watch(ranks.rank);
       const auto fit = fit_distributed(
           ranks, [&] { return scatter_mesh(ranks, mesh); }, options, watch);
       EXPECT_EQ(sum_over(ranks, std::ssize(fit.file_ids)), mesh.vertex_count());
@@ -95,7 +95,7 @@ TEST(FairCage, HolesAreRefused) {
   PolygonMesh mesh = mixed_torus(16, 8);
   mesh.hole_faces = {3, 7};
   on_ranks(3, [&](const Ranks& ranks) {
-    JobWatch watch(ranks.rank);
+    RankWatch watch(ranks.rank);
     DistributedOptions options{.method = InterpolationMethod::Fair};
     options.cage = shared_path("holes.ply");
     const Outcome outcome = outcome_of([&] {

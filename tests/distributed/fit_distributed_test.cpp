@@ -15,7 +15,7 @@ namespace {
 constexpr double kTight = 3e-14;
 
 DistributedFit fitted(const Ranks& ranks, const std::string& input, DistributedOptions options) {
-  JobWatch watch(ranks.rank);
+  RankWatch watch(ranks.rank);
   options.name = input;
   return fit_distributed(
       ranks, [&] { return read_slices(ranks, input); }, options, watch);

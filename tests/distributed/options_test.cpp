@@ -28,7 +28,7 @@ std::string refusal_of(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "planish-mpi");
   try {
     const command::MpiRequest request = command::parse_mpi_flags(arguments);
-    for (const command::Job& job : request.jobs) (void)command::mpi_job_of(job, request.own);
+    for (const Job& job : request.jobs) (void)command::mpi_job_of(job, request.own);
   } catch (const Error& error) {
     return error.what();
   }
@@ -139,7 +139,7 @@ TEST(MpiOptions, EveryKeyOfASceneIsKnown) {
   for (const std::string_view key : command::scene_keys(SceneObject::Defaults)) {
     if (key == "solve" || command::mpi_option(key) != MpiOption::Refused) continue;
     ++refused;
-    const command::GivenSetting given{std::string(key), "scene.json:1: jobs[0]", "x"};
+    const GivenSetting given{std::string(key), "scene.json:1: jobs[0]", "x"};
     try {
       command::require_available({&given, 1}, {.adaptive = {.angle = 1}});
       ADD_FAILURE() << key << " is taken";

@@ -36,7 +36,7 @@ DistributedFit fit_with_tiles(const Ranks& ranks, const TilesCase& job, const st
     fs::remove_all(shared_path(folder));
     fs::create_directory(shared_path(folder));
   });
-  JobWatch watch(ranks.rank);
+  RankWatch watch(ranks.rank);
   DistributedOptions options = job.options;
   options.name = job.input;
   options.tiles = shared_path(folder + "/t.json");

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "distributed/rank_runs.h"
-#include "planish/distributed/job_watch.h"
+#include "planish/distributed/rank_watch.h"
 
 namespace planish::test {
 namespace {
@@ -69,7 +69,7 @@ TEST(RankProgress, FollowsAWatch) {
     RankProgress progress(ranks, 0, [&](std::string_view phase, double) {
       if (phases.empty() || phases.back() != phase) phases.emplace_back(phase);
     });
-    JobWatch watch(ranks.rank, 0, &progress);
+    RankWatch watch(ranks.rank, 0, &progress);
     for (const std::string_view phase : kPhases) {
       watch.begin(phase, 2);
       watch.tick();

@@ -7,12 +7,12 @@
 
 #include "fuzz/fuzz_read.h"
 #include "options/scene_file.h"
-#include "output/cage_header.h"
 #include "page/page_text.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
+#include "planish/job/cage_header.h"
 
 namespace planish::test {
 
@@ -58,7 +58,7 @@ std::string without_quotes(std::string_view word) {
 
 void fuzz_read_scene(std::span<const std::byte> bytes, FileFormat) {
   try {
-    for (const command::Job& job : command::parse_scene(text_of(bytes), "fuzz.json", "/folder"))
+    for (const Job& job : command::parse_scene(text_of(bytes), "fuzz.json", "/folder"))
       require(!job.name.empty() && !job.input.empty());
   } catch (const Error& error) {
     require_refusal(error, {ErrorCode::InvalidArgument});
@@ -68,16 +68,16 @@ void fuzz_read_scene(std::span<const std::byte> bytes, FileFormat) {
 void fuzz_read_cage(std::span<const std::byte> bytes, FileFormat format) {
   try {
     const MeshFile file = read_mesh(bytes, "fuzz", format);
-    const command::CageHeader header = command::parse_cage_header(file.header, "fuzz");
-    const auto written = [](const command::CageHeader& of) {
+    const CageHeader header = parse_cage_header(file.header, "fuzz");
+    const auto written = [](const CageHeader& of) {
       const bool is_fair = of.settings.interpolation == InterpolationChoice::Fair;
-      return command::cage_header_lines(
+      return cage_header_lines(
           of.settings, is_fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive,
           of.source, of.found.value_or(FoundCreases()));
     };
     const std::vector<std::string> lines = written(header);
     for (const std::string& line : lines) require(line.find('\n') == std::string::npos);
-    require(written(command::parse_cage_header(lines, "fuzz")) == lines);
+    require(written(parse_cage_header(lines, "fuzz")) == lines);
   } catch (const Error& error) {
     require_refusal(error, {ErrorCode::UnreadableInput});
   }

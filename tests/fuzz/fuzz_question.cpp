@@ -5,6 +5,7 @@
 
 #include "fuzz/fuzz_command.h"
 #include "fuzz/fuzz_read.h"
+#include "job/inspection.h"
 #include "job/questions.h"
 #include "limit/limit_case.h"
 #include "planish/core/json.h"
@@ -12,8 +13,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/read_points.h"
 #include "planish/files/sniff_format.h"
-#include "report/inspection.h"
-#include "report/report.h"
+#include "planish/job/report.h"
 
 namespace planish::test {
 
@@ -114,7 +114,7 @@ void fuzz_query(std::span<const std::byte> bytes, FileFormat format) {
 void fuzz_inspect(std::span<const std::byte> bytes, FileFormat) {
   const std::optional<FileFormat> format = sniff_format(bytes);
   if (!format) return;
-  command::InputFile file;
+  InputFile file;
   file.name = "fuzz";
   file.bytes.assign(bytes.begin(), bytes.end());
   file.format = *format;
@@ -125,7 +125,7 @@ void fuzz_inspect(std::span<const std::byte> bytes, FileFormat) {
     require(visible_lines(text) == text);
     require(std::isfinite(inspection.diagonal) && std::isfinite(inspection.spacing));
     const nlohmann::json json =
-        nlohmann::json::parse(command::json_text(command::inspection_json(inspection)));
+        nlohmann::json::parse(json_text(command::inspection_json(inspection)));
     require(json["format"] == name_of(inspection.format));
   } catch (const Error& error) {
     require_refusal(error, {ErrorCode::UnreadableInput});

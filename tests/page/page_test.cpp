@@ -12,8 +12,8 @@
 #include "page/page_reader.h"
 #include "page/page_text.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/job/report.h"
 #include "planish/surface/evaluate.h"
-#include "report/report.h"
 #include "support/meshes.h"
 
 namespace planish::command {

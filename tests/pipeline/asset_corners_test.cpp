@@ -141,8 +141,8 @@ class AssetCorners : public Asset {
   }
   static FitFileOptions at_level(int level, Scheme scheme = Scheme::DooSabin) {
     FitFileOptions options;
-    options.level = level;
-    options.mesh.fit.scheme = scheme;
+    options.settings.set_levels({level});
+    options.settings.scheme = scheme;
     return options;
   }
 };
@@ -158,7 +158,7 @@ TEST_F(AssetCorners, ColoursOfFacesStayTheirs) {
     for (const int level : {0, 1, 3}) {
       FitFileOptions options = at_level(level, scheme);
       int warned = 0;
-      options.mesh.fit.callbacks.warning = [&](const Warning& one) {
+      options.callbacks.warning = [&](const Warning& one) {
         warned += one.code == "shared-attributes" ? 1 : 0;
       };
       const tinygltf::Model model = fitted(given.glb(), options);
@@ -194,7 +194,7 @@ TEST_F(AssetCorners, BordersOfColoursAreSharpAndTheirSidesSmooth) {
   given.attributes = {colours};
   for (const int level : {1, 2}) {
     FitFileOptions options = at_level(level);
-    options.mesh.refine = RefineChoice::Off;
+    options.settings.refine = RefineChoice::Off;
     const tinygltf::Model model = fitted(given.glb(), options);
     ASSERT_EQ(model.meshes.at(0).primitives.size(), 2U);
     for_triangles(model, "COLOR_0",

@@ -29,7 +29,7 @@ class AssetExtensions : public Asset {
   // At level 0, for what does not depend on it.
   tinygltf::Model passed() {
     FitFileOptions options;
-    options.level = 0;
+    options.settings.set_levels({0});
     return fitted(sample_.glb(), options);
   }
 };
@@ -81,13 +81,13 @@ TEST_F(AssetExtensions, AnimationsByPointersPass) {
   channels[0]["target"] = pointer_to("/materials/0/pbrMetallicRoughness/roughnessFactor");
   channels[1]["target"] = pointer_to("/nodes/0/weights");
   FitFileOptions options;
-  options.level = 0;
+  options.settings.set_levels({0});
   pass(options);
   EXPECT_EQ(written_json()["animations"], sample_.json["animations"]);
   EXPECT_THAT(written_json()["extensionsUsed"], Contains("KHR_animation_pointer"));
   // With levels of detail, weights move those of every level.
-  options.level = 1;
-  options.coarser_levels = {0};
+  options.settings.set_levels({1, 0});
+  options.settings.lods = LodChoice::Msft;
   pass(options);
   const json made = written_json();
   ASSERT_EQ(made["animations"][0]["channels"].size(), 3u);
@@ -220,7 +220,7 @@ TEST_F(AssetExtensions, WhatDescribesOldTrianglesGoesWithThem) {
     sample_.json["extensionsUsed"].push_back(name);
   FitFileOptions options;
   std::string said;
-  options.mesh.fit.callbacks.warning = [&](const Warning& one) {
+  options.callbacks.warning = [&](const Warning& one) {
     EXPECT_EQ(one.code, "left-out-extensions");
     EXPECT_EQ(one.count, 4);
     said = one.message;

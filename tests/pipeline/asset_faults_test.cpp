@@ -222,7 +222,7 @@ TEST_F(AssetFaults, PointersOfAnimations) {
     AssetSample sample;
     aim(sample.json, pointer);
     FitFileOptions options;
-    options.level = 0;
+    options.settings.set_levels({0});
     EXPECT_NO_THROW((void)fit_file(write("in.glb", sample.glb()), folder_ / "out.glb", options))
         << pointer;
   }

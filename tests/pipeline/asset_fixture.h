@@ -15,7 +15,7 @@
 
 #include "files/gltf/asset_sample.h"
 #include "files/gltf/parsed_gltf.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 #include "support/temporary_folder.h"
 
 namespace planish::test {
@@ -76,9 +76,9 @@ class Asset : public testing::Test {
   nlohmann::json written_json() const { return document_of(read("out.glb")); }
   static FitFileOptions progressive() {
     FitFileOptions options;
-    options.mesh.method = InterpolationMethod::Progressive;
-    options.mesh.quads = QuadChoice::Off;
-    options.mesh.chooses_creases = false;
+    options.settings.interpolation = InterpolationChoice::Progressive;
+    options.settings.quads = QuadChoice::Off;
+    options.settings.creases.chooses = false;
     return options;
   }
   /// A morphed surface is that through the morphed points, within these bounds of positions and

@@ -105,9 +105,9 @@ class AssetLayersTest : public Asset {
   }
   tinygltf::Model fitted_parts(const std::vector<Part>& parts, int materials = 3, int level = 2) {
     FitFileOptions options;
-    options.level = level;
+    options.settings.set_levels({level});
     warnings_.clear();
-    options.mesh.fit.callbacks.warning = [&](const Warning& one) { warnings_.insert(one.code); };
+    options.callbacks.warning = [&](const Warning& one) { warnings_.insert(one.code); };
     return fitted(glb_of_parts(parts, materials), options);
   }
   std::set<std::string> warnings_;

@@ -24,7 +24,7 @@ TEST_F(Asset, MorphTargetsAreExact) { expect_exact_morphs(progressive(), 2e-6, 2
 // point, and elsewhere near the surface that would be fitted to them.
 TEST_F(Asset, MorphedFairSurfacesPassThroughTheMovedPoints) {
   FitFileOptions fair = progressive();
-  fair.mesh.method = InterpolationMethod::Fair;
+  fair.settings.interpolation = InterpolationChoice::Fair;
   const tinygltf::Model model = fitted(sample_.glb(), fair);
   AssetSample posed = sample_;
   posed.move_tube([&](std::size_t v, std::size_t k) { return posed.moves[v][k]; });

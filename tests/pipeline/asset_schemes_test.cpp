@@ -16,10 +16,10 @@ class AssetSchemes : public Asset {
  protected:
   static FitFileOptions options_of(Scheme scheme) {
     FitFileOptions options = progressive();
-    options.mesh.fit.scheme = scheme;
+    options.settings.scheme = scheme;
     // Whose tolerance is the target's.
-    options.mesh.fit.tolerance = 1e-8;
-    options.mesh.fit.max_iterations = 2000;
+    options.settings.tolerance = 1e-8;
+    options.settings.max_iterations = 2000;
     return options;
   }
 };
@@ -81,7 +81,7 @@ class Adaptive : public Asset {
     tube->asset = std::make_unique<const GltfAsset>(
         FileBytes{.bytes = std::as_bytes(std::span(tube->bytes)), .name = "tube.glb", .path = {}});
     tube->mesh = tube->asset->read(0);
-    MeshFitOptions options = progressive().mesh;
+    MeshFitOptions options = mesh_fit_options(progressive().settings);
     options.method = method;
     tube->fitted = fit_mesh(tube->mesh.file.mesh, "tube", *backend_, options);
     tube->limit = std::make_unique<const LimitSurface>(

@@ -230,7 +230,7 @@ class AssetTangents : public Asset {
 
   static FitFileOptions at_level(int level) {
     FitFileOptions options;
-    options.level = level;
+    options.settings.set_levels({level});
     return options;
   }
 };

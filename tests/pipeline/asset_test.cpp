@@ -178,7 +178,7 @@ TEST_F(Asset, AMissingImageIsAWarning) {
   write("parts.bin", sample_.bytes);
   FitFileOptions options;
   std::vector<Warning> warnings;
-  options.mesh.fit.callbacks.warning = [&](const Warning& one) { warnings.push_back(one); };
+  options.callbacks.warning = [&](const Warning& one) { warnings.push_back(one); };
   const auto pixel_of = [&](const std::string& output) {
     warnings.clear();
     (void)fit_file(write("in.gltf", sample_.gltf("parts.bin", "gone.png")), folder_ / output,
@@ -212,7 +212,7 @@ TEST_F(Asset, AMissingImageIsAWarning) {
 
 TEST_F(Asset, MergedTheSceneIsOneMesh) {
   FitFileOptions options;
-  options.keeps_asset = false;
+  options.settings.asset = AssetChoice::Merge;
   // Whose instances nobody reads.
   sample_.json["nodes"].erase(7);
   sample_.json["scenes"][0]["nodes"] = {0, 3, 4, 5, 6, 7};

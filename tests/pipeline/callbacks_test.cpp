@@ -17,7 +17,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 #include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/tessellate_fit.h"
 #include "planish/pipeline/verify_cage.h"
@@ -123,8 +123,8 @@ TEST_F(CallbacksOf, Files) {
   for (const char* name :
        {"a.glb", "a.gltf", "a.obj", "a.ply", "a.off", "a.stl", "a.usda", "a.step"}) {
     FitFileOptions how;
-    how.level = 2;
-    how.mesh.fit.callbacks = host_.callbacks();
+    how.settings.set_levels({2});
+    how.callbacks = host_.callbacks();
     (void)fit_file(folder_.path() / "in.obj", folder_.path() / name, how);
     host_.expect_good(std::string("fit_file ") + name);
     (void)write_fitted_surface(folder_.path() / name, fitted_, "mesh", *backend_,
@@ -197,7 +197,7 @@ TEST_F(CallbacksOf, CancelledEndsAllOfThemAndLeavesNoFile) {
   };
   expect_cancelled("fit_file", [&](const Callbacks& callbacks) {
     FitFileOptions how;
-    how.mesh.fit.callbacks = callbacks;
+    how.callbacks = callbacks;
     (void)fit_file(folder_.path() / "in.obj", folder_.path() / "o.glb", how);
   });
   expect_cancelled("write_fitted_step", [&](const Callbacks& callbacks) {

@@ -1,4 +1,4 @@
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ TEST_F(FitFilePlaces, TheInputIsNeverWritten) {
 
 // Nor is what it names, by whatever name.
 TEST_F(FitFilePlaces, WhatTheInputNamesIsNeverWritten) {
-  (void)fit_file(input_, folder_ / "s.gltf", {.level = 1});
+  (void)fit_file(input_, folder_ / "s.gltf", {.settings = settings_of({{"levels", "1"}})});
   fs::rename(folder_ / "s.bin", folder_ / "b.bin");
   std::string text = bytes_of(folder_ / "s.gltf");
   text.replace(text.find("s.bin"), 5, "b.bin");
@@ -78,7 +78,7 @@ TEST_F(FitFilePlaces, WhatTheInputNamesIsNeverWritten) {
   };
   int told = 0;
   FitFileOptions options;
-  options.mesh.fit.callbacks.progress = [&](std::string_view, double) { ++told; };
+  options.callbacks.progress = [&](std::string_view, double) { ++told; };
   for (const char* name : {"b.gltf", "hard.gltf"})
     refused([&] { (void)fit_file(folder_ / "s.gltf", folder_ / name, options); });
   refused([&] { (void)fit_file(folder_ / "x.obj", folder_ / "y.obj", options); });
@@ -119,16 +119,16 @@ TEST_F(FitFilePlaces, WhatTheInputNamesIsNeverWritten) {
 TEST_F(FitFilePlaces, FormatsThatAreNotWrittenAreRefusedBeforeTheWork) {
   int told = 0;
   FitFileOptions options;
-  options.mesh.fit.callbacks.progress = [&](std::string_view, double) { ++told; };
+  options.callbacks.progress = [&](std::string_view, double) { ++told; };
   const auto message = [&](const char* name) {
     return test::message_of(ErrorCode::InvalidArgument,
                             [&] { (void)fit_file(input_, folder_ / name, options); });
   };
-  EXPECT_THAT(message("o.json"),
-              HasSubstr("o.json: 3D Tiles are written by the command, planish fit, and by "
-                        "write_tiles(); here take .glb, .gltf, .obj, .ply, .off, .stl, .usda or "
-                        ".step"));
-  EXPECT_THAT(message("o.foo"), testing::Not(HasSubstr(".json")));
+  EXPECT_THAT(
+      message("o.foo"),
+      HasSubstr("o.foo: a surface is written as .glb, .gltf, .obj, .ply, .off, .stl, .usda"));
+  EXPECT_EQ(test::message_of(ErrorCode::InvalidArgument, [&] { (void)fit_file(input_, "-"); }),
+            "output: a file is wanted; one of that name is \"./-\"");
   EXPECT_EQ(told, 0);
 }
 
@@ -140,14 +140,14 @@ TEST_F(FitFilePlaces, TexturesOfOtherFoldersComeWhereTheyAreWanted) {
   std::ofstream(folder_ / "model/box.obj") << "mtllib box.mtl\nusemtl wood\n" << given.rdbuf();
   std::vector<std::string> codes;
   FitFileOptions options;
-  options.mesh.fit.callbacks.warning = [&](const Warning& warning) {
+  options.callbacks.warning = [&](const Warning& warning) {
     codes.push_back(warning.code);
     EXPECT_THAT(warning.message, HasSubstr("--textures anywhere"));
   };
   (void)fit_file(folder_ / "model/box.obj", folder_ / "b.glb", options);
   EXPECT_EQ(codes, std::vector<std::string>{"left-out-textures"});
   EXPECT_THAT(bytes_of(folder_ / "b.glb"), testing::Not(HasSubstr("image/png")));
-  options.textures = FileReach::Anywhere;
+  options.settings.textures = FileReach::Anywhere;
   (void)fit_file(folder_ / "model/box.obj", folder_ / "b.glb", options);
   EXPECT_EQ(codes.size(), 1u);
   EXPECT_THAT(bytes_of(folder_ / "b.glb"), HasSubstr("image/png"));
@@ -170,7 +170,7 @@ TEST_F(FitFilePlaces, WhatIsOddAboutTheMeshIsTold) {
     std::vector<std::pair<std::string, std::int64_t>> found;
     FitFileOptions own = options;
     std::size_t told = 0;
-    own.mesh.fit.callbacks.warning = [&](const Warning&) { ++told; };
+    own.callbacks.warning = [&](const Warning&) { ++told; };
     const FileFit done = fit_file(input_, folder_ / "b.ply", own);
     for (const Warning& warning : done.fitted.warnings)
       found.emplace_back(warning.code, warning.first);
@@ -197,7 +197,7 @@ TEST_F(FitFilePlaces, WhatIsOddAboutTheMeshIsTold) {
   EXPECT_GT(found[0].second, 0);
   EXPECT_EQ(found[1].first, "unused-vertices");
   FitFileOptions welded;
-  welded.mesh.weld = 0;
+  welded.settings.weld = 0;
   EXPECT_EQ(warnings_of(welded), (Found{{"unused-vertices", 0}}));
 }
 
@@ -209,7 +209,7 @@ TEST_F(FitFilePlaces, NumbersThatLoseWhatTheFitKeepsAreTold) {
   write_mesh(input_, FileFormat::Obj, mesh);
   for (const char* name : {"b.stl", "b.ply", "b.glb", "b.obj", "b.off", "b.usda"}) {
     FitFileOptions options;
-    options.level = 1;
+    options.settings.set_levels({1});
     const FileFit done = fit_file(input_, folder_ / name, options);
     const auto found = std::ranges::find(done.fitted.warnings, "rounded-output", &Warning::code);
     const bool is_usd = std::string(name) == "b.usda";  // which is not read
@@ -233,7 +233,7 @@ TEST_F(FitFilePlaces, NumbersThatLoseWhatTheFitKeepsAreTold) {
 }
 
 TEST_F(FitFilePlaces, AnAssetThatBecomesOneMeshForItsCageIsTold) {
-  (void)fit_file(input_, folder_ / "s.glb", {.level = 1});
+  (void)fit_file(input_, folder_ / "s.glb", {.settings = settings_of({{"levels", "1"}})});
   FitFileOptions options;
   options.cage = folder_ / "c.obj";
   const FileFit done = fit_file(folder_ / "s.glb", folder_ / "b.glb", options);
@@ -243,8 +243,8 @@ TEST_F(FitFilePlaces, AnAssetThatBecomesOneMeshForItsCageIsTold) {
 }
 
 TEST_F(FitFilePlaces, SurfaceAndCageAreTwoFiles) {
-  EXPECT_THAT(refusal(folder_ / "b.ply", folder_ / "b.ply"), HasSubstr("cannot be one file"));
-  EXPECT_THAT(refusal(folder_ / "b.ply", folder_ / "." / "b.ply"), HasSubstr("cannot be one file"));
+  EXPECT_THAT(refusal(folder_ / "b.ply", folder_ / "b.ply"), HasSubstr("is written twice"));
+  EXPECT_THAT(refusal(folder_ / "b.ply", folder_ / "." / "b.ply"), HasSubstr("is written twice"));
   EXPECT_FALSE(fs::exists(folder_ / "b.ply"));
   FitFileOptions options;
   options.cage = folder_ / "d.obj";
@@ -331,7 +331,7 @@ TEST_F(FitFilePlaces, PropertiesOfVerticesComeOut) {
   input_ = folder_ / "a.ply";
   std::ofstream(input_, std::ios::binary) << text.str();
   FitFileOptions options;
-  options.level = 0;
+  options.settings.set_levels({0});
   const FileFit fit = fit_file(input_, folder_ / "b.ply", options);
   ASSERT_FALSE(fit.fitted.source_vertices.empty());
   const MeshFile level_0 = read_mesh(folder_ / "b.ply");
@@ -341,7 +341,7 @@ TEST_F(FitFilePlaces, PropertiesOfVerticesComeOut) {
   EXPECT_GE(level_0.mesh.positions.size(), 16u);
   for (std::size_t v = 0; v < level_0.mesh.positions.size(); ++v)
     EXPECT_NEAR(level_0.mesh.attributes[0].values[v], value(level_0.mesh.positions[v]), 1e-5) << v;
-  options.level = 1;
+  options.settings.set_levels({1});
   (void)fit_file(input_, folder_ / "c.ply", options);
   const MeshFile level_1 = read_mesh(folder_ / "c.ply");
   // A vertex in the middle of a face has the mean of its corners, whose sum is linear in them.
@@ -359,8 +359,8 @@ TEST_F(FitFilePlaces, PropertiesOfVerticesComeOut) {
   (void)fit_file(input_, folder_ / "c.usda", options);
   EXPECT_THAT(bytes_of(folder_ / "c.usda"), HasSubstr("float[] primvars:quality = ["));
   // Whatever the scheme: a given vertex keeps what it has.
-  options.mesh.fit.scheme = Scheme::CatmullClark;
-  options.mesh.method = InterpolationMethod::Progressive;
+  options.settings.scheme = Scheme::CatmullClark;
+  options.settings.interpolation = InterpolationChoice::Progressive;
   (void)fit_file(input_, folder_ / "d.ply", options);
   const MeshFile other = read_mesh(folder_ / "d.ply");
   ASSERT_EQ(other.mesh.attributes.size(), 2u);
@@ -368,7 +368,7 @@ TEST_F(FitFilePlaces, PropertiesOfVerticesComeOut) {
     EXPECT_NEAR(other.mesh.attributes[0].values[v], value(other.mesh.positions[v]), 1e-4) << v;
   // What the format has no place for is told.
   std::vector<std::string> codes;
-  options.mesh.fit.callbacks.warning = [&](const Warning& w) { codes.push_back(w.code); };
+  options.callbacks.warning = [&](const Warning& w) { codes.push_back(w.code); };
   (void)fit_file(input_, folder_ / "d.stl", options);
   EXPECT_THAT(codes, testing::Contains("lost-attributes"));
 }
@@ -385,8 +385,8 @@ TEST_F(FitFilePlaces, WhatAFormatCannotHoldIsTold) {
   const auto warnings_of = [&](const char* output) {
     std::vector<std::string> warnings;
     FitFileOptions options;
-    options.level = 1;
-    options.mesh.fit.callbacks.warning = [&](const Warning& warning) {
+    options.settings.set_levels({1});
+    options.callbacks.warning = [&](const Warning& warning) {
       EXPECT_EQ(warning.code, "lost-attributes");
       warnings.push_back(warning.message);
     };
@@ -397,10 +397,12 @@ TEST_F(FitFilePlaces, WhatAFormatCannotHoldIsTold) {
   for (const char* output : {"a.glb", "b.obj", "a.usda"})
     EXPECT_THAT(warnings_of(output), testing::IsEmpty()) << output;
   EXPECT_THAT(warnings_of("a.stl"),
-              ElementsAre(".stl holds no texture coordinates, colours or groups, which the input "
-                          "has; .glb, .gltf, .obj, .usda and .json do"));
-  EXPECT_THAT(warnings_of("a.ply"), ElementsAre(".ply holds no groups, which the input has; .glb, "
-                                                ".gltf, .obj, .usda and .json do"));
+              ElementsAre(HasSubstr("a.obj: .stl holds no texture coordinates, colours or groups, "
+                                    "which the input has; .glb, .gltf, .obj, .usda and .json do")));
+  EXPECT_THAT(warnings_of("a.ply"),
+              ElementsAre(HasSubstr("a.obj: .ply holds no groups, which the input "
+                                    "has; .glb, .gltf, .obj, .usda and "
+                                    ".json do")));
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "planish/files/mesh_file.h"
+#include "planish/job/fit_file.h"
 #include "planish/mesh/merged_meshes.h"
-#include "planish/pipeline/fit_file.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
 #include "support/temporary_folder.h"
@@ -73,8 +73,8 @@ TEST(LevelByDensity, FilesHaveTheLevelOfTheirMesh) {
     const std::filesystem::path in = folder.path() / "in.ply", out = folder.path() / "out.ply";
     write_mesh(in, FileFormat::Ply, mesh);
     FitFileOptions options;
-    options.mesh.method = InterpolationMethod::Progressive;
-    options.level = level;
+    options.settings.interpolation = InterpolationChoice::Progressive;
+    if (level) options.settings.set_levels({*level});
     return fit_file(in, out, options).face_count;
   };
   EXPECT_EQ(fit(test::torus(200, 100, 1, 0.4), {}), 4 * 20'000);
@@ -88,9 +88,9 @@ std::vector<Warning> warnings_of_file(const PolygonMesh& mesh, const char* outpu
   const std::filesystem::path in = folder.path() / "in.ply";
   write_mesh(in, FileFormat::Ply, mesh);
   std::vector<Warning> told;
-  options.mesh.method = InterpolationMethod::Progressive;
-  options.mesh.chooses_creases = false;
-  options.mesh.fit.callbacks.warning = [&](const Warning& warning) { told.push_back(warning); };
+  options.settings.interpolation = InterpolationChoice::Progressive;
+  options.settings.creases.chooses = false;
+  options.callbacks.warning = [&](const Warning& warning) { told.push_back(warning); };
   const FileFit done = fit_file(in, folder.path() / output, options);
   EXPECT_EQ(done.fitted.warnings.size(), told.size());
   return told;
@@ -105,12 +105,13 @@ TEST(FileWarnings, ALargeFileThatNobodyAskedForIsNamed) {
   EXPECT_THAT(told[0].message,
               testing::ContainsRegex("out.obj: is [0-9.]+ MiB, [0-9]+ times the input; --levels 1 "
                                      "writes about a quarter of that"));
-  EXPECT_TRUE(warnings_of_file(strips, "out.obj", {.level = 2}).empty());
+  EXPECT_TRUE(
+      warnings_of_file(strips, "out.obj", {.settings = settings_of({{"levels", "2"}})}).empty());
 }
 
 TEST(FileWarnings, AFitThatMissesItsToleranceIsNamed) {
   FitFileOptions options;
-  options.mesh.fit.max_iterations = 1;
+  options.settings.max_iterations = 1;
   const std::vector<Warning> told =
       warnings_of_file(test::torus(20, 10, 1, 0.4), "out.glb", options);
   ASSERT_EQ(told.size(), 1U);

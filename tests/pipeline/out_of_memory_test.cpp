@@ -14,7 +14,7 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/gltf/gltf_tangents.h"
 #include "planish/files/mesh_file.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/pipeline/write_fitted_surface.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "support/failing_memory.h"
 #include "support/meshes.h"

@@ -187,8 +187,8 @@ def test_what_a_mesh_has_is_not_given_twice(cube):
     more = planish.fit(mesh, attributes={"more": np.ones(8)})
     assert set(more.mesh.attributes) == {"heat", "flow", "wide", "more"}
     assert set(mesh.attributes) == {"heat", "flow", "wide"}
-    with pytest.raises(planish.InvalidArgument, match="attributes: belongs to fit"):
-        planish.fit_file("a.obj", "b.glb", attributes={})
+    with pytest.raises(planish.InvalidArgument, match="colors: belongs to fit"):
+        planish.fit_file("a.obj", "b.glb", colors=np.zeros((8, 3)))
 
 
 def same(one, other):

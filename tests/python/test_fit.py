@@ -1,5 +1,7 @@
 """fit(), evaluate(), files: against the command, to the last bit."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -58,12 +60,26 @@ def test_levels_of_detail_in_one_file(scenes, command, tmp_path):
     whole, made = tmp_path / "whole.glb", tmp_path / "python.glb"
     command(scenes / "goblet.obj", "-o", whole, "--levels", "0")
     command(whole, "-o", tmp_path / "command.glb", "--levels", "2,1,0", "--lods", "msft")
-    planish.fit_file(whole, made, 2, coarser_levels=[1, 0])
+    planish.fit_file(whole, made, [2, 1, 0], lods="msft")
     assert made.read_bytes() == (tmp_path / "command.glb").read_bytes()
-    with pytest.raises(planish.InvalidArgument, match="name levels from fine to coarse"):
-        planish.fit_file(whole, made, 1, coarser_levels=(2,))
     with pytest.raises(planish.InvalidArgument, match="whole numbers"):
-        planish.fit_file(whole, made, 1, coarser_levels=[0.5])
+        planish.fit_file(whole, made, [1, 0.5], lods="msft")
+
+
+def test_files_take_what_the_command_takes(scenes, command, tmp_path):
+    mesh = scenes / "goblet.obj"
+    report = command(mesh, "-o", tmp_path / "command.glb", "--levels", "1", "--compress", "meshopt",
+                     "--attributes", "error,curvature")
+    planish.fit_file(mesh, tmp_path / "python.glb", 1, compress="meshopt",
+                     attributes=["error", "curvature"], report=tmp_path / "python.json")
+    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+    assert json.loads((tmp_path / "python.json").read_text())["surface"] == report["surface"]
+    planish.fit_file(mesh, tmp_path / "tiles.json", 1, tile_vertices=4096, skirts=True)
+    assert (tmp_path / "tiles.json").exists()
+    with pytest.raises(planish.InvalidArgument, match="compress: .*is not one of"):
+        planish.fit_file(mesh, tmp_path / "a.glb", compress="zip")
+    with pytest.raises(TypeError, match="unexpected keyword argument 'device'"):
+        planish.fit_file(mesh, tmp_path / "a.glb", device="vulkan")
 
 
 def test_split_normals_are_creases_where_asked(command, tmp_path):
@@ -232,11 +248,19 @@ def test_no_program_for_points_is_said(grid, monkeypatch, tmp_path):
     assert isinstance(raised.value, planish.NoDevice)
 
 
-@pytest.mark.parametrize("name, text", [("p.pcd", ""), ("p.xyz", "0 0 0\n"), ("p.obj", "v 0 0 0\nv 1 0 0\n")])
-def test_a_file_of_points_says_what_to_call(tmp_path, name, text):
-    (tmp_path / name).write_text(text)
-    with pytest.raises(planish.Error, match=r"reconstruct\(\) make"):
-        planish.fit_file(tmp_path / name, tmp_path / "s.glb")
+def test_a_file_of_points_becomes_a_surface(command, tmp_path):
+    golden = (1 + 5**0.5) / 2  # evenly on a ball
+    i = np.arange(400)
+    z, angle = 1 - (2 * i + 1) / 400, 2 * np.pi * i / golden
+    np.savetxt(tmp_path / "p.xyz", np.stack([np.sqrt(1 - z * z) * np.cos(angle),
+                                             np.sqrt(1 - z * z) * np.sin(angle), z], axis=1))
+    command(tmp_path / "p.xyz", "-o", tmp_path / "command.glb", "--target-vertices", "100")
+    fit = planish.fit_file(tmp_path / "p.xyz", tmp_path / "python.glb", target_vertices=100)
+    assert fit.converged
+    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+    (tmp_path / "p.xyz").write_text("0 0 0\n")
+    with pytest.raises(planish.UnusableMesh, match="p.xyz: 1 point is left"):
+        planish.fit_file(tmp_path / "p.xyz", tmp_path / "s.glb")
 
 
 def test_reading_points(tmp_path):
@@ -291,8 +315,6 @@ def test_what_an_input_names_is_not_written(tmp_path):
         planish.write(tmp_path / "x.obj", planish.read(tmp_path / "x.obj"))
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
     planish.write(tmp_path / "w.obj", planish.read(tmp_path / "x.obj"))
-    with pytest.raises(planish.InvalidArgument, match="3D Tiles are written by the command"):
-        planish.fit_file(tmp_path / "x.obj", tmp_path / "o.json")
 
 
 def test_files_of_other_folders_are_read_where_they_are_wanted(tmp_path):

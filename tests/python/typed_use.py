@@ -20,7 +20,7 @@ planish.write("cage.obj", planish.fit(mesh, creases="auto:40").cage)
 found = planish.verify(fit.cage, mesh)
 assert_type(found.confirmed, bool)
 try:
-    planish.fit_file("a.obj", "a.glb", level=2, threads=4)
+    planish.fit_file("a.obj", "a.glb", levels=2, threads=4)
 except planish.UnusableMesh as error:
     assert_type(error.element, int)
 planish.fit(mesh, method="best")  # type: ignore[call-overload]

@@ -10,7 +10,7 @@
 
 #include "files/gltf/asset_sample.h"
 #include "planish/files/mesh_file.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {
@@ -139,7 +139,7 @@ std::vector<SeedFile> seed_files(const std::filesystem::path& folder) {
       for (const char* extension : {".glb", ".stl"}) {
         const std::filesystem::path path = folder / (std::string("made") + extension);
         write_mesh(given, FileFormat::Obj, mesh);
-        (void)fit_file(given, path, {.level = 0});
+        (void)fit_file(given, path, {.settings = settings_of({{"levels", "0"}})});
         seeds.push_back({extension, bytes_of(path)});
       }
     }

@@ -61,7 +61,7 @@ def main(folder):
         (out / f"{module}.md").write_text(module_page(module, level_of))
     text = (
         "# planish\n\nInterpolating Doo-Sabin subdivision surfaces: the library's headers. For C++ "
-        "begin with `planish/pipeline/fit_file.h`, for C with `planish/c/planish.h`; \\ref symbols "
+        "begin with `planish/job/fit_file.h`, for C with `planish/c/planish.h`; \\ref symbols "
         "ties the paper's symbols to names. Modules by level, each using lower ones only:\n\n"
     )
     for level in sorted(set(level_of.values()), reverse=True):

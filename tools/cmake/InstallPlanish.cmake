@@ -1,9 +1,8 @@
-# The installed package: find_package(planish) gives planish::planish, and planish::reconstruct for
-# points (MIT too; the mesher that it starts is the GPL-3 program planish-reconstruct); pkg-config
-# gives `planish`. Components: runtime, development, command, viewer, python, blender, mpi.
+# The installed package: find_package(planish) gives planish::planish; pkg-config gives `planish`. The
+# mesher of points that it starts is the GPL-3 program planish-reconstruct. Components: runtime, development, command, viewer, python, blender, mpi.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/planish)
-install(TARGETS planish planish_reconstruct EXPORT planishTargets
+install(TARGETS planish EXPORT planishTargets
         LIBRARY COMPONENT runtime NAMELINK_COMPONENT development
         ARCHIVE COMPONENT development RUNTIME COMPONENT runtime)
 # What users include: the whole way, hosts in C, the points of surfaces piece by piece, the matrix of
@@ -49,7 +48,7 @@ install(FILES ${PROJECT_BINARY_DIR}/planishConfig.cmake
 # For builds without CMake. A shared library brings what it needs itself; OpenSubdiv has no .pc file.
 set(pc_libs_private "")
 if(NOT BUILD_SHARED_LIBS)
-  set(pc_libs_private "-losdCPU -lmeshoptimizer -lstdc++ -lm")
+  set(pc_libs_private "-losdCPU -lmeshoptimizer -lcrypto -lstdc++ -lm")
   if(PLANISH_DRACO)
     string(PREPEND pc_libs_private "-ldraco ")
   endif()

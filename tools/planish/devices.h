@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "options/settings.h"
 #include "planish/backend/backend.h"
+#include "planish/job/job_settings.h"
 
 namespace planish::command {
 

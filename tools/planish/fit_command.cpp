@@ -5,14 +5,16 @@
 #include "commands.h"
 #include "job/batch.h"
 #include "job/describe_job.h"
-#include "job/point_input.h"
+#include "memory/large_arrays.h"
 #include "options/fit_flags.h"
 #include "options/input_list.h"
 #include "page/page_job.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
-#include "report/details.h"
+#include "planish/job/details.h"
+#include "planish/job/point_input.h"
 #include "terminal/faults.h"
+#include "terminal/watch.h"
 
 namespace planish::command {
 namespace {
@@ -85,12 +87,13 @@ FitPlan plan_fit(const FitFlags& flags) {
   const bool into_folders = inputs.paths.size() > 1 || inputs.has_folder ||
                             std::ranges::any_of(flags.outputs, names_folder) ||
                             names_folder(flags.cage);
-  FitPlan plan{
-      .inputs = std::move(inputs),
-      .jobs = {},
-      .devices = {},
-      .claims = PathClaims(
-          {.overwrite = flags.force, .create_folders = into_folders, .only_note = flags.dry_run})};
+  FitPlan plan{.inputs = std::move(inputs),
+               .jobs = {},
+               .devices = {},
+               .claims = PathClaims({.overwrite = flags.force,
+                                     .create_folders = into_folders,
+                                     .only_note = flags.dry_run,
+                                     .stdout_is_terminal = stdout_is_terminal()})};
   PathClaims& claims = plan.claims;
   check_inputs(flags, plan, format, faults);
   Settings settings;
@@ -133,12 +136,18 @@ ExitCode run_one(const FitFlags& flags, const FitPlan& plan, Console& console,
   planned.job.page = flags.page;
   const auto backend = open_backend(plan.devices.devices[planned.device], planned.job.settings);
   Progress progress(console, flags.messages.progress_mode());
-  JobProgress job_progress(progress, planned.job.name);
-  const JobReport report = run_job(planned.job, planned.outputs, *backend,
-                                   {console, job_progress, arguments, plan.page});
+  JobDisplay display(progress, planned.job.name);
+  ShownJob shown(planned.job.name, plan.page);
+  planned.job.arguments = arguments;
+  planned.job.mesher = require_counted_mesher;
+  const JobReport report =
+      run_job(planned.job, planned.outputs, *backend,
+              watch_of(console, display, flags.page.empty() ? nullptr : &shown))
+          .report;
+  progress.finish();
   console.info(summary(report, console.level() == LogLevel::Debug));
   if (console.is_terminal()) console.info(next_step(report));
-  return report.exit_code;
+  return exit_code_of(report);
 }
 
 ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& console,

@@ -2,13 +2,13 @@
 #include <memory>
 
 #include "commands.h"
-#include "job/input_path.h"
+#include "job/inspection.h"
 #include "options/option_flags.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
+#include "planish/job/input_path.h"
+#include "planish/job/report.h"
 #include "planish/pipeline/option_table.h"
-#include "report/inspection.h"
-#include "report/report.h"
 #include "terminal/faults.h"
 
 namespace planish::command {

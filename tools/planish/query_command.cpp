@@ -4,26 +4,28 @@
 
 #include "commands.h"
 #include "devices.h"
-#include "job/input_path.h"
-#include "job/job_fit.h"
-#include "job/job_input.h"
+#include "job/answers.h"
 #include "job/questions.h"
+#include "memory/large_arrays.h"
 #include "options/input_list.h"
 #include "options/option_flags.h"
-#include "output/answers.h"
-#include "output/output_plan.h"
-#include "output/staged_files.h"
 #include "planish/core/json.h"
 #include "planish/core/output_file.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_points.h"
+#include "planish/job/input_path.h"
+#include "planish/job/job_fit.h"
+#include "planish/job/job_input.h"
+#include "planish/job/output_plan.h"
+#include "planish/job/report.h"
+#include "planish/job/staged_files.h"
+#include "planish/job/text.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/pipeline/option_table.h"
-#include "report/report.h"
 #include "terminal/faults.h"
 #include "terminal/interrupt.h"
-#include "terminal/text.h"
+#include "terminal/watch.h"
 
 namespace planish::command {
 namespace {
@@ -100,12 +102,13 @@ std::vector<glm::dvec3> read_questions(const std::string& path, Console& console
   return questions_of(std::move(cloud), path);
 }
 
-ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& arguments) {
+ExitCode run_query(const QueryFlags& flags) {
   Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
   Job job;
   job.input = flags.input;
   job.name = job_name_of(flags.input);
   job.label = input_name(flags.input);
+  job.mesher = require_counted_mesher;
   Faults faults;
   faults.note([&] { require_input(flags.input, {}); });
   faults.note([&] { require_input(flags.points, {}); });
@@ -125,8 +128,10 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   const std::vector<glm::dvec3> points = read_questions(flags.points, console);
 
   Progress all(console, flags.messages.progress_mode());
-  JobProgress progress(all, job.name);
-  const JobContext context{console, progress, arguments, {}};
+  JobDisplay display(all, job.name);
+  const JobWatch watch = watch_of(console, display);
+  JobProgress progress(watch.progress);
+  const JobContext context{watch, progress};
   JobReport report;
   report.label = job.label;
   report.settings = job.settings;
@@ -142,7 +147,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   all.finish();
   write_answers(flags,
                 [&](const TakeBytes& take) { make_answers(flags, made, queries, points, take); });
-  return report.exit_code;
+  return exit_code_of(report);
 }
 
 }  // namespace
@@ -182,7 +187,7 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
           "and (u, v) on it, as OpenSubdiv's Bfr::Parameterization has them. A ray that meets "
           "nothing has the answer null, in a .ply the face -1 at the point asked for."};
   command->callback([flags, &invocation] {
-    invocation.action = [flags, &invocation] { return run_query(*flags, invocation.arguments); };
+    invocation.action = [flags, &invocation] { return run_query(*flags); };
   });
 }
 

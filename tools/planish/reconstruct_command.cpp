@@ -1,24 +1,24 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "build_info.h"
 #include "commands.h"
-#include "job/point_input.h"
 #include "options/input_list.h"
 #include "options/memory_flags.h"
 #include "options/option_flags.h"
-#include "output/output_plan.h"
-#include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/build_info.h"
+#include "planish/job/output_plan.h"
+#include "planish/job/point_input.h"
+#include "planish/job/report.h"
+#include "planish/job/staged_files.h"
+#include "planish/job/text.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
-#include "report/report.h"
 #include "terminal/faults.h"
 #include "terminal/interrupt.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -51,7 +51,7 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
                           const std::vector<Warning>& warnings, StagedFiles& staged) {
   nlohmann::ordered_json json;
   json["schema"] = "planish.report/1";
-  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
+  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", git_revision()}};
   json["argv"] = arguments;
   json["exit_code"] = 0;
   json["input"] = {
@@ -114,7 +114,8 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
   flags.memory.apply(flags.outputs.empty() ? flags.report : flags.outputs.front());
   ReconstructOptions options = reconstruct_options(flags);
   Progress all(console, flags.messages.progress_mode());
-  JobProgress progress(all, job_name_of(flags.input));
+  JobDisplay display(all, job_name_of(flags.input));
+  JobProgress progress(display.visit());
   progress.plan({{"read", 2}, {"points", 100}});
   std::vector<Warning> warnings;
   options.callbacks.progress = [&](std::string_view step, double fraction) {
@@ -126,7 +127,7 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
   };
   const PointInput input = read_cloud(flags.input, input_format_of(flags), options.callbacks);
   progress.update("points", 0);
-  const Reconstruction result = reconstruct_input(input, options);
+  const Reconstruction result = reconstruct_input(input, require_counted_mesher(), options);
   StagedFiles staged(flags.force);
   for (const std::string& path : flags.outputs) {
     const std::filesystem::path target = staged.stage(path);

@@ -10,7 +10,7 @@
 #include "page/page_job.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
-#include "report/report.h"
+#include "planish/job/report.h"
 #include "terminal/faults.h"
 
 namespace planish::command {
@@ -83,7 +83,10 @@ void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaim
 ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& arguments) {
   Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
   std::vector<PlannedJob> jobs = wanted_jobs(flags);
-  PathClaims claims({.overwrite = flags.force, .create_folders = true, .only_note = flags.dry_run});
+  PathClaims claims({.overwrite = flags.force,
+                     .create_folders = true,
+                     .only_note = flags.dry_run,
+                     .stdout_is_terminal = stdout_is_terminal()});
   claim_files(flags, jobs, claims);
   const PageOptions page = page_options(flags.page_limit, flags.page_no_times);
   const DeviceList devices = settle_devices(jobs);

@@ -2,17 +2,19 @@
 #include <memory>
 
 #include "commands.h"
-#include "job/input.h"
-#include "job/input_path.h"
 #include "options/option_flags.h"
-#include "options/settings.h"
-#include "output/cage_header.h"
+#include "planish/core/counted.h"
 #include "planish/core/formatted.h"
 #include "planish/core/json.h"
+#include "planish/core/number_text.h"
+#include "planish/job/cage_header.h"
+#include "planish/job/input.h"
+#include "planish/job/input_path.h"
+#include "planish/job/job_settings.h"
+#include "planish/job/report.h"
+#include "planish/job/text.h"
 #include "planish/pipeline/option_table.h"
-#include "report/report.h"
 #include "terminal/faults.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

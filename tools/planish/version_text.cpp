@@ -3,8 +3,8 @@
 #include <oneapi/tbb/version.h>
 #include <opensubdiv/version.h>
 
-#include "build_info.h"
 #include "planish/core/version.h"
+#include "planish/job/build_info.h"
 #include "planish/reconstruct/mesher_process.h"
 
 namespace planish::command {
@@ -15,7 +15,7 @@ std::string library_text(int number) { return std::to_string(number); }
 }  // namespace
 
 std::string version_text() {
-  std::string text = std::string("planish ") + PLANISH_VERSION + " (" + kGitRevision + ")\n";
+  std::string text = std::string("planish ") + PLANISH_VERSION + " (" + git_revision() + ")\n";
   constexpr int kOsd = OPENSUBDIV_VERSION_NUMBER;
   text += "  OpenSubdiv " + library_text(kOsd / 10000) + "." + library_text(kOsd / 100 % 100) +
           "." + library_text(kOsd % 100) + ", oneTBB " + library_text(TBB_VERSION_MAJOR) + "." +

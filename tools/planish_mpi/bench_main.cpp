@@ -221,7 +221,7 @@ int main(int argc, char** argv) {
   try {
     const PetscSession petsc;
     const TorusSlices torus(wanted_vertices(argc, argv));
-    JobWatch watch(ranks.rank);
+    RankWatch watch(ranks.rank);
     DistributedOptions options;
     take_outputs(std::vector<std::string>(argv + 3, argv + argc), options);
     const DistributedFit fit = fit_distributed(

@@ -10,10 +10,11 @@
 #include "mpi_flags.h"
 #include "mpi_report.h"
 #include "options/scene_file.h"
+#include "planish/core/counted.h"
 #include "planish/core/formatted.h"
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
-#include "terminal/text.h"
+#include "planish/job/text.h"
 
 namespace planish::command {
 namespace {
@@ -72,7 +73,7 @@ ExitCode fit_job(Process& process, const MpiJob& job, RankProgress* progress) {
   agree(ranks, [&] {
     if (ranks.rank == 0) make_folders(job);
   });
-  JobWatch watch(ranks.rank, process.request.own.watchdog_seconds, progress);
+  RankWatch watch(ranks.rank, process.request.own.watchdog_seconds, progress);
   ExitCode code = ExitCode::Done;
   // Opened before the cage is in place, so that both are there or none.
   std::unique_ptr<OutputFile> file;
@@ -103,7 +104,8 @@ ExitCode fit_job(Process& process, const MpiJob& job, RankProgress* progress) {
 // With the error that all ranks agree on.
 ExitCode run_job(Process& process, const MpiJob& job, int number, int count) {
   Progress progress(process.console, process.request.messages.progress_mode(), {}, count);
-  JobProgress shown(progress, job.name, number);
+  JobDisplay display(progress, job.name, number);
+  JobProgress shown(display.visit());
   shown.plan(steps_of(job));
   const std::unique_ptr<RankProgress> ranks = progress_of(process, shown);
   ExitCode code = ExitCode::InternalError;

@@ -3,9 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "build_info.h"
 #include "help/manual.h"
-#include "job/input.h"
 #include "mpi_options.h"
 #include "options/fit_flags.h"
 #include "planish/core/formatted.h"
@@ -14,6 +12,8 @@
 #include "planish/core/refuse.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/build_info.h"
+#include "planish/job/input.h"
 #include "planish/pipeline/option_table.h"
 
 namespace planish::command {
@@ -38,7 +38,7 @@ double parse_seconds(const std::string& text) {
 }
 
 std::string version_line() {
-  return formatted("planish-mpi {} ({})\nPETSc {}\n", PLANISH_VERSION, kGitRevision,
+  return formatted("planish-mpi {} ({})\nPETSc {}\n", PLANISH_VERSION, git_revision(),
                    PetscSession::version());
 }
 

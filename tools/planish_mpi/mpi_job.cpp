@@ -6,12 +6,12 @@
 #include <system_error>
 
 #include "mpi_options.h"
-#include "output/cage_header.h"
 #include "planish/core/error.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/cage_header.h"
+#include "planish/job/text.h"
 #include "planish/pipeline/make_ready.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

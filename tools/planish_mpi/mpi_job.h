@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "job/job.h"
 #include "planish/distributed/fit_distributed.h"
 #include "planish/files/formats.h"
+#include "planish/job/job.h"
 
 namespace planish::command {
 

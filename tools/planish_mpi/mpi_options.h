@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "options/given_setting.h"
-#include "options/settings.h"
+#include "planish/job/given_setting.h"
+#include "planish/job/job_settings.h"
 
 namespace planish::command {
 

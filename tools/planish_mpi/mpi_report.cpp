@@ -8,15 +8,15 @@
 #include <sstream>
 #include <system_error>
 
-#include "build_info.h"
 #include "planish/core/counted.h"
 #include "planish/core/json.h"
 #include "planish/core/number_text.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/build_info.h"
+#include "planish/job/report.h"
+#include "planish/job/text.h"
 #include "planish/pipeline/fit_report.h"
-#include "report/report.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -135,7 +135,7 @@ std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& 
   if (!job.cage.empty()) outputs.push_back({{"kind", "cage"}, {"path", plain_utf8(job.cage)}});
   const Json report = {
       {"schema", "planish.distributed/2"},
-      {"tool", {{"name", "planish-mpi"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}}},
+      {"tool", {{"name", "planish-mpi"}, {"version", PLANISH_VERSION}, {"git", git_revision()}}},
       {"argv", argv},
       {"exit_code", static_cast<int>(exit_code)},
       {"input",

@@ -9,8 +9,9 @@
 #include "planish/core/counted.h"
 #include "planish/core/formatted.h"
 #include "planish/core/visible_text.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 #include "planish/pipeline/tessellate_fit.h"
+#include "planish/pipeline/write_fitted_surface.h"
 
 namespace py = pybind11;
 
@@ -52,41 +53,40 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
   return made;
 }
 
-std::vector<int> levels_in(const py::sequence& given) {
+// One level, or several.
+std::vector<int> levels_in(const py::object& given) {
+  const py::sequence all =
+      py::isinstance<py::int_>(given) ? py::sequence(py::make_tuple(given)) : py::sequence(given);
   std::vector<int> levels;
-  for (const py::handle level : given) {
-    if (!py::isinstance<py::int_>(level)) refuse("coarser_levels: whole numbers are wanted");
+  for (const py::handle level : all) {
+    if (!py::isinstance<py::int_>(level)) refuse("levels: whole numbers are wanted");
     levels.push_back(level.cast<int>());
   }
   return levels;
 }
 
-FitHandle fit_files(const py::object& input, const py::object& output, const py::object& level,
-                    const py::object& cage, const py::sequence& coarser_levels,
-                    const py::kwargs& keywords) {
+FitHandle fit_files(const py::object& input, const py::object& output, const py::object& levels,
+                    const py::object& cage, const py::object& report, py::kwargs keywords) {
   const auto start = std::chrono::steady_clock::now();
-  FitArguments arguments = fit_arguments(keywords, "fit_file");
+  FitArguments arguments = fit_arguments(std::move(keywords), "fit_file");
   arguments.mesh.visit([](const char* name, const py::object& value) {
     if (!value.is_none()) refuse(std::string(name) + ": belongs to fit(); a file has its own");
   });
   const std::filesystem::path from = path_of(input), to = path_of(output);
   FitFileOptions options;
-  if (!level.is_none()) options.level = level.cast<int>();
-  options.coarser_levels = levels_in(coarser_levels);
+  options.settings = arguments.settings;
+  if (!levels.is_none()) options.settings.set_levels(levels_in(levels));
   if (!cage.is_none()) options.cage = path_of(cage);
+  if (!report.is_none()) options.report = path_of(report);
   FitHandle made = new_fit(arguments);
   const auto backend = arguments.make_backend();
   options.backend = backend.get();
-  options.split_normals = arguments.settings.creases.split_normals;
-  options.textures = arguments.settings.textures;
-  options.step = arguments.settings.step;
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
-    options.mesh = mesh_fit_options(arguments.settings);
-    options.mesh.fit.callbacks = callbacks;
+    options.callbacks = callbacks;
     made->fitted = fit_file(from, to, options).fitted;
   });
   made->name = visible(from.stem());
-  made->inputs.add(from, {}, options.textures);
+  made->inputs.add(from, {}, arguments.settings.textures);
   made->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return made;
 }
@@ -286,16 +286,16 @@ void add_fit(py::module_& module) {
              fit_text.c_str());
   const std::string file_text =
       std::string(
-          "From file to file: reads a mesh, fits it, writes its surface and, where named, "
-          "its cage.\n\nfit_file(input, output, level=None, cage=None, *, coarser_levels=(), "
-          "**options) -> Fit\n\n    coarser_levels: of a glTF that becomes one, further levels of "
-          "detail in the "
-          "same\n        file (MSFT_lod), from fine to coarse: [1, 0].\n") +
-      fit_keywords() + keywords_text(is_input_keyword) + keywords_text(is_step_keyword) +
-      "\n\nRaises what read(), fit() and write() raise.";
+          "From file to file: reads a mesh, points or a glTF, fits, and writes the surface and, "
+          "where\nnamed, its cage and a report.\n\nfit_file(input, output, levels=None, cage=None, "
+          "*, report=None, **options) -> Fit\n\n    levels: 0 to 6, or several: a file each, or "
+          "with lods=\"msft\" levels of detail of one\n        glTF; None: 2, of a dense mesh 1.\n"
+          "    report: JSON of what was done, as planish fit --report writes.\n") +
+      fit_keywords() + file_keywords() +
+      "\n\nRaises what read(), fit(), reconstruct() and write() raise.";
   module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"),
-             py::arg("level") = py::none(), py::arg("cage") = py::none(), py::kw_only(),
-             py::arg("coarser_levels") = py::tuple(), file_text.c_str());
+             py::arg("levels") = py::none(), py::arg("cage") = py::none(), py::kw_only(),
+             py::arg("report") = py::none(), file_text.c_str());
 }
 
 }  // namespace planish::python

@@ -22,9 +22,11 @@ namespace planish::python {
   return option.needs == OptionNeeds::Step;
 }
 
-/// What only functions that read files take, of what these name.
-[[nodiscard]] inline bool is_input_keyword(const OptionInfo& option) {
-  return option.stage == OptionStage::Input;
+/// What fit_file() takes besides: all but `levels`, which is an argument of its own, and the
+/// device.
+[[nodiscard]] inline bool is_file_keyword(const OptionInfo& option) {
+  return !is_keyword(option) && option.kind != OptionKind::Vertices &&
+         option.kind != OptionKind::Edges && option.name != "levels" && option.name != "device";
 }
 
 }  // namespace planish::python

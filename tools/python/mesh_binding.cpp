@@ -15,8 +15,8 @@
 #include "planish/files/read_points.h"
 #include "planish/files/write_surface.h"
 #include "planish/pipeline/attribute_fields.h"
-#include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/verify_cage.h"
+#include "planish/pipeline/write_fitted_surface.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/reconstruct/reconstruct.h"
 

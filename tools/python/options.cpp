@@ -9,6 +9,7 @@
 #include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
 
 namespace py = pybind11;
 
@@ -64,27 +65,58 @@ class Keywords {
   const char* function_;
 };
 
-std::string keyword_of_name(std::string_view name) { return keyword_of(fit_option(name)); }
+std::string keyword_of_name(std::string_view name) { return keyword_of(*find_setting(name)); }
 
-void take_option(Keywords& keywords, const FitOption& option, FitSettings& settings) {
-  const std::string name = keyword_of(option);
-  if (keywords.is_none(name.c_str())) return (void)keywords.take(name.c_str());
-  OptionValue value;
+// A list, or one value, as flags have it: "2,1,0".
+std::string list_text(const py::object& value) {
+  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value))
+    return py::str(value).cast<std::string>();
   std::string text;
-  if (option.kind == OptionKind::Whole) {
-    keywords.take(name.c_str(), value.whole, "a whole number is wanted");
-  } else if (option.kind == OptionKind::Number) {
-    keywords.take(name.c_str(), value.number, "a number is wanted");
-  } else if (option.kind == OptionKind::TextOrNumber &&
-             keywords.take_number(name.c_str(), value.number)) {
+  for (const py::handle one : value) {
+    if (!text.empty()) text += ',';
+    text += py::str(one).cast<std::string>();
+  }
+  return text;
+}
+
+OptionValue value_of(Keywords& keywords, const OptionInfo& option, const std::string& name,
+                     std::string& text) {
+  OptionValue value;
+  switch (option.kind) {
+    case OptionKind::Whole:
+      keywords.take(name.c_str(), value.whole, "a whole number is wanted");
+      return value;
+    case OptionKind::Number:
+      keywords.take(name.c_str(), value.number, "a number is wanted");
+      return value;
+    case OptionKind::Switch:
+      keywords.take(name.c_str(), value.is_on, "True or False is wanted");
+      return value;
+    case OptionKind::Words:
+    case OptionKind::Wholes:
+    case OptionKind::Numbers:
+      text = list_text(keywords.take(name.c_str()));
+      return parse_option(option, text, name);
+    default:
+      break;
+  }
+  if (option.kind == OptionKind::TextOrNumber && keywords.take_number(name.c_str(), value.number)) {
     text = shortest(value.number);
-    value.text = text;
   } else {
     const std::string wanted = "one of " + choices_of(option) + " is wanted";
     keywords.take(name.c_str(), text, wanted.c_str());
-    value.text = text;
   }
-  set_option(option, settings, value, name);
+  value.text = text;
+  return value;
+}
+
+template <class Target>
+void take_option(Keywords& keywords, const Option<Target>& option, Target& target) {
+  const std::string name = keyword_of(option);
+  if (keywords.is_none(name.c_str())) return (void)keywords.take(name.c_str());
+  std::string text;
+  const OptionValue value = value_of(keywords, option, name, text);
+  set_option(option, target, value, name);
 }
 
 }  // namespace
@@ -98,9 +130,11 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
   FitArguments result;
   const bool is_of_files = std::string_view(function) == "fit_file";
   for (const FitOption& option : option_table())
-    if (is_keyword(option) ||
-        (is_of_files && (is_step_keyword(option) || is_input_keyword(option))))
-      take_option(keywords, option, result.settings);
+    if (is_keyword(option) || (is_of_files && is_file_keyword(option)))
+      take_option<FitSettings>(keywords, option, result.settings);
+  if (is_of_files)
+    for (const PointOption& option : point_option_table())
+      take_option(keywords, option, result.settings.points);
   if (result.settings.creases.split_normals && !is_of_files)
     refuse("creases: normals are a file's; take fit_file(), or read() with split_normals");
   check_consistent(result.settings, keyword_of_name);
@@ -110,7 +144,10 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
     refuse(formatted("threads: {} is out of range; 0 to 4096 is wanted", result.threads));
   result.callbacks.progress = keywords.take("progress");
   result.callbacks.cancelled = keywords.take("cancelled");
-  result.mesh.visit([&](const char* name, py::object& value) { value = keywords.take(name); });
+  result.mesh.visit([&](const char* name, py::object& value) {
+    const bool is_taken = is_of_files && find_setting(name) != nullptr;
+    value = is_taken ? py::none() : keywords.take(name);
+  });
   keywords.require_none_left();
   return result;
 }
@@ -119,7 +156,7 @@ StepSettings step_arguments(py::kwargs given, const char* function) {
   Keywords keywords(std::move(given), function);
   FitSettings settings;
   for (const FitOption& option : option_table())
-    if (is_step_keyword(option)) take_option(keywords, option, settings);
+    if (is_step_keyword(option)) take_option<FitSettings>(keywords, option, settings);
   keywords.require_none_left();
   return settings.step;
 }
@@ -131,25 +168,32 @@ FileReach reach_argument(const std::string& textures) {
   return settings.textures;
 }
 
+namespace {
+
+std::string keyword_text(const OptionInfo& option) {
+  const std::string values = option.words.empty() ? std::string() : choices_of(option) + "; ";
+  return formatted("\n    {}: {}{}", keyword_of(option), values, help_of(option));
+}
+
+}  // namespace
+
 std::string keywords_text(bool (*is_wanted)(const OptionInfo&)) {
   std::string text;
-  for (const FitOption& option : option_table()) {
-    if (!is_wanted(option)) continue;
-    const std::string values = option.words.empty() ? std::string() : choices_of(option) + "; ";
-    text += formatted("\n    {}: {}{}", keyword_of(option), values, help_of(option));
-  }
+  for (const FitOption& option : option_table())
+    if (is_wanted(option)) text += keyword_text(option);
+  return text;
+}
+
+std::string file_keywords() {
+  std::string text = keywords_text(is_file_keyword);
+  for (const PointOption& option : point_option_table()) text += keyword_text(option);
   return text;
 }
 
 std::string fit_keywords() {
-  std::string text = "\n";
-  for (const FitOption& option : option_table()) {
-    if (!is_keyword(option)) continue;
-    const std::string values = option.words.empty() ? std::string() : choices_of(option) + "; ";
-    text += formatted("    {}: {}{}\n", keyword_of(option), values, help_of(option));
-  }
-  return text +
-         R"(    threads: 0 takes all cores. Results are the same bits for any number.
+  return keywords_text(is_keyword) +
+         R"(
+    threads: 0 takes all cores. Results are the same bits for any number.
     progress: progress(step, fraction) is called on this thread while work goes on: what is being
         done, and the fraction of the whole call that is done, which never falls and ends at 1.
     cancelled: cancelled() -> bool is asked every 20 ms; planish.Cancelled follows. Ctrl-C stops

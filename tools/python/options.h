@@ -8,14 +8,14 @@
 #include "attributes.h"
 #include "planish/backend/backend.h"
 #include "planish/core/option.h"
-#include "planish/pipeline/settings.h"
+#include "planish/job/job_settings.h"
 #include "work.h"
 
 namespace planish::python {
 
 /// What fit() takes behind the mesh.
 struct FitArguments {
-  FitSettings settings;
+  Settings settings;
   int threads = 0;
   PythonCallbacks callbacks;
   MeshArguments mesh;
@@ -35,6 +35,8 @@ struct FitArguments {
 
 /// What such keywords mean, see keywords.h, for docstrings.
 [[nodiscard]] std::string keywords_text(bool (*is_wanted)(const OptionInfo&));
+/// The same of fit_file(), beside the fit's.
+[[nodiscard]] std::string file_keywords();
 /// What the fit's keywords mean, for docstrings.
 [[nodiscard]] std::string fit_keywords();
 

@@ -5,6 +5,7 @@
 
 #include "keywords.h"
 #include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
 
 namespace planish::python {
 namespace {
@@ -13,6 +14,10 @@ std::string type_of(const OptionInfo& option) {
   if (option.kind == OptionKind::Whole) return "int";
   if (option.kind == OptionKind::Number) return "float";
   if (option.kind == OptionKind::TextOrNumber) return "float | str";
+  if (option.kind == OptionKind::Switch) return "bool";
+  if (option.kind == OptionKind::Wholes) return "int | Sequence[int] | str";
+  if (option.kind == OptionKind::Numbers) return "float | Sequence[float] | str";
+  if (option.kind == OptionKind::Words) return "str | Sequence[str]";
   if (option.words.empty()) return "str";
   std::string words;
   for (const std::string_view word : option.words)
@@ -20,13 +25,21 @@ std::string type_of(const OptionInfo& option) {
   return "Literal[" + words + "]";
 }
 
+std::string keyword_line(const OptionInfo& option) {
+  const char* const none = option.initial.empty() ? " | None" : "";
+  return "    " + keyword_of(option) + ": " + type_of(option) + none + " = ...,\n";
+}
+
 std::string keyword_lines(bool (*is_wanted)(const OptionInfo&)) {
   std::string lines;
-  for (const FitOption& option : option_table()) {
-    if (!is_wanted(option)) continue;
-    const char* const none = option.initial.empty() ? " | None" : "";
-    lines += "    " + keyword_of(option) + ": " + type_of(option) + none + " = ...,\n";
-  }
+  for (const FitOption& option : option_table())
+    if (is_wanted(option)) lines += keyword_line(option);
+  return lines;
+}
+
+std::string file_lines() {
+  std::string lines = keyword_lines(is_file_keyword);
+  for (const PointOption& option : point_option_table()) lines += keyword_line(option);
   return lines;
 }
 
@@ -46,10 +59,10 @@ int main(int argc, char** argv) {
   std::ofstream stub(argv[2]);
   using namespace planish::python;
   for (std::string line; std::getline(form, line);)
-    stub << (line == "    @FIT_KEYWORDS@"     ? fit_lines()
-             : line == "    @INPUT_KEYWORDS@" ? keyword_lines(is_input_keyword)
-             : line == "    @STEP_KEYWORDS@"  ? keyword_lines(is_step_keyword)
-                                              : line + "\n");
+    stub << (line == "    @FIT_KEYWORDS@"    ? fit_lines()
+             : line == "    @FILE_KEYWORDS@" ? file_lines()
+             : line == "    @STEP_KEYWORDS@" ? keyword_lines(is_step_keyword)
+                                             : line + "\n");
   stub.close();
   return form.eof() && stub ? 0 : 1;
 }

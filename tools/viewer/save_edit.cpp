@@ -1,10 +1,10 @@
 #include "save_edit.h"
 
-#include "output/cage_header.h"
 #include "planish/core/error.h"
 #include "planish/files/formats.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
+#include "planish/job/cage_header.h"
 
 namespace planish::viewer {
 namespace {
@@ -51,7 +51,7 @@ void save(const EditSession& session, SavedPart part, const std::filesystem::pat
     const FitSettings& settings = options.settings;
     const Fit fit = session.editor().fit();
     mesh = control_cage(mesh, fit, settings.sharp());
-    write.header = command::cage_header_lines(
+    write.header = cage_header_lines(
         settings, fit.fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive,
         options.source);
     write.subdivision.has_sharp_boundary_corners = settings.boundary == BoundaryRule::EdgeAndCorner;

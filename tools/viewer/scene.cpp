@@ -3,16 +3,16 @@
 #include <filesystem>
 #include <utility>
 
-#include "job/job_input.h"
 #include "options/scene_file.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/job/job_input.h"
 #include "planish/pipeline/fit_mesh.h"
 
 namespace planish::viewer {
 namespace {
 
-command::Job job_of(const std::string& path, const std::string& name) {
+Job job_of(const std::string& path, const std::string& name) {
   if (std::filesystem::path(path).extension() == ".json") {
     std::vector<std::string> names;
     if (!name.empty()) names.push_back(name);
@@ -22,7 +22,7 @@ command::Job job_of(const std::string& path, const std::string& name) {
   }
   if (!name.empty())
     throw Error(ErrorCode::InvalidArgument, "--job " + name + ": " + path + " is no scene file");
-  command::Job job;
+  Job job;
   job.name = std::filesystem::path(path).stem().string();
   job.input = path;
   return job;
@@ -32,8 +32,8 @@ command::Job job_of(const std::string& path, const std::string& name) {
 
 Scene load_scene(const std::string& path, const std::string& name,
                  std::optional<InterpolationMethod> method) {
-  const command::Job job = job_of(path, name);
-  const command::Settings& settings = job.settings;
+  const Job job = job_of(path, name);
+  const Settings& settings = job.settings;
   if (settings.interpolation == InterpolationChoice::Fair &&
       method == InterpolationMethod::Progressive)
     throw Error(ErrorCode::InvalidArgument,
@@ -42,20 +42,20 @@ Scene load_scene(const std::string& path, const std::string& name,
                     "choose another job");
   if (settings.scheme != Scheme::DooSabin)
     throw Error(ErrorCode::InvalidArgument,
-                job.name + ": scheme " + std::string(command::name_of(settings.scheme)) +
+                job.name + ": scheme " + std::string(name_of(settings.scheme)) +
                     " is not drawn here, doo-sabin is; choose another job");
-  command::InputFile file = command::load_input(job.input, job.input_format);
+  InputFile file = load_input(job.input, job.input_format);
   file.split_normals_crease = job.settings.creases.split_normals;
   file.is_strict = job.settings.repair == RepairChoice::None;
   file.reach = job.settings.textures;
-  command::Input input = command::mesh_of(file);
+  Input input = mesh_of(file);
   if (settings.up == UpAxis::Z)
     for (glm::dvec3& p : input.file.mesh.positions) p = {p.x, p.z, -p.y};
   MeshFitOptions options = mesh_fit_options(settings);
   if (method) options.method = method;
   options.refine = RefineChoice::Off;  // its points are those that are dragged
   FittedMesh fitted =
-      fit_prepared(command::prepare_mesh(std::move(input), options, settings),
+      fit_prepared(prepare_mesh(std::move(input), options, settings),
                    *make_cpu_backend({.solve_precision = precision_for(settings.tolerance)}));
   Scene scene;
   scene.name = job.name;

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -8,8 +10,10 @@
 #include "planish/c/planish.h"
 #include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/core/refuse.h"
+#include "planish/job/fit_file.h"
 #include "planish/pipeline/verify_cage.h"
+#include "planish/pipeline/write_fitted_surface.h"
 
 namespace planish::c {
 namespace {
@@ -89,7 +93,8 @@ Kept kept_of(const FitSettings& settings, const planish_options& options) {
           .precision = solve_precision(settings),
           .step = settings.step,
           .z_up = settings.up == UpAxis::Z,
-          .level = levels_of(settings).finest,
+          .level = settings.levels_by_density ? std::nullopt
+                                              : std::optional(std::ranges::max(settings.levels)),
           .inputs = {}};
 }
 
@@ -108,7 +113,7 @@ planish_status planish_fit_create(const planish_mesh* mesh, const planish_option
     require(mesh, "mesh");
     require(fit, "fit");
     const planish_options& own = options_of(options);
-    const planish::FitSettings& settings = mesh_settings(own);
+    const planish::Settings& settings = mesh_settings(own);
     const planish::MeshFitOptions how = mesh_options(settings, own);
     auto made = std::make_unique<planish_fit>();
     made->kept = kept_of(settings, own);
@@ -186,20 +191,15 @@ planish_status planish_fit_file(const char* input, const char* output,
     require(input, "input");
     require(output, "output");
     const planish_options& own = options_of(options);
-    const planish::FitSettings& settings = consistent_settings(own);
-    Levels levels = levels_of(settings);
-    const Kept kept = kept_of(settings, own);
-    const auto backend = kept.make_backend();
-    const planish::FitFileOptions how{.mesh = mesh_options(settings, own),
-                                      .level = levels.finest,
-                                      .coarser_levels = std::move(levels.coarser),
-                                      .cage = {},
-                                      .z_up = kept.z_up,
-                                      .split_normals = settings.creases.split_normals,
-                                      .keeps_asset = settings.asset == planish::AssetChoice::Keep,
-                                      .textures = settings.textures,
-                                      .step = settings.step,
-                                      .backend = backend.get()};
+    const planish::Settings& settings = consistent_settings(own);
+    if (settings.levels.size() > 1 && settings.lods != planish::LodChoice::Msft)
+      planish::refuse(
+          spelled("levels"),
+          "several are a file each; take one, or {} msft for levels of detail of a glTF",
+          spelled("lods"));
+    const auto backend = kept_of(settings, own).make_backend();
+    const planish::FitFileOptions how{
+        .settings = settings, .callbacks = callbacks_of(own), .backend = backend.get()};
     const planish::FileFit done = planish::fit_file(input, output, how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
     return written_status(done.fitted, done.step ? &*done.step : nullptr);

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <functional>
 #include <iterator>
 #include <memory>
 #include <utility>
@@ -10,17 +9,11 @@
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
 
 namespace planish::c {
 namespace {
 
-// The rows of option_table() that the functions of planish.h heed. The others are refused.
-constexpr std::string_view kServed[] = {
-    "preset",         "scheme",  "interpolation", "weights",   "solver",     "precision",
-    "boundary",       "creases", "repair",        "quads",     "refine",     "up",
-    "asset",          "lods",    "textures",      "device",    "tolerance",  "max_iterations",
-    "polish",         "within",  "weld",          "step_unit", "step_angle", "step_tolerance",
-    "step_face_size", "levels"};
 // Of planish.h alone.
 constexpr std::string_view kThreads = "threads";
 
@@ -30,37 +23,58 @@ const Option<planish_options>& threads_option() {
   return option;
 }
 
-FitSettings default_settings() {
-  FitSettings settings;
+Settings default_settings() {
+  Settings settings;
   settings.device = "cpu";
   return settings;
 }
 
-// Points and reports have options of their own, of which this interface knows nothing.
+// Tags have no text: they name vertices.
+bool is_served(const OptionInfo& option) {
+  return option.kind != OptionKind::Edges && option.kind != OptionKind::Vertices;
+}
+
+// Of all that can be set but threads.
+template <class Visit>
+void for_options(const Visit& visit) {
+  for (const FitOption& option : option_table())
+    if (is_served(option)) visit(option);
+  for (const PointOption& option : point_option_table()) visit(option);
+}
+
+// Rows that say what files hold, or what becomes of points: nothing here does it but
+// planish_fit_file().
+bool is_of_files(const OptionInfo& option) {
+  constexpr std::string_view kOfFiles[] = {"attributes", "compress",     "bake", "tile_vertices",
+                                           "skirts",     "chord_errors", "angle"};
+  return option.stage == OptionStage::Points || option.needs == OptionNeeds::Points ||
+         std::ranges::find(kOfFiles, option.name) != std::end(kOfFiles);
+}
+
 [[noreturn]] void refuse_name(std::string_view name) {
-  if (const FitOption* option = find_option(option_table(), name)) {
-    const bool is_tag = option->kind == OptionKind::Edges || option->kind == OptionKind::Vertices;
-    planish::refuse(spelled(name), "this interface does not have it; {}",
-                    is_tag ? "planish run does it, and planish_mesh_arrays has it for meshes"
-                           : "planish fit does it");
-  }
-  std::vector<std::string_view> known(std::begin(kServed), std::end(kServed));
-  known.push_back(kThreads);
+  if (find_setting(name) != nullptr)
+    planish::refuse(spelled(name),
+                    "this interface does not have it; planish run does it, and "
+                    "planish_mesh_arrays has it for meshes");
+  std::vector<std::string_view> known{kThreads};
+  for_options([&](const OptionInfo& option) { known.push_back(option.name); });
   const std::string nearest = did_you_mean(name, known);
   planish::refuse(spelled(visible(name)), "there is no such option here{}",
                   nearest.empty() ? "; planish fit --help lists what the command has" : nearest);
 }
 
-void require_served(std::string_view name) {
-  if (name != kThreads && std::ranges::find(kServed, name) == std::end(kServed)) refuse_name(name);
+// The row; null for threads.
+const OptionInfo* require_served(std::string_view name) {
+  if (name == kThreads) return nullptr;
+  const OptionInfo* const option = find_setting(name);
+  if (option == nullptr || !is_served(*option)) refuse_name(name);
+  return option;
 }
 
-// Sets what is given, in the order of the table, as the command does: a preset first.
-FitSettings settings_of(const planish_options& options) {
-  FitSettings settings = default_settings();
-  for (const FitOption& option : option_table())
-    if (const auto given = options.given.find(option.name); given != options.given.end())
-      read_option(option, settings, given->second, spelled(option.name));
+Settings given_settings(const planish_options& options) {
+  Settings settings = default_settings();
+  apply_settings(std::vector<NamedSetting>(options.given.begin(), options.given.end()), settings,
+                 spelled);
   if (settings.device != "cpu") {
     planish::refuse(spelled("device"), "\"{}\" is not served, all is computed on the CPU; take cpu",
                     visible(settings.device));
@@ -69,17 +83,21 @@ FitSettings settings_of(const planish_options& options) {
 }
 
 // A row without a text of its own has that which was given.
-std::string text_of(const planish_options& options, std::string_view name) {
-  if (name == kThreads) return threads_option().get(options);
-  const FitOption& option = fit_option(name);
-  if (option.get) return option.get(options.settings);
-  const auto given = options.given.find(name);
+template <class Target>
+std::string text_of(const planish_options& options, const Option<Target>& option,
+                    const Target& target) {
+  if (option.get) return option.get(target);
+  const auto given = options.given.find(option.name);
   return given == options.given.end() ? std::string() : given->second;
 }
 
 void set_texts(planish_options& options) {
-  for (const std::string_view name : kServed) options.texts[name] = text_of(options, name);
-  options.texts[kThreads] = text_of(options, kThreads);
+  for (const FitOption& option : option_table())
+    if (is_served(option))
+      options.texts[option.name] = text_of<FitSettings>(options, option, options.settings);
+  for (const PointOption& option : point_option_table())
+    options.texts[option.name] = text_of(options, option, options.settings.points);
+  options.texts[kThreads] = threads_option().get(options);
 }
 
 }  // namespace
@@ -91,14 +109,17 @@ const planish_options& options_of(const planish_options* given) {
   return given != nullptr ? *given : kDefaults;
 }
 
-const FitSettings& consistent_settings(const planish_options& options) {
+const Settings& consistent_settings(const planish_options& options) {
   check_consistent(options.settings, spelled);
   return options.settings;
 }
 
-const FitSettings& mesh_settings(const planish_options& options) {
+const Settings& mesh_settings(const planish_options& options) {
   if (options.settings.creases.split_normals)
     planish::refuse(spelled("creases"), "normals are a file's; take planish_fit_file()");
+  for (const auto& [name, text] : options.given)
+    if (is_of_files(*find_setting(name)))
+      planish::refuse(spelled(name), "is of files; take planish_fit_file()");
   return consistent_settings(options);
 }
 
@@ -121,18 +142,6 @@ Callbacks callbacks_of(const planish_options& options) {
   return callbacks;
 }
 
-Levels levels_of(const FitSettings& settings) {
-  if (settings.levels_by_density) return {};
-  std::vector<int> levels = settings.levels;
-  if (levels.size() > 1 && settings.lods != LodChoice::Msft) {
-    planish::refuse(spelled("levels"),
-                    "several are a file each; take one, or {} msft for levels of detail of a glTF",
-                    spelled("lods"));
-  }
-  std::ranges::sort(levels, std::greater());
-  return {levels.front(), {levels.begin() + 1, levels.end()}};
-}
-
 }  // namespace planish::c
 
 using namespace planish::c;
@@ -152,13 +161,13 @@ planish_status planish_options_set(planish_options* options, const char* name, c
     require(options, "options");
     require(name, "name");
     require(value, "value");
-    require_served(name);
+    const planish::OptionInfo* const option = require_served(name);
     planish_options next = *options;
-    if (name == kThreads) {
+    if (option == nullptr) {
       planish::read_option(threads_option(), next, value, spelled(name));
     } else {
-      next.given[planish::fit_option(name).name] = value;
-      next.settings = settings_of(next);
+      next.given[option->name] = value;
+      next.settings = given_settings(next);
     }
     set_texts(next);
     *options = std::move(next);
@@ -172,7 +181,7 @@ planish_status planish_options_get(const planish_options* options, const char* n
     require(options, "options");
     require(name, "name");
     require(value, "value");
-    require_served(name);
+    (void)require_served(name);
     *value = options->texts.at(name).c_str();
     return PLANISH_OK;
   });

@@ -4,18 +4,17 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "planish/c/planish.h"
 #include "planish/core/callbacks.h"
+#include "planish/job/job_settings.h"
 #include "planish/pipeline/found_creases.h"
-#include "planish/pipeline/settings.h"
 
 // What the handle of planish_options_create() holds. Its name is C's, so it stands in no namespace.
 
 struct planish_options {
-  planish::FitSettings settings;
-  std::map<std::string_view, std::string> given;  ///< texts, by names of option_table()
+  planish::Settings settings;
+  std::map<std::string_view, std::string> given;  ///< texts, by names of the tables
   std::map<std::string_view, std::string> texts;  ///< for planish_options_get(), of all names
   int thread_count = 0;
   int (*progress)(void* user, const char* step, double fraction) = nullptr;
@@ -36,19 +35,11 @@ namespace planish::c {
 [[nodiscard]] const planish_options& options_of(const planish_options* given);
 
 /// All settings, which do not contradict each other. Throws as check_consistent().
-[[nodiscard]] const FitSettings& consistent_settings(const planish_options& options);
-/// The same, of a mesh that is no file.
-[[nodiscard]] const FitSettings& mesh_settings(const planish_options& options);
+[[nodiscard]] const Settings& consistent_settings(const planish_options& options);
+/// The same, of a mesh that is no file. Throws where something is set that is of files alone.
+[[nodiscard]] const Settings& mesh_settings(const planish_options& options);
 
 /// The caller's functions. Another result of progress() than 0 throws Error{Cancelled}.
 [[nodiscard]] Callbacks callbacks_of(const planish_options& options);
-
-/// Levels that settings name, from fine to coarse.
-struct Levels {
-  std::optional<int> finest;  ///< empty: by the mesh's density
-  std::vector<int> coarser;   ///< levels of detail of the same file
-};
-/// Throws Error{InvalidArgument} where they would be files of their own.
-[[nodiscard]] Levels levels_of(const FitSettings& settings);
 
 }  // namespace planish::c

@@ -119,9 +119,9 @@ planish_status planish_options_create(planish_options** options);
 /** Sets an option by the name that it has in scene files of `planish run`, to the text that its
  * flag of `planish fit` takes: "polish" to "8", "creases" to "auto:40", "weld" to "1e-6"; `planish
  * fit --help` lists them. The order does not matter; "preset" gives way to what is set besides.
- * PLANISH_INVALID_ARGUMENT for unknown names, for options of the command alone ("compress", say),
- * and for values that the command refuses, too: what was set before stays. Options that contradict
- * each other are refused where they are used.
+ * PLANISH_INVALID_ARGUMENT for unknown names and for values that the command refuses, too: what was
+ * set before stays. Options that contradict each other are refused where they are used, and so are
+ * those of files and of points ("compress", "outliers", say) by all but planish_fit_file().
  * - "levels": of planish_fit_file(), and what PLANISH_LEVEL_AUTO stands for. Several are levels of
  *   detail of one glTF, for which "lods" has to be "msft".
  * - "device": "cpu".
@@ -195,8 +195,10 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
 planish_status planish_fit_write(const planish_fit* fit, int32_t level, const char* path);
 void planish_fit_free(planish_fit* fit);
 
-/** From file to file, as `planish fit INPUT -o OUTPUT`, of a glTF each of its meshes; `options` and
- * `info` may be NULL. An existing output is replaced once the new one is whole. */
+/** From file to file, as `planish fit INPUT -o OUTPUT`: a mesh, points (which need the program
+ * planish-reconstruct) or a glTF, each of whose meshes is fitted; glTF, OBJ, PLY, OFF, STL, USD, 3D
+ * Tiles or STEP by extension. `options` and `info` may be NULL. An existing output is replaced once
+ * the new one is whole. */
 planish_status planish_fit_file(const char* input, const char* output,
                                 const planish_options* options, planish_fit_info* info);
 

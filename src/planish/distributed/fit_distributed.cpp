@@ -76,7 +76,7 @@ std::vector<glm::dvec3> unit_points(const Placement& placement,
 
 class DistributedJob {
  public:
-  DistributedJob(const Ranks& ranks, const DistributedOptions& options, JobWatch& watch)
+  DistributedJob(const Ranks& ranks, const DistributedOptions& options, RankWatch& watch)
       : ranks_(ranks), options_(options), watch_(watch) {}
 
   void read(const std::function<MeshSlice()>& read_slice) {
@@ -359,7 +359,7 @@ class DistributedJob {
 
   const Ranks& ranks_;
   const DistributedOptions& options_;
-  JobWatch& watch_;
+  RankWatch& watch_;
   MeshSlice slice_;
   Layout vertices_;
   CageFaces cage_faces_;
@@ -376,7 +376,7 @@ class DistributedJob {
 }  // namespace
 
 DistributedFit fit_distributed(const Ranks& ranks, const std::function<MeshSlice()>& read,
-                               const DistributedOptions& options, JobWatch& watch,
+                               const DistributedOptions& options, RankWatch& watch,
                                const std::function<void(const DistributedFit&)>& before_commit) {
   agree(ranks, [&] {
     if (options.block_vertices < 1 || options.block_vertices > std::int64_t{1} << 24)

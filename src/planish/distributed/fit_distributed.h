@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/distributed/job_watch.h"
 #include "planish/distributed/part_fair.h"
 #include "planish/distributed/part_tiles.h"
 #include "planish/distributed/petsc_solve.h"
+#include "planish/distributed/rank_watch.h"
 #include "planish/distributed/read_slices.h"
 #include "planish/fair/interpolation_method.h"
 #include "planish/mesh/placement.h"
@@ -77,6 +77,6 @@ struct DistributedFit {
 /// ranks). Throws AgreedError as its parts.
 [[nodiscard]] DistributedFit fit_distributed(
     const Ranks& ranks, const std::function<MeshSlice()>& read, const DistributedOptions& options,
-    JobWatch& watch, const std::function<void(const DistributedFit&)>& before_commit = {});
+    RankWatch& watch, const std::function<void(const DistributedFit&)>& before_commit = {});
 
 }  // namespace planish

@@ -8,7 +8,7 @@
 #include "planish/pipeline/fit_mesh.h"
 
 // What a report says of a fit, the same wherever it was made: the command, Python and ranks add
-// what they alone know. Keys are those of tools/planish/report/report.schema.json. Numbers that are
+// what they alone know. Keys are those of src/planish/job/report.schema.json. Numbers that are
 // infinite or none become null when the text is made.
 namespace planish {
 

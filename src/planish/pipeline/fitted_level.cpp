@@ -1,23 +1,13 @@
 #include "planish/pipeline/fitted_level.h"
 
-#include <cmath>
 #include <cstdint>
 #include <string>
 
 #include "planish/files/file_materials.h"
-#include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
 #include "planish/patches/patch_evaluator.h"
-#include "planish/pipeline/mesh_warnings.h"
-#include "planish/surface/block_quality.h"
 
 namespace planish {
-
-double share_before_rows(std::span<const int> levels) {
-  double rows = 0;
-  for (const int level : levels) rows += 0.1 * std::ldexp(1.0, 2 * level);
-  return 1 / (1 + rows);
-}
 
 FittedLevel fitted_level(const FittedMesh& fitted, Backend& backend,
                          const SurfaceFileOptions& options) {
@@ -35,16 +25,6 @@ FittedLevel fitted_level(const FittedMesh& fitted, Backend& backend,
   made.doo_sabin = fitted_surface(fitted.mesh, fitted.fit, how);
   made.blocks = made.doo_sabin->level(options.level, 0, dynamic_cast<PatchEvaluator*>(&backend));
   return made;
-}
-
-std::optional<Warning> fold_warning(const FittedMesh& fitted, const FittedLevel& made, int level,
-                                    const Callbacks& callbacks) {
-  if (const SurfaceQuality* const known = fitted.chosen_quality())
-    return fold_warning(fitted, *known);
-  if (level < 1) return std::nullopt;
-  const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
-  return fold_warning(fitted,
-                      surface_quality(*made.blocks, fitted.mesh, folds.is_beside, callbacks));
 }
 
 GltfOptions gltf_options_of(const FittedMesh& fitted, std::string_view name,

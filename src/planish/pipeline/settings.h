@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planish/backend/cpu_backend.h"
@@ -84,6 +85,11 @@ struct FitSettings {
   bool levels_by_density = true;  ///< then 2 is the most: see MeshDensity
   AdaptiveChoice adaptive;
 
+  /// Levels that are named, which no density lessens.
+  void set_levels(std::vector<int> given) {
+    levels = std::move(given);
+    levels_by_density = false;
+  }
   /// Of a mesh that make_ready() made, which has no tags but those that count.
   [[nodiscard]] SharpFeatureOptions sharp() const { return {boundary, true}; }
 };

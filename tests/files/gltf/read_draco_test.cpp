@@ -23,7 +23,7 @@
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/read_gltf.h"
 #include "planish/files/mesh_file.h"
-#include "planish/pipeline/fit_file.h"
+#include "planish/job/fit_file.h"
 #include "support/temporary_folder.h"
 
 namespace planish {
@@ -187,8 +187,8 @@ TEST(ReadDraco, AnAssetComesOutUnpacked) {
   std::ofstream(input, std::ios::binary)
       << sheet_glb(sheet_stream(draco::MESH_EDGEBREAKER_ENCODING, 0));
   FitFileOptions options;
-  options.level = 0;
-  options.mesh.quads = QuadChoice::Off;
+  options.settings.set_levels({0});
+  options.settings.quads = QuadChoice::Off;
   (void)fit_file(input, output, options);
   std::ifstream file(output, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};

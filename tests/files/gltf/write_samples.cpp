@@ -14,9 +14,9 @@
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_surface.h"
+#include "planish/job/fit_file.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/baked_gltf.h"
-#include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/fitted_level.h"
 
 namespace planish {
@@ -183,7 +183,7 @@ void write_samples(const std::filesystem::path& folder) {
     std::ofstream(folder / "asset_in.glb", std::ios::binary) << mirrored.glb();
     for (const int level : {0, 2}) {
       FitFileOptions options;
-      options.level = level;
+      options.settings.set_levels({level});
       (void)fit_file(folder / "asset_in.glb",
                      folder / ("tangents_" + std::to_string(level) + ".glb"), options);
     }

@@ -10,8 +10,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    // Reads, repairs, fits, evaluates and writes. The third argument has the options of all steps.
-    const planish::FileFit done = planish::fit_file(argv[1], argv[2], {.level = 3});
+    // Reads, repairs, fits, evaluates and writes, as `planish fit --levels 3` does.
+    const planish::FileFit done =
+        planish::fit_file(argv[1], argv[2], {.settings = planish::settings_of({{"levels", "3"}})});
     const planish::Interpolation& result = done.fitted.fit.interpolation;
     std::printf("%s: %lld faces; the vertices are off by at most %g of the diagonal\n", argv[2],
                 static_cast<long long>(done.face_count), result.error.max);

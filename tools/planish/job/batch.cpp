@@ -1,4 +1,7 @@
 #include "job/batch.h"
+#include "page/page_job.h"
+#include "planish/core/counted.h"
+#include "planish/core/number_text.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,19 +12,19 @@
 #include <mutex>
 #include <thread>
 
-#include "build_info.h"
-#include "job/threads.h"
 #include "memory/large_arrays.h"
-#include "output/baked_maps.h"
-#include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/build_info.h"
+#include "planish/job/staged_files.h"
+#include "planish/job/text.h"
+#include "planish/job/threads.h"
 #include "planish/pipeline/option_words.h"
 #include "terminal/interrupt.h"
 #include "terminal/table.h"
-#include "terminal/text.h"
+#include "terminal/watch.h"
 
 namespace planish::command {
 namespace {
@@ -51,16 +54,28 @@ JobOutcome failed(const PlannedJob& planned, Console& console, ExitCode exit_cod
           .page_jobs = {{.name = planned.job.name, .failure = message}}};
 }
 
-JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, const JobContext& context) {
+JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, Console& console,
+                   JobDisplay& display, const BatchOptions& options) {
   try {
-    JobReport report = run_job(planned.job, planned.outputs, backends.get(planned), context);
-    context.console.debug(summary(report, true));
-    const ExitCode exit_code = report.exit_code;
-    return {.report = std::move(report), .exit_code = exit_code, .message = {}, .page_jobs = {}};
+    ShownJob shown(planned.job.name, options.page);
+    const bool wants_page = options.wants_page || !planned.job.page.empty();
+    Job job = planned.job;
+    job.arguments = options.arguments;
+    job.mesher = require_counted_mesher;
+    JobReport report = run_job(job, planned.outputs, backends.get(planned),
+                               watch_of(console, display, wants_page ? &shown : nullptr))
+                           .report;
+    console.clear_status();
+    console.debug(summary(report, true));
+    JobOutcome outcome{
+        .report = {}, .exit_code = exit_code_of(report), .message = {}, .page_jobs = {}};
+    if (options.wants_page) outcome.page_jobs.push_back(std::move(shown).with(report));
+    outcome.report = std::move(report);
+    return outcome;
   } catch (const std::exception&) {
     const Failure failure = job_failure();
     if (!failure.code || failure.code == ErrorCode::Cancelled) throw;
-    return failed(planned, context.console, exit_code_of(*failure.code), failure.message);
+    return failed(planned, console, exit_code_of(*failure.code), failure.message);
   }
 }
 
@@ -113,21 +128,8 @@ std::vector<std::string> failed_row(const Job& job) {
 }  // namespace
 
 void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults) {
-  planned.job.overwrites = claims.overwrites();
-  faults.note([&] { settle_bake(planned.job); });
-  for (const OutputRequest& request : planned.job.outputs) {
-    faults.note([&] {
-      for (PlannedOutput& output : plan_output(request, claims))
-        planned.outputs.push_back(std::move(output));
-    });
-  }
-  if (planned.job.settings.bake > 0) faults.note([&] { require_bakeable(planned.outputs); });
-  faults.note([&] { require_tileable(planned.outputs, planned.job.settings); });
-  faults.note([&] { require_step_surfaces(planned.outputs, planned.job.settings); });
-  if (planned.job.settings.attributes.any())
-    faults.note([&] { require_attribute_formats(planned.outputs); });
-  if (planned.job.settings.compression != GltfCompression::None)
-    faults.note([&] { require_compressible(planned.outputs); });
+  planned.outputs = plan_outputs(planned.job, claims,
+                                 [&](const std::function<void()>& check) { faults.note(check); });
 }
 
 DeviceList settle_devices(std::vector<PlannedJob>& jobs) {
@@ -150,12 +152,8 @@ std::vector<JobOutcome> run_batch(const std::vector<PlannedJob>& jobs, const Dev
     OpenBackends backends(devices.devices);
     try {
       for (std::size_t i = next++; i < jobs.size(); i = next++) {
-        JobProgress job_progress(progress, jobs[i].job.name, static_cast<int>(i) + 1);
-        std::vector<PageJob> page_jobs;
-        outcomes[i] = try_job(jobs[i], backends,
-                              {console, job_progress, options.arguments, options.page,
-                               options.wants_page ? &page_jobs : nullptr});
-        if (outcomes[i].report) outcomes[i].page_jobs = std::move(page_jobs);
+        JobDisplay display(progress, jobs[i].job.name, static_cast<int>(i) + 1);
+        outcomes[i] = try_job(jobs[i], backends, console, display, options);
       }
     } catch (...) {
       next = jobs.size();
@@ -315,7 +313,7 @@ nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,
                                   const std::vector<std::string>& arguments) {
   nlohmann::ordered_json json;
   json["schema"] = "planish.batch/1";
-  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
+  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", git_revision()}};
   json["argv"] = arguments;
   json["exit_code"] = static_cast<int>(exit_code_of(outcomes));
   json["jobs"] = nlohmann::ordered_json::array();

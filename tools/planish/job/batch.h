@@ -6,8 +6,11 @@
 #include <vector>
 
 #include "devices.h"
-#include "job/job.h"
+#include "page/page.h"
+#include "planish/job/job.h"
+#include "terminal/exit_codes.h"
 #include "terminal/faults.h"
+#include "terminal/progress.h"
 
 namespace planish::command {
 

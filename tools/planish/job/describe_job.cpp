@@ -1,20 +1,22 @@
 #include "job/describe_job.h"
+#include "planish/core/counted.h"
+#include "planish/core/number_text.h"
 
 #include <algorithm>
+#include <list>
 
-#include "job/asset_job.h"
-#include "job/forecast.h"
-#include "job/input.h"
-#include "job/job_input.h"
-#include "job/point_input.h"
 #include "memory/large_arrays.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_polygons.h"
-#include "planish/pipeline/asset_parts.h"
+#include "planish/job/asset_job.h"
+#include "planish/job/forecast.h"
+#include "planish/job/input.h"
+#include "planish/job/job_input.h"
+#include "planish/job/point_input.h"
+#include "planish/job/text.h"
 #include "planish/pipeline/option_words.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -167,27 +169,30 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
   };
   std::int64_t vertices = 0, faces = 0;
   int finest = 1;
-  Forecast forecast;
-  MeshSteps<Part> steps;
-  steps.warn = [](const Warning&) {};
-  steps.prepare = [&](Part& part, std::int64_t number, MeshShare) {
-    part.mesh = asset.read(number);
-    vertices += part.mesh.file.mesh.vertex_count();
-    faces += part.mesh.file.mesh.face_count();
-    part.ready = expected_ready(
-        planned, {.name = file.name, .file = std::move(part.mesh.file), .sha256 = {}});
-  };
-  steps.require = [&](std::list<Part>& parts) {
-    std::vector<MeshNeed> needs;
-    for (const Part& part : parts) {
-      needs.push_back({&part.ready, &part.mesh.vertices});
-      finest = std::max(finest, expected_fit(part.ready).fitted.density.level());
-    }
-    forecast = forecast_of(needs, planned.job.settings, planned.outputs, 0, asset.byte_count());
-    require_memory_for(needs, planned.job.settings, planned.outputs);
-  };
-  steps.fit = [](Part&, MeshShare) {};
-  const auto kept = asset.surfaces().size() - fit_meshes(asset, steps).size();
+  std::list<Part> parts;
+  for (const std::int64_t number : asset.surfaces()) {
+    Part& part = parts.emplace_back();
+    const bool is_usable = try_mesh(
+        asset, number, [](const Warning&) {},
+        [&] {
+          part.mesh = asset.read(number);
+          vertices += part.mesh.file.mesh.vertex_count();
+          faces += part.mesh.file.mesh.face_count();
+          part.ready = expected_ready(
+              planned, {.name = file.name, .file = std::move(part.mesh.file), .sha256 = {}});
+        });
+    if (!is_usable) parts.pop_back();
+  }
+  require_any(asset, parts.size());
+  std::vector<MeshNeed> needs;
+  for (const Part& part : parts) {
+    needs.push_back({&part.ready, &part.mesh.vertices});
+    finest = std::max(finest, expected_fit(part.ready).fitted.density.level());
+  }
+  const Forecast forecast =
+      forecast_of(needs, planned.job.settings, planned.outputs, 0, asset.byte_count());
+  require_memory_for(needs, planned.job.settings, planned.outputs);
+  const auto kept = asset.surfaces().size() - parts.size();
   std::string text = formatted(
       "would fit {}: {}{}, {}, {}\n{}  solve        {}, for each mesh\n", file.name,
       counted(std::ssize(asset.surfaces()), "mesh"),

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "output/answers.h"
+#include "job/answers.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/point_cloud.h"
 

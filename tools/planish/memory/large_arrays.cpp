@@ -17,6 +17,8 @@
 #include <thread>
 
 #include "planish/core/visible_text.h"
+#include "planish/job/point_input.h"
+#include "planish/reconstruct/mesher_process.h"
 #include "planish/surface/memory_need.h"
 
 namespace planish::command {
@@ -154,6 +156,14 @@ MemoryOfOthers::MemoryOfOthers(std::uint64_t bytes) : bytes_(bytes) {
 
 MemoryOfOthers::~MemoryOfOthers() {
   if (Counted* const all = current) all->of_others -= bytes_;
+}
+
+Mesher require_counted_mesher() {
+  return
+      [mesher = require_mesher()](std::span<const glm::dvec3> points, const Callbacks& callbacks) {
+        const MemoryOfOthers of_mesher(kMesherPointBytes * points.size());
+        return mesher(points, callbacks);
+      };
 }
 
 void* take_large_array(std::size_t bytes) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "planish/core/error.h"
+#include "planish/reconstruct/reconstruct.h"
 
 namespace planish::command {
 
@@ -44,6 +45,9 @@ class MemoryOfOthers {
  private:
   std::uint64_t bytes_;
 };
+
+/// require_mesher(), which takes kMesherPointBytes a point of the budget.
+[[nodiscard]] Mesher require_counted_mesher();
 
 /// The budget of hold_arrays_within(), and what the disk has left for what is beyond it.
 struct ArrayBudget {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "job/input_path.h"
 #include "options/input_list.h"
 #include "planish/core/nearest.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/input_path.h"
 
 namespace planish::command {
 namespace {

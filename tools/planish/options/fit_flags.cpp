@@ -2,15 +2,15 @@
 
 #include <CLI/CLI.hpp>
 
-#include "job/input.h"
 #include "options/input_list.h"
 #include "page/page_job.h"
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/input.h"
+#include "planish/job/text.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -153,12 +153,8 @@ Job job_of(const FitFlags& flags, const Settings& settings, const std::string& i
   const FileFormat surface = output_format_of(flags, FormatUse::WriteSurface, FileFormat::Glb);
   const FileFormat cage = output_format_of(flags, FormatUse::WriteCage, FileFormat::Obj);
   for (const std::string& path : flags.outputs)
-    job.outputs.push_back({.path = output_path(path, input, surface, "-o", one_of_several),
-                           .levels = settings.levels,
-                           .by_density = settings.levels_by_density,
-                           .adaptive = settings.adaptive,
-                           .where = "-o",
-                           .lods_in_one = settings.lods == LodChoice::Msft});
+    job.outputs.push_back(
+        surface_request(settings, output_path(path, input, surface, "-o", one_of_several), "-o"));
   if (!flags.cage.empty())
     job.outputs.push_back({.path = output_path(flags.cage, input, cage, "--cage", one_of_several),
                            .kind = OutputKind::Cage,

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "commands.h"
-#include "job/job.h"
 #include "options/memory_flags.h"
 #include "options/option_flags.h"
+#include "planish/job/job.h"
 
 namespace planish::command {
 

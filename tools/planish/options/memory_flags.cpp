@@ -1,13 +1,14 @@
 #include "options/memory_flags.h"
+#include "planish/core/number_text.h"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "job/threads.h"
 #include "memory/large_arrays.h"
 #include "options/size_value.h"
 #include "planish/core/refuse.h"
-#include "terminal/text.h"
+#include "planish/job/text.h"
+#include "planish/job/threads.h"
 
 namespace planish::command {
 namespace {

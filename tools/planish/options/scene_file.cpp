@@ -5,8 +5,6 @@
 #include <map>
 #include <set>
 
-#include "job/input.h"
-#include "job/point_input.h"
 #include "options/json_lines.h"
 #include "options/scene_moves.h"
 #include "options/scene_settings.h"
@@ -19,6 +17,8 @@
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
+#include "planish/job/input.h"
+#include "planish/job/point_input.h"
 
 namespace planish::command {
 namespace {
@@ -28,6 +28,7 @@ Sampling sampling_of(const Json& json, const std::string& where) {
   constexpr std::array<std::string_view, 2> kPatterns{"poisson-disk", "uniform"};
   check_keys(json, SceneObject::Sample, where);
   Sampling sampling;
+  sampling.draw = sample_surface;
   if (!json.contains("points")) refuse(where, "has no \"points\"");
   const auto path = [&](std::string_view key) { return key_path(where, key); };
   sampling.points = count_of(json["points"], path("points"), 4, kMostPoints);

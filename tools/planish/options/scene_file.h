@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "job/job.h"
 #include "options/scene_settings.h"
+#include "planish/job/job.h"
 
 namespace planish::command {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "job/scene_move.h"
 #include "options/scene_values.h"
+#include "planish/job/scene_move.h"
 
 namespace planish::command {
 

@@ -4,10 +4,10 @@
 #include <string_view>
 #include <vector>
 
-#include "options/given_setting.h"
 #include "options/scene_schema.h"
 #include "options/scene_values.h"
-#include "options/settings.h"
+#include "planish/job/given_setting.h"
+#include "planish/job/job_settings.h"
 
 namespace planish::command {
 

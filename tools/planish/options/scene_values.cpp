@@ -6,7 +6,7 @@
 #include "planish/core/json.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
-#include "terminal/text.h"
+#include "planish/job/text.h"
 
 namespace planish::command {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "planish/core/error.h"
-#include "terminal/text.h"
+#include "planish/job/text.h"
 
 namespace planish::command {
 

@@ -1,10 +1,11 @@
 #include "page/page.h"
+#include "planish/core/counted.h"
+#include "planish/core/number_text.h"
 
 #include <algorithm>
 #include <map>
 #include <span>
 
-#include "output/digest.h"
 #include "page/page_coding.h"
 #include "page/page_section.h"
 #include "page/page_text.h"
@@ -12,7 +13,8 @@
 #include "planish/core/assert.h"
 #include "planish/core/formatted.h"
 #include "planish/core/version.h"
-#include "terminal/text.h"
+#include "planish/job/digest.h"
+#include "planish/job/text.h"
 
 namespace planish::command {
 namespace {

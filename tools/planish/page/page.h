@@ -8,6 +8,7 @@
 
 #include "page/page_scene.h"
 #include "planish/core/json.h"
+#include "planish/job/job_page.h"
 
 namespace planish::command {
 
@@ -27,9 +28,6 @@ struct PageJob {
   std::vector<PagePayload> payloads;
   std::string still;  ///< a picture for who runs no script, PNG in base64; shown with the scene
 };
-
-/// The deepest level that a page shows.
-inline constexpr int kPageLevel = 2;
 
 /// One HTML file that needs nothing else: figures and plots of all jobs as text and SVG, a view of
 /// their surfaces that a script draws. As large as the limit at most, but never without the

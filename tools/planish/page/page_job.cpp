@@ -5,8 +5,11 @@
 #include <filesystem>
 
 #include "options/size_value.h"
+#include "page/page_coding.h"
+#include "page/page_still.h"
 #include "planish/core/error.h"
-#include "terminal/text.h"
+#include "planish/job/report.h"
+#include "planish/job/text.h"
 
 namespace planish::command {
 
@@ -49,9 +52,28 @@ std::vector<PagePayload> make_payloads(const PageScene& scene, const Settings& s
   return payloads;
 }
 
-bool may_be_finer(const PagePayload& last, std::size_t vertex_count, const PageOptions& options) {
-  const std::uint64_t new_vertices = 3 * static_cast<std::uint64_t>(vertex_count);
-  return last.packed.size() + new_vertices / kMostPacked <= options.limit_bytes;
+bool ShownJob::show(JobLevel& surface, const FittedMesh& fitted, const Settings& settings,
+                    const DooSabinSurface* exact) {
+  job_.payloads.clear();
+  const auto rows = static_cast<std::uint64_t>(surface.blocks().info().row_count);
+  const PageScene scene = job_scene(
+      {surface.whole(), fitted.mesh, fitted.fit, settings, fitted.source_vertices, exact});
+  const std::vector<std::byte> still = still_picture(surface.whole(), settings.up);
+  job_.still = base64_text({reinterpret_cast<const std::uint8_t*>(still.data()), still.size()});
+  surface.let_go();
+  job_.payloads = make_payloads(scene, settings, options_);
+  const std::uint64_t new_vertices = 3 * rows;
+  return job_.payloads.back().packed.size() + new_vertices / kMostPacked <= options_.limit_bytes;
+}
+
+std::string ShownJob::text(const JobReport& report) {
+  job_.report = to_json(report);
+  return make_page({&job_, 1}, options_, std::filesystem::current_path());
+}
+
+PageJob ShownJob::with(const JobReport& report) && {
+  job_.report = to_json(report);
+  return std::move(job_);
 }
 
 std::uint64_t parse_page_limit(std::string_view value, std::string_view where) {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "options/settings.h"
 #include "page/page.h"
+#include "planish/job/job_settings.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/surface_mesh.h"
 
@@ -34,10 +34,26 @@ struct PagePayloadInput {
                                                      const Settings& settings,
                                                      const PageOptions& options);
 
-/// Whether the level after that of the last payload, whose surface has so many vertices, may fit
-/// into the limit.
-[[nodiscard]] bool may_be_finer(const PagePayload& last, std::size_t vertex_count,
-                                const PageOptions& options);
+/// What pages show of one job.
+class ShownJob final : public JobPage {
+ public:
+  ShownJob(std::string name, const PageOptions& options) : options_(options) {
+    job_.name = std::move(name);
+  }
+
+  [[nodiscard]] int level(const PolygonMesh& mesh, Scheme scheme) const override {
+    return page_level(mesh, scheme, options_);
+  }
+  bool show(JobLevel& surface, const FittedMesh& fitted, const Settings& settings,
+            const DooSabinSurface* exact) override;
+  [[nodiscard]] std::string text(const JobReport& report) override;
+  /// For a page of several jobs.
+  [[nodiscard]] PageJob with(const JobReport& report) &&;
+
+ private:
+  PageOptions options_;
+  PageJob job_;
+};
 
 /// "8M", "500K", "2G" or bytes. Throws Error{InvalidArgument} naming `where`.
 [[nodiscard]] std::uint64_t parse_page_limit(std::string_view value, std::string_view where);

@@ -1,4 +1,5 @@
 #include "page/page_plot.h"
+#include "planish/core/counted.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +7,8 @@
 
 #include "page/page_text.h"
 #include "planish/core/formatted.h"
+#include "planish/job/text.h"
 #include "terminal/table.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

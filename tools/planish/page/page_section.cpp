@@ -1,10 +1,12 @@
 #include "page/page_section.h"
+#include "planish/core/counted.h"
+#include "planish/core/number_text.h"
 
 #include "page/page_plot.h"
 #include "page/page_still.h"
 #include "page/page_text.h"
 #include "planish/core/formatted.h"
-#include "terminal/text.h"
+#include "planish/job/text.h"
 
 namespace planish::command {
 namespace {

@@ -3,12 +3,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "options/settings.h"
+#include "planish/job/job_page.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish::command {
-
-inline constexpr int kStillWidth = 720, kStillHeight = 480;
 
 /// A picture of the surface as PNG, clear around it: what a page shows where no script draws.
 [[nodiscard]] std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up);

@@ -1,4 +1,5 @@
 #include "page/page_text.h"
+#include "planish/core/counted.h"
 
 #include <array>
 #include <cmath>
@@ -6,7 +7,7 @@
 #include <cstdlib>
 
 #include "planish/core/visible_text.h"
-#include "terminal/text.h"
+#include "planish/job/text.h"
 
 namespace planish::command {
 namespace {

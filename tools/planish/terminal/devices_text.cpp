@@ -1,11 +1,13 @@
 #include "terminal/devices_text.h"
+#include "planish/core/counted.h"
+#include "planish/core/number_text.h"
 
 #include <algorithm>
 
 #include "planish/core/json.h"
-#include "report/report.h"
+#include "planish/job/report.h"
+#include "planish/job/text.h"
 #include "terminal/table.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 

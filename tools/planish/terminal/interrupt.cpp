@@ -7,29 +7,18 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <set>
 #include <thread>
 
-#include "job/threads.h"
 #include "planish/core/error.h"
+#include "planish/job/temporary_folders.h"
+#include "planish/job/threads.h"
 #include "terminal/console.h"
 #include "terminal/exit_codes.h"
 
 namespace planish::command {
 namespace {
 
-// Never destroyed: the waiting thread outlives main().
-struct Watch {
-  std::atomic<bool> is_ending = false;
-  std::mutex moving;
-  std::mutex mutex;  // of folders
-  std::set<std::filesystem::path> folders;
-};
-
-Watch& watch() {
-  static auto* const instance = new Watch;
-  return *instance;
-}
+std::atomic<bool> is_ending = false;
 
 // Jobs on other threads than the one that takes the signal read it, too.
 std::atomic<int> noted_signal = 0;
@@ -46,13 +35,11 @@ extern "C" void note_signal(int signal) {
 
 // For work that does not come to its next check soon enough.
 [[noreturn]] void end_for_good() {
-  const std::scoped_lock moving_lock(watch().moving);
-  if (watch().is_ending.exchange(true)) {
+  const auto moving = while_files_move();
+  if (is_ending.exchange(true)) {
     for (;;) ::pause();
   }
-  std::error_code ignored;
-  const std::scoped_lock folders_lock(watch().mutex);
-  for (const auto& folder : watch().folders) std::filesystem::remove_all(folder, ignored);
+  remove_temporary_folders();
   Console console(LogLevel::Error, ending_style.color, ending_style.form);
   if (console.is_terminal()) console.status("");
   console.error("interrupted; no partial file is left");
@@ -71,7 +58,6 @@ void wait_for_signal() {
 void install_signal_handlers(MessageStyle style) {
   ending_style = style;
   sem_init(&signalled, 0, 0);
-  (void)watch();
   if constexpr (!kHasThreads) return;  // the engine's own end of a script
   std::thread(wait_for_signal).detach();
   struct sigaction action {};
@@ -94,20 +80,8 @@ void check_interrupt() {
 }
 
 void claim_end() {
-  if (!watch().is_ending.exchange(true)) return;
+  if (!is_ending.exchange(true)) return;
   for (;;) ::pause();
 }
-
-void add_temporary_folder(const std::filesystem::path& folder) {
-  const std::scoped_lock lock(watch().mutex);
-  watch().folders.insert(folder);
-}
-
-void forget_temporary_folder(const std::filesystem::path& folder) {
-  const std::scoped_lock lock(watch().mutex);
-  watch().folders.erase(folder);
-}
-
-std::unique_lock<std::mutex> while_files_move() { return std::unique_lock(watch().moving); }
 
 }  // namespace planish::command

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <mutex>
-
 #include "planish/core/stop.h"
 #include "terminal/console.h"
 
@@ -30,12 +27,5 @@ void check_interrupt();
 /// Whoever asks first ends the process: nobody else may say anything or touch files any more.
 /// Waits forever where the thread above was first.
 void claim_end();
-
-/// A hidden folder of files that are not in place yet: removed by the thread above as well.
-void add_temporary_folder(const std::filesystem::path& folder);
-void forget_temporary_folder(const std::filesystem::path& folder);
-
-/// Held while files are put in place, so that all of them are there or none.
-[[nodiscard]] std::unique_lock<std::mutex> while_files_move();
 
 }  // namespace planish::command

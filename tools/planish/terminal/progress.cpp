@@ -49,7 +49,7 @@ Progress::Progress(Console& console, ProgressMode mode, Clock clock, int job_cou
       job_count_(job_count),
       last_bar_(clock_()) {}
 
-void Progress::show(JobProgress& job) {
+void Progress::show(JobDisplay& job) {
   const std::scoped_lock lock(mutex_);
   const double now = clock_();
   switch (mode_) {
@@ -65,7 +65,7 @@ void Progress::show(JobProgress& job) {
   }
 }
 
-void Progress::draw_bar(JobProgress& job, double now) {
+void Progress::draw_bar(JobDisplay& job, double now) {
   if (now - last_bar_ < kBarInterval) return;
   last_bar_ = now;
   const int filled = static_cast<int>(std::lround(job.share_ * kBarWidth));
@@ -77,14 +77,14 @@ void Progress::draw_bar(JobProgress& job, double now) {
   console_.status(line);
 }
 
-void Progress::write_plain(JobProgress& job, double now) {
+void Progress::write_plain(JobDisplay& job, double now) {
   if (now - job.last_plain_ < kPlainInterval) return;
   job.last_plain_ = now;
   console_.raw(formatted("{}: {}%, {}{}", job.name_, percent_of(job.share_), job.step_,
                          left_text(job.share_, now - job.begun_)));
 }
 
-void Progress::write_json(JobProgress& job, double now) {
+void Progress::write_json(JobDisplay& job, double now) {
   const int percent = percent_of(job.fraction_);
   if (job.step_ == job.json_step_ && percent == job.json_percent_) return;
   job.json_step_ = job.step_;
@@ -105,42 +105,22 @@ void Progress::write_json(JobProgress& job, double now) {
   console_.raw(line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
-JobProgress::JobProgress(Progress& progress, std::string_view name, int number)
+JobDisplay::JobDisplay(Progress& progress, std::string_view name, int number)
     : progress_(progress),
       name_(name),
       number_(number),
       begun_(progress.clock_()),
       last_plain_(begun_) {}
 
-void JobProgress::plan(std::vector<PlannedStep> steps) { steps_ = std::move(steps); }
-
-// A step comes again for every level: one that starts anew is the next of its name.
-void JobProgress::advance() {
-  if (steps_.empty()) {
-    share_ = fraction_;
-    return;
-  }
-  const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(std::min(place_, steps_.size()));
-  const auto found = std::ranges::find(from, steps_.end(), step_, &PlannedStep::name);
-  if (found != steps_.end()) place_ = static_cast<std::size_t>(found - steps_.begin());
-  if (place_ >= steps_.size()) return;
-  double before = 0, all = 0;
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    if (i < place_) before += steps_[i].weight;
-    all += steps_[i].weight;
-  }
-  const double share = (before + fraction_ * steps_[place_].weight) / all;
-  share_ = std::clamp(share, share_, 1.0);
+ProgressVisit JobDisplay::visit() {
+  return
+      [this](std::string_view step, double fraction, double share) { show(step, fraction, share); };
 }
 
-void JobProgress::update(std::string_view step, double fraction) {
-  const double sane =
-      std::lerp(begin_, end_, std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0);
-  const bool is_planned = place_ < steps_.size() && steps_[place_].name == step;
-  if (is_planned && step == step_ && sane < fraction_) ++place_;
+void JobDisplay::show(std::string_view step, double fraction, double share) {
   step_ = step;
-  fraction_ = sane;
-  advance();
+  fraction_ = fraction;
+  share_ = share;
   progress_.show(*this);
 }
 

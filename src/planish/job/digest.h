@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace planish {
+
+/// SHA-256 of bytes that come piece by piece.
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  void add(std::span<const std::byte> bytes);
+  /// Either is the last call; text is in lower-case hexadecimal.
+  [[nodiscard]] std::array<std::uint8_t, 32> finish_bytes();
+  [[nodiscard]] std::string finish();
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
+
+/// The same of bytes at hand.
+[[nodiscard]] std::array<std::uint8_t, 32> sha256_bytes(std::span<const std::byte> bytes);
+
+/// In lower-case hexadecimal.
+[[nodiscard]] std::string sha256(std::span<const std::byte> bytes);
+
+/// The same of a whole file, and its length. Throws Error{UnreadableInput}.
+struct FileDigest {
+  std::string sha256;
+  std::uint64_t bytes = 0;
+};
+[[nodiscard]] FileDigest digest_of(const std::filesystem::path& path);
+
+}  // namespace planish

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planish/backend/backend.h"
+#include "planish/core/callbacks.h"
+#include "planish/job/job_settings.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/write_fitted_step.h"
+
+namespace planish {
+
+struct FitFileOptions {
+  Settings settings{};             ///< all but `device`; see settings_of()
+  std::filesystem::path cage{};    ///< also written; empty: none
+  std::filesystem::path report{};  ///< JSON, as --report writes; empty: none
+  Callbacks callbacks{};
+  Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
+};
+
+/// What became of a file.
+struct FileFit {
+  FittedMesh fitted;                              ///< of an asset its first mesh
+  std::vector<FittedMesh> further;                ///< of an asset the others
+  std::int64_t vertex_count = 0, face_count = 0;  ///< of the first file that is written
+  std::uint64_t byte_count = 0;                   ///< of that; a .gltf's .bin included
+  std::optional<StepFigures> step;                ///< of a STEP file
+};
+
+/// The whole way, as `planish fit INPUT -o OUTPUT` goes it, with the same settings, bytes and
+/// warnings: reads a mesh or points, repairs and fits, and writes the surface in the format of the
+/// extension: glTF, OBJ, PLY, OFF, STL, USD, 3D Tiles or STEP. Of several levels as files (`lods`)
+/// each is NAME_LOD0 and so on. Not converging is a result, and so is a STEP file that does not
+/// keep its limits; the file is written and says so. Files that exist are replaced, all together,
+/// once the new ones are whole. Throws Error{UnreadableInput}, Error{UnusableMesh} with the remedy,
+/// Error{InvalidArgument} for extensions, settings, an output that is the input, a file that this
+/// names (see InputFiles) or another output; Error{NoDevice} for points where no mesher is
+/// installed; Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
+FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                 const FitFileOptions& options = {});
+
+}  // namespace planish

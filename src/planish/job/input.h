@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <future>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "planish/core/callbacks.h"
+#include "planish/core/raw_vector.h"
+#include "planish/files/mesh_file.h"
+
+namespace planish {
+
+/// A file in memory, of a format that is settled.
+struct InputFile {
+  std::string name;            ///< what messages say: the path made visible, or "stdin"
+  std::filesystem::path path;  ///< empty: stdin
+  RawVector<std::byte> bytes;
+  FileFormat format = FileFormat::Obj;
+  bool split_normals_crease = false;    ///< as FileBytes has it
+  bool is_strict = false;               ///< the same
+  FileReach reach = FileReach::Beside;  ///< the same
+  /// Is taken while the bytes are read: last, for its destructor waits for who still reads them.
+  std::shared_future<std::string> digest;
+
+  [[nodiscard]] std::string sha256() const { return digest.get(); }
+  /// For readers; this must outlive it.
+  [[nodiscard]] FileBytes for_reader() const {
+    return {.bytes = bytes,
+            .name = name,
+            .path = path,
+            .split_normals_crease = split_normals_crease,
+            .is_strict = is_strict,
+            .reach = reach};
+  }
+};
+
+/// A mesh with what a report says of its file.
+struct Input {
+  std::string name;
+  MeshFile file;
+  std::string sha256;
+};
+
+/// Reads a file, "-" for stdin. Its format is `format` where given, else what the extension names,
+/// else what the content looks like. Throws Error{UnreadableInput} where it cannot be read or
+/// nothing speaks for a format. The first kFileLoaded of the step "read" is told.
+[[nodiscard]] InputFile load_input(const std::string& path, std::optional<FileFormat> format,
+                                   const Callbacks& callbacks = {});
+
+/// The mesh in a loaded file; tells the rest of the step. Throws Error{UnreadableInput};
+/// Error{InvalidArgument} for a format of points.
+[[nodiscard]] Input mesh_of(const InputFile& file, const Callbacks& callbacks = {});
+
+/// load_input() and mesh_of().
+[[nodiscard]] Input read_input(const std::string& path, FileReach reach,
+                               const Callbacks& callbacks = {});
+
+/// The name of a format that is read, "obj" or "xyz" say. Throws Error{InvalidArgument} naming
+/// `where`.
+[[nodiscard]] FileFormat parse_input_format(std::string_view value, std::string_view where);
+
+}  // namespace planish

@@ -1,0 +1,199 @@
+#include "planish/job/job.h"
+#include "planish/core/stop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+#include "planish/core/json.h"
+#include "planish/files/read_file.h"
+#include "planish/job/asset_job.h"
+#include "planish/job/baked_maps.h"
+#include "planish/job/details.h"
+#include "planish/job/forecast.h"
+#include "planish/job/job_fit.h"
+#include "planish/job/job_input.h"
+#include "planish/job/job_outputs.h"
+#include "planish/job/job_page.h"
+#include "planish/job/output_levels.h"
+#include "planish/job/point_input.h"
+#include "planish/job/text.h"
+#include "planish/job/timed.h"
+
+namespace planish {
+namespace {
+
+void write_report(const Job& job, const JobReport& report, StagedFiles& staged) {
+  if (job.report.empty() || job.report == "-") return;
+  staged.write(job.report, json_text(to_json(report)));
+}
+
+// The job's own page, as text where it is for stdout.
+std::string write_page(const Job& job, JobReport& report, StagedFiles& staged,
+                       const JobContext& context) {
+  if (job.page.empty() || !context.wants_page()) return "";
+  std::string text = context.watch.page->text(report);
+  report.page = {job.page, text.size()};
+  if (job.page != "-") staged.write(job.page, text);
+  return text;
+}
+
+// By the head of a PLY file, which holds either; by the format of others.
+bool may_be_points(const Job& job) {
+  if (is_point_path(job.input, job.input_format)) return true;
+  if (job.input == "-" || job.input_format.value_or(FileFormat::Ply) != FileFormat::Ply)
+    return false;
+  // What a pipe gives comes once.
+  constexpr std::uint64_t kHead = std::uint64_t{1} << 16;
+  const NamedFile head = read_named_start(job.input, job.input, FileReach::Anywhere, kHead);
+  std::string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.bytes.size());
+  text = text.substr(0, text.find("\nend_header"));
+  return text.starts_with("ply") && text.find("\nelement face") == std::string_view::npos;
+}
+
+// The steps that the job will tell of.
+std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutput>& outputs) {
+  // Weights by what the steps take; those of a level grow with its points.
+  std::vector<PlannedStep> steps{{"read", 2}};
+  if (job.sampling) steps.push_back({"sample", 4});
+  const bool brings_points = job.sampling || may_be_points(job);
+  if (brings_points) steps.push_back({"points", 80});
+  if (!job.source.empty()) steps.push_back({"read", 2});
+  steps.push_back({"check", 1});
+  steps.push_back({"fit", 8});
+  std::vector<Fineness> all;
+  for (const PlannedOutput& output : outputs) {
+    const bool is_new = std::ranges::find(all, output.fineness) == all.end();
+    if (output.kind == OutputKind::Surface && is_new && output.coarser.empty() &&
+        info_of(output.format).has_fineness())
+      all.push_back(output.fineness);
+  }
+  for (const Fineness& fineness : all) {
+    const double points = std::ldexp(1.0, 2 * fineness.level);
+    steps.push_back({"level", points});
+    for (const PlannedOutput& output : outputs)
+      if (output.kind == OutputKind::Surface && output.fineness == fineness &&
+          output.coarser.empty() && info_of(output.format).has_fineness())
+        steps.push_back({"write", 0.6 * points});
+  }
+  for (const PlannedOutput& output : outputs) {
+    if (output.coarser.empty()) continue;
+    double points = 0;
+    for (const Fineness& fineness : output.finenesses()) {
+      steps.push_back({"level", std::ldexp(1.0, 2 * fineness.level)});
+      points += steps.back().weight;
+    }
+    steps.push_back({"write", 0.6 * points});
+  }
+  for (const PlannedOutput& output : outputs)
+    if (info_of(output.format).is_tiles)
+      steps.push_back({"write", 2.5 * std::ldexp(1.0, 2 * output.fineness.level)});
+  for (const PlannedOutput& output : outputs)
+    if (info_of(output.format).is_brep) steps.push_back({"faces", 60});
+  if (job.settings.scheme == Scheme::DooSabin) {
+    if (brings_points) steps.push_back({"distances", 10});
+    if (!job.source.empty()) steps.push_back({"distances", 10});
+  }
+  if (!job.page.empty()) steps.push_back({"page", 8});
+  return steps;
+}
+
+}  // namespace
+
+OutputRequest surface_request(const Settings& settings, std::string path, std::string where) {
+  return {.path = std::move(path),
+          .levels = settings.levels,
+          .by_density = settings.levels_by_density,
+          .adaptive = settings.adaptive,
+          .where = std::move(where),
+          .lods_in_one = settings.lods == LodChoice::Msft};
+}
+
+std::vector<PlannedOutput> plan_outputs(
+    Job& job, PathClaims& claims, const std::function<void(const std::function<void()>&)>& note) {
+  std::vector<PlannedOutput> outputs;
+  const Settings& settings = job.settings;
+  job.overwrites = claims.overwrites();
+  note([&] { settle_bake(job); });
+  for (const OutputRequest& request : job.outputs)
+    note([&] { std::ranges::move(plan_output(request, claims), std::back_inserter(outputs)); });
+  if (settings.bake > 0) note([&] { require_bakeable(outputs); });
+  note([&] { require_tileable(outputs, settings); });
+  note([&] { require_step_surfaces(outputs, settings); });
+  if (settings.attributes.any()) note([&] { require_attribute_formats(outputs); });
+  if (settings.compression != GltfCompression::None) note([&] { require_compressible(outputs); });
+  return outputs;
+}
+
+JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Backend& backend,
+                  const JobWatch& watch) {
+  JobProgress progress(watch.progress);
+  const JobContext context{watch, progress};
+  JobResult result;
+  JobReport& report = result.report;
+  report.job = job.name;
+  report.label = job.label;
+  report.input.path = job.input;
+  report.arguments = job.arguments;
+  report.settings = job.settings;
+  report.device = backend.description();
+  context.progress.plan(steps_of(job, outputs));
+  StagedFiles staged(job.overwrites);
+  std::vector<std::byte> stdout_bytes;
+  timed(report.timing.total, [&] {
+    const InputFile file =
+        timed(report.timing.read, [&] { return load_job_input(job, report, context); });
+    if (const auto asset = kept_asset(job, outputs, file, report, context)) {
+      AssetResult made = staged.naming_targets([&] {
+        return run_asset({job, outputs, backend, context, file, *asset, report, staged});
+      });
+      stdout_bytes = std::move(made.stdout_bytes);
+      result.fitted = std::move(made.fitted);
+      warn_of_size(report, asset->byte_count(), context);
+      return;
+    }
+    JobInput made =
+        timed(report.timing.read, [&] { return read_job_input(job, file, report, context); });
+    std::optional<ReadyFit> cage;
+    ReadyFit ready = timed(report.timing.check, [&] {
+      ReadyFit prepared = prepare_input(made, report, context);
+      cage = take_cage(prepared, outputs, context.wants_page());
+      report.method = prepared.fitted.options.method;
+      if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context);
+      const MeshNeed need{&prepared, nullptr};
+      require_memory_for({&need, 1}, job.settings, outputs);
+      return prepared;
+    });
+    const bool was_open = ready.chooses_method;
+    fit_input(made, std::move(ready), backend, job.moves, report, context);
+    if (cage) fit_cage(made, *std::move(cage), backend, job.moves, report, context);
+    if (was_open) warn_of_unused_settings(job, made, report, context);
+    const std::vector<PlannedOutput> written = settled(outputs, made.fitted.density.level());
+    stdout_bytes = staged.naming_targets([&] {
+      return write_outputs({job, written, backend, context, made, report, staged});
+    });
+    // A .gltf's numbers are beside it.
+    if (file.format != FileFormat::Gltf) warn_of_size(report, file.bytes.size(), context);
+    result.fitted.push_back(std::move(made.fitted));
+  });
+  report.host_peak_bytes = peak_host_bytes();
+  report.device_bytes = backend.peak_device_bytes();
+  if (watch.details) watch.details(details(report));
+  write_report(job, report, staged);
+  const std::string page_text = write_page(job, report, staged, context);
+  check_stop();
+  const auto write = [&](std::string_view bytes) {
+    if (watch.write) watch.write(bytes);
+  };
+  if (!stdout_bytes.empty())
+    write({reinterpret_cast<const char*>(stdout_bytes.data()), stdout_bytes.size()});
+  staged.commit();
+  if (job.report == "-") write(json_text(to_json(report)));
+  if (job.page == "-") write(page_text);
+  return result;
+}
+
+}  // namespace planish

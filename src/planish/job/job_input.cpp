@@ -1,0 +1,275 @@
+#include "planish/job/job_input.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "planish/core/error.h"
+#include "planish/core/json.h"
+#include "planish/files/formats.h"
+#include "planish/job/point_input.h"
+#include "planish/job/text.h"
+#include "planish/limit/adaptive_tessellation.h"
+#include "planish/mesh/check.h"
+#include "planish/pipeline/choose_fit.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
+
+namespace planish {
+
+nlohmann::ordered_json sampling_json(const Sampling& sampling) {
+  return {{"points", sampling.points},
+          {"pattern", sampling.poisson_disk ? "poisson-disk" : "uniform"},
+          {"seed", sampling.seed},
+          {"noise", sampling.noise},
+          {"outliers", sampling.outliers}};
+}
+
+void add_warning(JobReport& report, const JobContext& context, const Warning& warning) {
+  const auto same = [&](const Warning& other) {
+    return other.code == warning.code && other.message == warning.message;
+  };
+  // Every level of a surface meets the same places.
+  if (std::ranges::any_of(report.warnings, same)) return;
+  report.warnings.push_back(warning);
+  // A promise that is not kept, as a tolerance that is not reached.
+  if (warning.code == kAngleNotKept) report.falls_short = true;
+  if (report.is_told_with_others || !context.watch.warning) return;
+  Warning told = warning;
+  told.message = named_message(report.label, warning.message);
+  context.watch.warning(told);
+}
+
+Callbacks callbacks_for(JobReport& report, const JobContext& context) {
+  Callbacks callbacks;
+  callbacks.progress = [&context](std::string_view step, double fraction) {
+    context.progress.update(step, fraction);
+  };
+  callbacks.warning = [&report, &context](const Warning& warning) {
+    add_warning(report, context, warning);
+  };
+  callbacks.cancelled = context.watch.cancelled;
+  return callbacks;
+}
+
+namespace {
+
+// The mesh of the file gives way to points of its surface.
+PointInput sample_input(const InputFile& file, const Sampling& sampling,
+                        const Callbacks& callbacks) {
+  const Input mesh = mesh_of(file, callbacks);
+  callbacks.report("sample", 0);
+  require_usable(mesh.file.mesh, mesh.name);
+  return {
+      .name = mesh.name, .cloud = sampling.draw(mesh, sampling, callbacks), .sha256 = mesh.sha256};
+}
+
+void reconstruct_points(const PointInput& cloud, const Mesher& mesher, JobInput& made,
+                        JobReport& report, const Callbacks& callbacks) {
+  ReconstructOptions options = report.settings.points;
+  options.callbacks = callbacks;
+  options.pair_quads = report.settings.quads != QuadChoice::Off &&
+                       report.settings.scheme != Scheme::Loop;  // which is of triangles only
+  Reconstruction result = reconstruct_input(cloud, mesher, options);
+  report.reconstruction = reconstruction_json(cloud, result);
+  report.reconstruction_summary = reconstruction_summary(cloud, result);
+  for (const std::int32_t point : result.used_points)
+    made.points.push_back(cloud.cloud.origin + cloud.cloud.points[point]);
+  made.input.file.mesh = std::move(result.mesh);
+}
+
+Input read_source(const std::string& path, FileReach reach, const Callbacks& callbacks) {
+  Input source = read_input(path, reach, callbacks);
+  if (source.file.mesh.face_count() == 0) {
+    throw Error(ErrorCode::UnusableMesh,
+                source.name + ": a source has to be a mesh, and this has no faces");
+  }
+  return source;
+}
+
+// Auto: points are meshed unevenly, which folds progressive surfaces. Of a mesh it starts with the
+// progressive one. Other schemes than Doo-Sabin have no fair method.
+InterpolationMethod method_for(const Settings& settings, const JobInput& made) {
+  const bool fair = settings.interpolation == InterpolationChoice::Fair ||
+                    (settings.interpolation == InterpolationChoice::Auto && !made.points.empty() &&
+                     settings.scheme == Scheme::DooSabin);
+  return fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
+}
+
+// With the tags that a scene adds.
+PolygonMesh tagged(PolygonMesh mesh, const Settings& settings, const std::string& name) {
+  const auto require_vertex = [&](std::int32_t vertex, const char* key) {
+    if (vertex < mesh.vertex_count()) return;
+    require_usable(mesh, name);
+    throw Error(ErrorCode::UnusableMesh, formatted("{} of the scene names vertex {} of {}", key,
+                                                   vertex, mesh.vertex_count()));
+  };
+  for (const CreaseEdge& crease : settings.crease_edges)
+    require_vertex(std::max(crease.v0, crease.v1), "crease_edges");
+  for (const CornerVertex& corner : settings.corner_vertices)
+    require_vertex(corner.vertex, "corner_vertices");
+  mesh.creases.insert(mesh.creases.end(), settings.crease_edges.begin(),
+                      settings.crease_edges.end());
+  mesh.corners.insert(mesh.corners.end(), settings.corner_vertices.begin(),
+                      settings.corner_vertices.end());
+  return mesh;
+}
+
+bool writes_obj(const Job& job) {
+  return std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
+    return format_of(output.path) == FileFormat::Obj;
+  });
+}
+
+bool writes_gltf(const Job& job) {
+  return std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
+    if (output.path == "-") return true;
+    const auto format = format_of(output.path);
+    return output.kind == OutputKind::Surface && format &&
+           (info_of(*format).is_gltf || info_of(*format).is_tiles || info_of(*format).is_brep ||
+            format == FileFormat::Usda);
+  });
+}
+
+}  // namespace
+
+InputFile load_job_input(const Job& job, JobReport& report, const JobContext& context) {
+  InputFile file = load_input(job.input, job.input_format, callbacks_for(report, context));
+  file.split_normals_crease = report.settings.creases.split_normals;
+  file.is_strict = report.settings.repair == RepairChoice::None;
+  file.reach = report.settings.textures;
+  return file;
+}
+
+JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report,
+                        const JobContext& context) {
+  JobInput made;
+  Input& input = made.input;
+  const Callbacks callbacks = callbacks_for(report, context);
+  input.name = file.name;
+  report.input.format = name_of(file.format);
+  const auto mesher = [&] { return job.mesher ? job.mesher() : require_mesher(); };
+  const auto reconstruct = [&](const PointInput& cloud) {
+    context.progress.update("points", 0);
+    reconstruct_points(cloud, mesher(), made, report, callbacks);
+  };
+  if (job.sampling) {
+    (void)mesher();  // before the work
+    reconstruct(sample_input(file, *job.sampling, callbacks));
+    report.reconstruction["sampled"] = sampling_json(*job.sampling);
+  } else if (holds_points_only(file.format)) {
+    reconstruct(points_of(file, callbacks));
+  } else {
+    input = mesh_of(file, callbacks);
+    report.input.format = name_of(input.file.format);
+    made.materials =
+        read_materials(file.for_reader(), file.format, writes_obj(job), writes_gltf(job));
+    for (const Warning& warning : made.materials.warnings()) add_warning(report, context, warning);
+    if (const auto cloud = points_of(input)) reconstruct(*cloud);
+  }
+  if (file.split_normals_crease && input.file.mesh.creases.empty())
+    add_warning(report, context,
+                {"no-split-normals",
+                 file.name + ": --creases normals found no edge where normals are split"});
+  if (!job.source.empty()) made.source = read_source(job.source, file.reach, callbacks);
+  for (const Warning& warning : input.file.warnings) add_warning(report, context, warning);
+  report.input.sha256 = file.sha256();
+  report.input.dropped = input.file.dropped_element_count;
+  report.input.welded = input.file.welded_vertex_count;
+  report.input.file_vertices = input.file.mesh.vertex_count();
+  report.input.file_faces = input.file.mesh.face_count();
+  return made;
+}
+
+bool chooses_by_measurement(const Settings& settings) {
+  return settings.interpolation == InterpolationChoice::Auto && settings.scheme == Scheme::DooSabin;
+}
+
+std::optional<ReadyFit> take_cage(ReadyFit& ready, const std::vector<PlannedOutput>& outputs,
+                                  bool has_page) {
+  const auto is_cage = [](const PlannedOutput& output) { return output.kind == OutputKind::Cage; };
+  if (!is_open(ready) || std::ranges::none_of(outputs, is_cage)) return {};
+  ReadyFit cage = cage_fit(ready);
+  if (has_page || !std::ranges::all_of(outputs, is_cage)) return cage;
+  ready = std::move(cage);
+  return {};
+}
+
+ReadyFit prepare_mesh(Input&& input, MeshFitOptions options, const Settings& settings) {
+  options.stands_alone = input.file.stands_alone;
+  return prepare_fit(tagged(std::move(input.file.mesh), settings, input.name), input.name, options);
+}
+
+ReadyFit prepare_input(JobInput& made, JobReport& report, const JobContext& context) {
+  const bool is_mesh = made.points.empty();
+  if (!is_mesh) report.settings.weld.reset();  // the mesh is our own
+  const bool chooses = is_mesh && chooses_by_measurement(report.settings);
+  MeshFitOptions options = mesh_fit_options(report.settings);
+  options.fit.callbacks = callbacks_for(report, context);
+  if (!chooses) options.method = method_for(report.settings, made);
+  options.faces_are_given = is_mesh;
+  if (!is_mesh) options.quads = QuadChoice::Off;  // which it has already
+  ReadyFit ready = prepare_mesh(std::move(made.input), options, report.settings);
+  report.method = ready.fitted.options.method;
+  return ready;
+}
+
+void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
+                             const JobContext& context) {
+  const bool is_fair = report.method == InterpolationMethod::Fair;
+  const auto has_surface = [&](bool (*is_wanted)(const FormatInfo&)) {
+    return std::ranges::any_of(job.outputs, [&](const OutputRequest& output) {
+      const auto format = output.path == "-" ? FileFormat::Glb : format_of(output.path);
+      return output.kind == OutputKind::Surface && format && is_wanted(info_of(*format));
+    });
+  };
+  const bool has_tiles = has_surface([](const FormatInfo& info) { return info.is_tiles; });
+  const bool has_step = has_surface([](const FormatInfo& info) { return info.is_brep; });
+  const bool has_levels = has_surface([](const FormatInfo& info) { return !info.is_brep; });
+  std::string unused;
+  std::int64_t count = 0;
+  bool lacks_tiles = false, lacks_step = false, lacks_levels = false;
+  const auto is_met = [&](OptionNeeds needs) {
+    switch (needs) {
+      case OptionNeeds::Nothing:
+        return true;
+      case OptionNeeds::Points:
+        return !made.points.empty();
+      case OptionNeeds::Faces:
+        return made.points.empty();
+      case OptionNeeds::Progressive:
+        return !is_fair || made.cage;
+      case OptionNeeds::Fair:
+        return is_fair;
+      case OptionNeeds::Tiles:
+        return has_tiles;
+      case OptionNeeds::Step:
+        return has_step;
+      case OptionNeeds::Fineness:
+        return has_levels || !has_step;
+    }
+    return true;
+  };
+  const auto note = [&](const OptionInfo& option) {
+    const bool is_given =
+        std::ranges::find(job.given_settings, option.name) != job.given_settings.end();
+    if (!is_given || is_met(option.needs)) return;
+    unused += (unused.empty() ? "" : ", ") + flag_of(option);
+    lacks_tiles |= option.needs == OptionNeeds::Tiles;
+    lacks_step |= option.needs == OptionNeeds::Step;
+    lacks_levels |= option.needs == OptionNeeds::Fineness;
+    ++count;
+  };
+  for (const FitOption& option : option_table()) note(option);
+  for (const PointOption& option : point_option_table()) note(option);
+  if (count == 0) return;
+  add_warning(
+      report, context,
+      {"unused-settings",
+       formatted("{}: without effect here: {} (the input is {}, the method {}{}{}{})",
+                 made.input.name, unused, made.points.empty() ? "a mesh" : "of points",
+                 name_of(report.method), lacks_tiles ? ", no output 3D Tiles" : "",
+                 lacks_step ? ", no output STEP" : "", lacks_levels ? ", STEP has no levels" : ""),
+       count, -1});
+}
+
+}  // namespace planish

@@ -1,0 +1,178 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planish/backend/backend.h"
+#include "planish/core/json.h"
+#include "planish/job/job_settings.h"
+#include "planish/job/output_plan.h"
+#include "planish/mesh/statistics.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/write_fitted_step.h"
+#include "planish/reconstruct/reconstruct.h"
+#include "planish/surface/surface_quality.h"
+#include "planish/surface/texture_slide.h"
+
+namespace planish {
+
+/// The tiles of one level of a tile set.
+struct WrittenTiles {
+  int level = 1;
+  std::int64_t tiles = 0, vertices = 0, triangles = 0;
+  std::uint64_t bytes = 0;
+  double geometric_error = 0;  ///< the largest of its tiles, in model units
+};
+
+/// A normal texture that was baked into a file.
+struct WrittenMap {
+  std::string mesh;  ///< of an asset
+  std::string material;
+  std::uint64_t bytes = 0;             ///< of its image
+  double covered = 0, overlapped = 0;  ///< see NormalMap
+};
+
+/// A file as written.
+struct WrittenOutput {
+  std::string path;  ///< "-" for stdout
+  OutputKind kind = OutputKind::Surface;
+  Fineness fineness;              ///< of a surface
+  std::vector<Fineness> coarser;  ///< that are in the file, too
+  std::uint64_t bytes = 0;        ///< a .gltf counts its .bin, a tile set its tiles
+  std::string sha256;             ///< of the file named by path
+  std::int64_t vertices = 0, quads = 0, triangles = 0;
+  std::int64_t faces = 0;  ///< of any size
+  /// Largest distance of FittedMesh::points() from their places on the surface in the file,
+  /// recomputed in double from the numbers in the file; a fraction of the diagonal.
+  double as_written_error = 0;
+  std::vector<WrittenTiles> tile_levels;  ///< of a tile set
+  std::optional<StepFigures> step;        ///< of a STEP file, which has no fineness
+  int bake_size = 0;                      ///< of its maps; 0: none are baked
+  std::vector<WrittenMap> maps;
+};
+
+/// A page for people; its path is empty where there is none.
+struct WrittenPage {
+  std::string path;
+  std::uint64_t bytes = 0;
+};
+
+struct InputFacts {
+  std::string path, sha256, format;
+  MeshStatistics statistics{};
+  nlohmann::ordered_json mesh;    ///< input_json() of what was fitted
+  std::int64_t folded_edges = 0;  ///< see FoldedEdges, as the area
+  double folded_edge_area = 0;
+  std::int64_t welded = 0, dropped = 0;
+  std::int64_t joined = 0;           ///< pairs of triangles, to quads
+  std::int64_t added = 0;            ///< vertices, between those of uneven triangles
+  std::int64_t separated_edges = 0;  ///< along which repair separated sheets
+  /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
+  std::int64_t file_vertices = 0, file_faces = 0;
+};
+
+/// What a job's moves did to its mesh.
+struct MovedFigures {
+  std::int64_t moves = 0;
+  std::int64_t vertices = 0;  ///< that are not where they were
+  double farthest = 0;        ///< of their ways, as a fraction of the diagonal
+};
+
+/// How good the surface is, measured on one of its levels.
+struct MeasuredSurface {
+  int level = 0;
+  SurfaceQuality quality;
+  std::string reference;  ///< file of the source; empty: the input mesh
+  /// How far separated sheets are from each other along their edges, a fraction of the diagonal;
+  /// empty: there are none, or the scheme has no such figure.
+  std::optional<double> sheet_gap;
+  /// Of level kBendingLevel, distances as fractions of the diagonal; empty: no texture coordinates,
+  /// or not asked for.
+  std::optional<TextureSlide> texture_slide;
+  /// Of the surface's vertices on that level to the source, as fractions of the diagonal.
+  std::optional<PointDistances> source_distances;
+  /// Of the source's vertices to the surface itself, whatever the level.
+  std::optional<PointDistances> distances_from_source;
+};
+
+/// Wall-clock milliseconds; topology is OpenSubdiv's refiner, choose what measuring and a fit that
+/// was not taken cost.
+struct JobTiming {
+  double read = 0, check = 0, topology = 0, stencils = 0, upload = 0, solve = 0, choose = 0,
+         evaluate = 0, write = 0;
+  double total = 0;
+};
+
+/// What a job did; the source of its JSON report, its summary and its table row.
+struct JobReport {
+  std::string job;
+  std::string label;  ///< Job::label
+  std::vector<std::string> arguments;
+  /// Of a tolerance, an angle or limits of STEP: files are written, and say so.
+  bool falls_short = false;
+  InputFacts input;
+  DeviceDescription device;
+  Settings settings;
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  std::optional<Choice> choice;  ///< where the settings leave something open
+  std::int64_t found_edges = 0;  ///< that are kept sharp
+  MeshDensity density;           ///< which settles the level where nobody named one
+  std::optional<FairFigures> fair;
+  std::optional<MovedFigures> moved;  ///< where the job has moves
+  std::optional<WithinFit> within;    ///< where vertices were left to bend less
+  nlohmann::ordered_json solve;       ///< solve_json()
+  Interpolation interpolation;        ///< displacement left empty
+  double spectral_bound = 0;
+  std::optional<MeasuredSurface> surface;  ///< empty where none was evaluated
+  nlohmann::ordered_json reconstruction;   ///< of a point cloud, see reconstruction_json()
+  std::string reconstruction_summary;      ///< for people; empty for a mesh
+  /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
+  std::optional<PointDistances> point_distances;
+  std::vector<WrittenOutput> outputs;
+  /// Of several meshes of a glTF that stays an asset: the report of each, without outputs; solve,
+  /// surface and the like of the job are empty then.
+  std::vector<JobReport> meshes;
+  std::string mesh_name;          ///< of a mesh of an asset
+  std::int64_t mesh_number = -1;  ///< in its file; -1: the job's input is no asset
+  /// Of a skinned mesh, see AssetAttributes.
+  double lost_joint_weight = 0;
+  WrittenPage page;  ///< not in the JSON, which the page holds itself
+  JobTiming timing;
+  std::uint64_t host_peak_bytes = 0, device_bytes = 0;
+  std::vector<Warning> warnings;
+  /// Of one of several meshes of an asset: its warnings are told with those of the others.
+  bool is_told_with_others = false;
+};
+
+/// "exit_code" of a report that falls short.
+inline constexpr int kFallsShortCode = 5;
+
+/// The stable JSON form; keys keep their order. Text that is no UTF-8 is made so.
+[[nodiscard]] nlohmann::ordered_json to_json(const JobReport& report);
+
+/// Indented text of any JSON value, with a line end.
+[[nodiscard]] std::string json_text(const nlohmann::ordered_json& value);
+
+/// {"3": 20, "4": 1}: the non-zero entries of a histogram.
+[[nodiscard]] nlohmann::ordered_json histogram_json(const std::vector<std::int64_t>& counts);
+
+/// "1,148 vertices, 1,254 after separating sheets, 2,200 faces": the file's own counts, with what
+/// mending made of them where that differs, and joining so many pairs of triangles. Or, where so
+/// many vertices were added, "400 vertices, 796 faces; with 757 vertices added 2,310 faces".
+[[nodiscard]] std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces,
+                                      std::int64_t vertices, std::int64_t faces,
+                                      std::int64_t joined, std::int64_t added);
+
+/// For people: what went in, what was chosen and why with how good it is, and what came out; in
+/// full with how it was computed. Lines of repair, of points and of what is missed come where there
+/// is anything to say.
+[[nodiscard]] std::string summary(const JobReport& report, bool is_full);
+/// "0.001 of the diagonal: vertices are left by 0.0004 rms, ..."
+[[nodiscard]] std::string within_text(const WithinFit& within);
+
+/// Highest memory that this process has held.
+[[nodiscard]] std::uint64_t peak_host_bytes();
+
+}  // namespace planish
