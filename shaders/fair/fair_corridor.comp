@@ -13,8 +13,9 @@ UPDATE(5, vec4, result);
 
 #include "fair_walk.glsl"
 
-// Of the way that the corner's own control point is from the curve: how far a handle may lead into a face.
-const float kCorridor = 0.5;
+// How far a handle may lead into a face: of the way that the corner's own control point is from the curve, and
+// of the other edge's distance.
+const float kCorridor = 0.5, kCorridorOfEdge = 1.0 / 8.0;
 const float kLeastCorridorFactor = 0.02;
 
 // Wider corners than of 174 degrees in a triangle count as that.
@@ -24,10 +25,11 @@ const float kWidestSine = 0.1 / 6.0;
 float face_factor(vec3 handle, vec3 sharp, vec3 inward, vec3 other, vec3 point) {
   float size = safe_length(inward);
   if (!(size > 0.0)) return 1.0;
-  float lateral = dot(handle, inward / size), height = dot(point, inward / size);
+  float lateral = dot(handle, inward / size);
+  float most = min(kCorridor * dot(point, inward / size), kCorridorOfEdge * dot(other, inward / size));
   if (dot(other, sharp) < 0.0 || dot(other, inward) < 0.0)
-    height = max(height, kWidestSine * safe_length(other));
-  return height > 0.0 && lateral > kCorridor * height ? kCorridor * height / lateral : 1.0;
+    most = max(most, kCorridor * kWidestSine * safe_length(other));
+  return most > 0.0 && lateral > most ? most / lateral : 1.0;
 }
 
 float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {

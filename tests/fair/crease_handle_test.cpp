@@ -57,16 +57,12 @@ double factor_at_corner(double degrees) {
   const std::vector<dvec3> normals = unit_face_normals(topology, mesh.positions);
   return corridor_factor(
       topology, mesh.positions, GivenStep(topology, mesh.positions), normals, 0,
-      topology.crease_neighbours(0)[0] == 1 ? dvec3(0.4, 0.4, 0) : dvec3(-0.4, -0.4, 0));
+      topology.crease_neighbours(0)[0] == 1 ? dvec3(0.2, 0.1, 0) : dvec3(-0.2, -0.1, 0));
 }
 
 TEST(CreaseHandle, KeepsToItsCorridorContinuouslyThroughStraightCorners) {
-  // Into a corner of 100 degrees by half of what its Doo-Sabin point does: the i-th of 5 vertices
-  // counts (3 + 2 cos(2 pi i / 5)) / 20.
-  const double turn = 2 * std::numbers::pi / 5;
-  const double near = (3 + 2 * std::cos(turn)) / 20, far = (3 + 2 * std::cos(2 * turn)) / 20;
-  const double height = near * 0.7 * std::sin(100 * std::numbers::pi / 180) + far * (2 + 2);
-  EXPECT_NEAR(factor_at_corner(100), height / 2 / 0.4, 1e-12);
+  // Into a corner of 100 degrees by an eighth of its other edge's height.
+  EXPECT_NEAR(factor_at_corner(100), 0.7 * std::sin(100 * std::numbers::pi / 180) / 8 / 0.1, 1e-12);
   double before = factor_at_corner(100);
   for (double degrees = 100.1; degrees < 260; degrees += 0.1) {
     const double factor = factor_at_corner(degrees);
@@ -74,6 +70,20 @@ TEST(CreaseHandle, KeepsToItsCorridorContinuouslyThroughStraightCorners) {
     EXPECT_GT(factor, 0.025) << degrees;  // nowhere at the least that is left, 0.02
     before = factor;
   }
+}
+
+// Of a triangle by half of what its Doo-Sabin point does, which is a sixth of its height away.
+TEST(CreaseHandle, LeadsLessFarIntoTriangles) {
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0.2, 0.9, 0}};
+  mesh.add_face(std::array{0, 1, 2});
+  const FairCase c(mesh);
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const dvec3 handle =
+      topology.crease_neighbours(0)[0] == 1 ? dvec3(0.2, 0.15, 0) : dvec3(-0.2, -0.15, 0);
+  EXPECT_NEAR(corridor_factor(topology, mesh.positions, GivenStep(topology, mesh.positions),
+                              unit_face_normals(topology, mesh.positions), 0, handle),
+              0.9 / 12 / 0.15, 1e-12);
 }
 
 }  // namespace

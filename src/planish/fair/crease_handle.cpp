@@ -13,9 +13,9 @@ namespace {
 
 // A handle may pass the shorter arm by this factor.
 constexpr double kLongestHandle = 1.15;
-// Of the way that the corner's own control point is from the curve: how far a handle may lead into
-// a face.
-constexpr double kCorridor = 0.5;
+// How far a handle may lead into a face: of the way that the corner's own control point is from the
+// curve, and of the other edge's distance, which is the same in a parallelogram.
+constexpr double kCorridor = 0.5, kCorridorOfEdge = 1.0 / 8.0;
 constexpr double kLeastCorridorFactor = 0.02;
 
 // Wider corners than of 174 degrees in a triangle count as that: the handle does not run into what
@@ -27,10 +27,11 @@ constexpr double kWidestSine = 0.1 / 6;
 double face_factor(const dvec3& handle, const dvec3& sharp, const dvec3& inward, const dvec3& other,
                    const dvec3& point) {
   const double lateral = glm::dot(handle, inward);
-  double height = glm::dot(point, inward);
+  double most =
+      std::min(kCorridor * glm::dot(point, inward), kCorridorOfEdge * glm::dot(other, inward));
   if (glm::dot(other, sharp) < 0 || glm::dot(other, inward) < 0)
-    height = std::max(height, kWidestSine * glm::length(other));
-  return height > 0 && lateral > kCorridor * height ? kCorridor * height / lateral : 1.0;
+    most = std::max(most, kCorridor * kWidestSine * glm::length(other));
+  return most > 0 && lateral > most ? most / lateral : 1.0;
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ struct CreaseArms {
 
 /// What a handle is to be scaled by, at least 0.02, so that it stays in a corridor along the curve:
 /// in each face beside the sharp edges at the vertex it moves into the face by at most half of what
-/// the corner's control point does. A handle along a reflex boundary would otherwise run through
-/// thin faces.
+/// the corner's control point does, and an eighth of what the other edge does. A handle along a
+/// reflex boundary would otherwise run through thin faces.
 [[nodiscard]] double corridor_factor(const FairTopology& topology,
                                      std::span<const glm::dvec3> given, const GivenStep& step,
                                      std::span<const glm::dvec3> face_normals, std::int32_t vertex,
