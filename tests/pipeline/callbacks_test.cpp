@@ -21,6 +21,7 @@
 #include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/tessellate_fit.h"
 #include "planish/pipeline/verify_cage.h"
+#include "planish/pipeline/write_fitted_surface.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"

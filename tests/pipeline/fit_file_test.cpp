@@ -16,6 +16,7 @@
 #include "planish/files/file_materials.h"
 #include "planish/files/input_files.h"
 #include "planish/files/mesh_file.h"
+#include "planish/pipeline/write_fitted_surface.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/temporary_folder.h"
