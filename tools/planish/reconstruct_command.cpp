@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "memory/large_arrays.h"
 #include "options/input_list.h"
 #include "options/memory_flags.h"
 #include "options/option_flags.h"

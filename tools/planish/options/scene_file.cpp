@@ -1,4 +1,5 @@
 #include "options/scene_file.h"
+#include "job/sample_surface.h"
 
 #include <algorithm>
 #include <array>
