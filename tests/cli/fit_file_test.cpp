@@ -25,6 +25,19 @@ std::string roof_obj(bool is_split) {
          b + "\n";
 }
 
+// Of meshes and of points; a name that is none, and a value, are refused by what they are called.
+TEST(SettingsOf, NamesOfBothTablesAreTaken) {
+  const Settings settings = settings_of({{"target_vertices", "100"}, {"polish", "3"}});
+  EXPECT_EQ(settings.polish_steps, 3);
+  EXPECT_EQ(settings.points.target_vertices, 100);
+  const auto refusal = [](const char* name) {
+    return message_of(ErrorCode::InvalidArgument, [&] { (void)settings_of({{name, "many"}}); });
+  };
+  EXPECT_EQ(refusal("polishing"), "polishing: there is no such option");
+  EXPECT_THAT(refusal("polish"), HasSubstr("--polish: \"many\" is no whole number"));
+  EXPECT_THAT(refusal("target_vertices"), HasSubstr("--target-vertices: \"many\""));
+}
+
 TEST_F(FitFile, SplitNormalsAreCreasesWhereAsked) {
   const std::string roof = write("roof.obj", roof_obj(true));
   FitFileOptions options;

@@ -138,6 +138,16 @@ void read_option(const Option<Target>& option, Target& target, std::string_view 
   set_option(option, target, parse_option(option, text, where), where);
 }
 
+/// Sets what is given, pairs of names and texts, in the order of the table: a preset first. `spell`
+/// a row: what messages call it. Throws as read_option().
+template <class Target, class Given, class Spell>
+void read_options(const std::vector<Option<Target>>& table, const Given& given, const Spell& spell,
+                  Target& target) {
+  for (const Option<Target>& option : table)
+    for (const auto& [name, text] : given)
+      if (name == option.name) read_option(option, target, text, spell(option));
+}
+
 /// The row of that name; null where there is none.
 template <class Target>
 [[nodiscard]] const Option<Target>* find_option(const std::vector<Option<Target>>& options,

@@ -1,37 +1,29 @@
 #include "planish/job/job_settings.h"
 
 #include "planish/core/refuse.h"
+#include "planish/core/visible_text.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/pipeline/option_words.h"
 #include "planish/reconstruct/point_options.h"
 
 namespace planish {
 
-namespace {
-
-template <class Target>
-void apply_rows(const std::vector<Option<Target>>& table, std::span<const NamedSetting> given,
-                SpellOption spell, Target& target) {
-  for (const Option<Target>& option : table)
-    for (const auto& [name, text] : given)
-      if (name == option.name) read_option(option, target, text, spell(name));
+const OptionInfo* find_setting(std::string_view name) {
+  if (const FitOption* const option = find_option(option_table(), name)) return option;
+  return find_option(point_option_table(), name);
 }
 
-}  // namespace
-
-const OptionInfo* find_setting(std::string_view name) {
-  for (const FitOption& option : option_table())
-    if (option.name == name) return &option;
-  for (const PointOption& option : point_option_table())
-    if (option.name == name) return &option;
-  return nullptr;
+std::string flag_of_setting(std::string_view name) {
+  const OptionInfo* const option = find_setting(name);
+  return option == nullptr ? visible(name) : flag_of(*option);
 }
 
 void apply_settings(std::span<const NamedSetting> given, Settings& settings, SpellOption spell) {
   for (const auto& [name, text] : given)
     if (find_setting(name) == nullptr) refuse(spell(name), "there is no such option");
-  apply_rows<FitSettings>(option_table(), given, spell, settings);
-  apply_rows(point_option_table(), given, spell, settings.points);
+  const auto spell_row = [&](const OptionInfo& option) { return spell(option.name); };
+  read_options<FitSettings>(option_table(), given, spell_row, settings);
+  read_options(point_option_table(), given, spell_row, settings.points);
 }
 
 Settings settings_of(std::span<const NamedSetting> given, SpellOption spell) {

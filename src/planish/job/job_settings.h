@@ -24,14 +24,17 @@ using NamedSetting = std::pair<std::string_view, std::string_view>;
 /// The row of either table; null: there is none.
 [[nodiscard]] const OptionInfo* find_setting(std::string_view name);
 
+/// "--chord-error" of "chord_errors"; a name that is none as it is.
+[[nodiscard]] std::string flag_of_setting(std::string_view name);
+
 /// Sets what is given in the order of the tables, whatever its own: a preset first. Throws
 /// Error{InvalidArgument} for names that are none and for values, spelled by `spell`.
 void apply_settings(std::span<const NamedSetting> given, Settings& settings,
-                    SpellOption spell = flag_of_option);
+                    SpellOption spell = flag_of_setting);
 
 /// The defaults but for what is given. Throws as apply_settings() and check_consistent().
 [[nodiscard]] Settings settings_of(std::span<const NamedSetting> given,
-                                   SpellOption spell = flag_of_option);
+                                   SpellOption spell = flag_of_setting);
 [[nodiscard]] Settings settings_of(std::initializer_list<NamedSetting> given);
 
 // Stable names, as given in flags and written in reports.

@@ -107,8 +107,7 @@ std::optional<FileFormat> input_format_of(const FitFlags& flags) {
 
 Settings settings_of(const FitFlags& flags) {
   Settings settings;
-  apply_flags<FitSettings>(flags.options, option_table(), settings);
-  apply_flags(flags.options, point_option_table(), settings.points);
+  apply_settings(std::vector<NamedSetting>(flags.options.begin(), flags.options.end()), settings);
   if (settings.adaptive.any() && flags.options.contains("levels")) {
     refuse("--levels",
            std::string("a surface has levels or ") +

@@ -25,9 +25,7 @@ void add_option_flag(CLI::App& command, OptionTexts& texts, const OptionInfo& op
 template <class Target>
 void apply_flags(const OptionTexts& texts, const std::vector<Option<Target>>& table,
                  Target& target) {
-  for (const Option<Target>& option : table)
-    if (texts.contains(option.name))
-      read_option(option, target, texts.at(option.name), flag_of(option));
+  read_options(table, texts, flag_of, target);
 }
 
 }  // namespace planish::command
