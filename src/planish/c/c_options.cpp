@@ -47,7 +47,7 @@ void for_options(const Visit& visit) {
 bool is_of_files(const OptionInfo& option) {
   constexpr std::string_view kOfFiles[] = {"attributes", "compress",     "bake", "tile_vertices",
                                            "skirts",     "chord_errors", "angle"};
-  return option.stage == OptionStage::Points || option.needs == OptionNeeds::Points ||
+  return option.stage == OptionStage::Points ||
          std::ranges::find(kOfFiles, option.name) != std::end(kOfFiles);
 }
 

@@ -75,14 +75,14 @@ FittedJob job_of(const AssetJob& work, AssetPart& part) {
   return {work.job, part.outputs, work.backend, work.context, part.made, part.report, work.staged};
 }
 
-void prepare_part(const AssetJob& work, AssetPart& part, std::int64_t number) {
+void prepare_part(const AssetJob& work, AssetPart& part) {
   part.report = {.job = work.report.job,
                  .label = work.report.label,
                  .input = work.report.input,
                  .device = work.report.device,
                  .settings = work.report.settings};
   part.mesh = timed(part.report.timing.read,
-                    [&] { return work.asset.read(number, work.job.settings.bake > 0); });
+                    [&] { return work.asset.read(part.number, work.job.settings.bake > 0); });
   if (work.asset.surfaces().size() > 1) {
     part.report.label = named_message(work.report.label, part.mesh.name);
     part.report.is_told_with_others = true;
@@ -180,7 +180,7 @@ std::list<AssetPart> fit_parts(const AssetJob& work) {
     if (!try_mesh(work.asset, part.number, warn, [&] {
           check_stop();
           const auto progress = part_of(work, part.share);
-          prepare_part(work, part, part.number);
+          prepare_part(work, part);
         }))
       parts.pop_back();
   }

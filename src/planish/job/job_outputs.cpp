@@ -5,6 +5,7 @@
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/job/baked_maps.h"
 #include "planish/job/further_buffers.h"
+#include "planish/job/job_page.h"
 #include "planish/job/job_surface.h"
 #include "planish/job/measure_surface.h"
 #include "planish/job/output_levels.h"
@@ -17,12 +18,18 @@
 namespace planish {
 namespace {
 
+// What `make` returns, which writes or draws: a step of the job.
+template <class Make>
+auto written_step(const FittedJob& work, std::string_view step, const Make& make) {
+  check_stop();
+  work.context.progress.update(step, 0);
+  return timed(work.report.timing.write, make);
+}
+
 void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* surface,
                const SurfaceOutputOptions& options, WrittenOutput& written,
                std::vector<std::byte>& stdout_bytes) {
-  check_stop();
-  work.context.progress.update("write", 0);
-  timed(work.report.timing.write, [&] {
+  written_step(work, "write", [&] {
     std::filesystem::path target;
     if (!planned.to_stdout) target = work.staged.stage(planned.path);
     written = surface != nullptr
@@ -42,9 +49,7 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
 // Tiles are made level by level as they are written.
 void write_tiles_of(const FittedJob& work, const PlannedOutput& planned, JobSurface& all,
                     const SurfaceOutputOptions& options, WrittenOutput& written) {
-  check_stop();
-  work.context.progress.update("write", 0);
-  timed(work.report.timing.write, [&] {
+  written_step(work, "write", [&] {
     const std::filesystem::path target =
         work.staged.stage_with_folder(planned.path, tile_folder(planned.path));
     written =
@@ -56,9 +61,7 @@ void write_tiles_of(const FittedJob& work, const PlannedOutput& planned, JobSurf
 // Faces are made as a whole.
 void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurface& all,
                    const SurfaceOutputOptions& options, WrittenOutput& written) {
-  check_stop();
-  work.context.progress.update("faces", 0);
-  timed(work.report.timing.write, [&] {
+  written_step(work, "faces", [&] {
     StepSettings settings = work.job.settings.step;
     settings.unit = settled_unit(settings.unit, work.report.input.format);
     const LimitSurface* const limit =
@@ -72,9 +75,7 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
 
 // Whether the page can show a finer level.
 bool show_on_page(const FittedJob& work, const JobSurface& all, JobLevel& surface) {
-  check_stop();
-  work.context.progress.update("page", 0);
-  return timed(work.report.timing.write, [&] {
+  return written_step(work, "page", [&] {
     return work.context.watch.page->show(surface, work.made.fitted, work.job.settings,
                                          all.doo_sabin());
   });
