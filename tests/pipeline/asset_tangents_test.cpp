@@ -13,7 +13,7 @@
 
 #include "mesh/test_meshes.h"
 #include "pipeline/asset_fixture.h"
-#include "planish/files/gltf/gltf_blocks.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/gltf_tangents.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"

@@ -12,8 +12,8 @@
 
 #include "files/gltf/parsed_gltf.h"
 #include "files/gltf/surfaces.h"
+#include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_document.h"
-#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/write_gltf.h"
 
 namespace planish {
@@ -133,10 +133,12 @@ TEST_F(WriteGltfFiles, LargeFilesAreWarnedOf) {
 }
 
 TEST_F(WriteGltfFiles, LayoutCountsIn64Bits) {
-  const GltfLayout layout = gltf_layout(1000000000, 2000000000);
-  EXPECT_EQ(layout.vertex_count, 1000000000u);
-  EXPECT_EQ(layout.primitives[0].index_bytes(), 24000000000u);
-  EXPECT_EQ(layout.buffer_bytes, 48000000000u);
+  GltfVertices vertices;
+  vertices.parts = {{.vertex_count = 1000000000, .triangle_count = 2000000000}};
+  const GltfPayload payload = plain_payload({}, vertices, {});
+  EXPECT_EQ(payload.vertex_count, 1000000000u);
+  EXPECT_EQ(payload.arrays[payload.primitives[0].indices].bytes, 24000000000u);
+  EXPECT_EQ(payload.buffer_bytes, 48000000000u);
 }
 
 TEST_F(WriteGltfFiles, UnusableSurfacesAreRefusedNamingTheElement) {

@@ -1,11 +1,15 @@
+// Based on: Khronos, "glTF 2.0 Specification", 2021, section 3.6.
 #include "planish/files/gltf/gltf_buffer.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
+#include <charconv>
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <string>
 
 #include "planish/core/host_scope.h"
@@ -22,6 +26,69 @@ static_assert(std::endian::native == std::endian::little, "glTF buffers are litt
 
 // Rows or faces converted at once: about a MB of output, written while still in the cache.
 constexpr std::int64_t kBufferRows = std::int64_t{1} << 16, kBufferFaces = std::int64_t{1} << 15;
+
+// Attributes in the order in which they are written.
+struct Attribute {
+  std::string name;
+  std::string_view type;
+  std::uint64_t bytes;  // of a vertex
+  GltfComponent component = GltfComponent::Float;
+  int uv_sets = 0;  // that a part has which has it
+  const GltfAttribute* given = nullptr;
+
+  [[nodiscard]] bool belongs_to(const GltfPart& part) const {
+    return uv_sets <= part.uv_sets && (given == nullptr || given->is_in(part.group));
+  }
+};
+
+// Of a vertex, a multiple of 4.
+std::uint64_t attribute_bytes(const GltfAttribute& attribute) {
+  return padded(static_cast<std::uint64_t>(attribute.width) * (attribute.is_integer ? 2 : 4));
+}
+
+std::string_view type_name(int width) {
+  constexpr std::string_view kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+  return kTypes[width - 1];
+}
+
+// Of the primitive that has most.
+int uv_set_count(const GltfVertices& vertices) {
+  int sets = 0;
+  for (const GltfPart& part : vertices.parts) sets = std::max(sets, part.uv_sets);
+  return sets;
+}
+
+std::vector<Attribute> attributes_of(const SurfaceInfo& info, const GltfVertices& vertices,
+                                     std::span<const GltfAttribute> further) {
+  std::vector<Attribute> attributes{{"POSITION", "VEC3", 12}, {"NORMAL", "VEC3", 12}};
+  for (int set = 0; set < uv_set_count(vertices); ++set)
+    attributes.push_back({.name = uv_name(set), .type = "VEC2", .bytes = 8, .uv_sets = set + 1});
+  if (info.has_colors) attributes.push_back({"COLOR_0", "VEC4", 16});
+  for (const GltfAttribute& attribute : further)
+    attributes.push_back(
+        {.name = attribute.name,
+         .type = type_name(attribute.width),
+         .bytes = attribute_bytes(attribute),
+         .component = attribute.is_integer ? GltfComponent::UnsignedShort : GltfComponent::Float,
+         .given = &attribute});
+  return attributes;
+}
+
+// glTF wants an underscore before names of one's own, and capitals.
+std::string own_name(const std::string& field) {
+  std::string name = "_";
+  for (const char c : field) name += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+bool encodes_ngons(const GltfPart& part, const GltfOptions& options) {
+  return !options.ngon_groups.empty() && options.ngon_groups[std::max(part.group, 0)] != 0;
+}
+
+// 2 or 4.
+std::uint32_t index_size(const GltfPart& part) {
+  return static_cast<std::uint64_t>(part.vertex_count) <= kMaxShortIndexVertices ? 2 : 4;
+}
 
 // What of a row is written.
 enum class Part { Position, Normal, Color };
@@ -158,29 +225,17 @@ void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribut
       sinks);
 }
 
-// Of the primitive that has most.
-int uv_set_count(const GltfVertices& vertices) {
-  int sets = 0;
-  for (const GltfPart& part : vertices.parts) sets = std::max(sets, part.uv_sets);
-  return sets;
-}
-
-// The format wants them of positions.
-std::optional<GltfBounds> attribute_bounds(const GltfVertices& vertices, const GltfPart& part,
-                                           const GltfAttribute& attribute) {
-  if (!attribute.name.ends_with("/POSITION")) return std::nullopt;
-  std::optional<GltfBounds> bounds;
+// Of all vertices of a part.
+GltfBounds target_bounds(const GltfVertices& vertices, const GltfPart& part,
+                         const GltfAttribute& target) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  GltfBounds bounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
   for (std::int64_t i = 0; i < part.vertex_count; ++i) {
-    const float* at = attribute.values.data() + 3 * vertices.row_of(part.first_vertex + i);
+    const float* at = target.values.data() + 3 * vertices.row_of(part.first_vertex + i);
     const glm::vec3 value(at[0], at[1], at[2]);
-    if (!bounds) bounds = GltfBounds{value, value};
-    bounds = GltfBounds{glm::min(bounds->minimum, value), glm::max(bounds->maximum, value)};
+    bounds = {glm::min(bounds.minimum, value), glm::max(bounds.maximum, value)};
   }
   return bounds;
-}
-
-bool encodes_ngons(const GltfPart& part, const GltfOptions& options) {
-  return !options.ngon_groups.empty() && options.ngon_groups[std::max(part.group, 0)] != 0;
 }
 
 // The face of a part that is written before one; -1: there is none.
@@ -218,46 +273,113 @@ void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, c
 
 }  // namespace
 
-GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
-                       const GltfOptions& options) {
-  GltfLayout layout;
-  layout.has_colors = surface.info().has_colors;
-  layout.attributes = row_attributes(options);
-  for (const GltfPart& part : vertices.parts) {
-    const FaceGroup group = part.group < 0 ? FaceGroup{} : surface.info().groups[part.group];
-    layout.primitives.push_back({.vertex_count = static_cast<std::uint64_t>(part.vertex_count),
-                                 .triangle_count = part.triangle_count,
-                                 .uv_sets = part.uv_sets,
-                                 .name = group.name,
-                                 .material = group.material,
-                                 .group = part.group,
-                                 .encodes_ngons = encodes_ngons(part, options),
-                                 .bounds = {}});
-    for (const GltfAttribute& attribute : layout.attributes)
-      layout.primitives.back().bounds.push_back(attribute_bounds(vertices, part, attribute));
+const float* GltfAttribute::numbers(std::int32_t uv, std::int64_t row) const {
+  if (!of_uvs) return values.data() + width * row;
+  if (!further.empty()) {
+    const UvOnRow place{uv, static_cast<std::int32_t>(row)};
+    const auto found = std::ranges::lower_bound(further, place);
+    if (found != further.end() && *found == place)
+      return further_values.data() + width * (found - further.begin());
   }
-  set_sizes(layout);
-  return layout;
+  return values.data() + width * std::max(uv, 0);  // no corner names a vertex without one
+}
+
+int uv_set(std::string_view attribute) {
+  constexpr std::string_view kUvs = "TEXCOORD_";
+  if (!attribute.starts_with(kUvs)) return -1;
+  int set = -1;
+  const char* const end = attribute.data() + attribute.size();
+  const auto read = std::from_chars(attribute.data() + kUvs.size(), end, set);
+  return read.ptr == end ? set : -1;
+}
+
+std::vector<GltfAttribute> row_attributes(const GltfOptions& options) {
+  std::vector<GltfAttribute> all;
+  for (const NamedField& field : options.fields)
+    all.push_back({.name = own_name(field.name), .width = field.width, .values = field.values});
+  all.insert(all.end(), options.attributes.begin(), options.attributes.end());
+  return all;
+}
+
+GltfPayload plain_payload(const SurfaceInfo& info, const GltfVertices& vertices,
+                          const GltfOptions& options) {
+  GltfPayload payload;
+  payload.translation = StoredPosition(options).translation();
+  const auto add = [&](GltfArray array) {
+    array.offset = payload.buffer_bytes;
+    payload.buffer_bytes += padded(array.bytes);
+    payload.arrays.push_back(array);
+    return payload.arrays.size() - 1;
+  };
+  payload.primitives.resize(vertices.parts.size());
+  const std::vector<GltfAttribute> further = row_attributes(options);
+  for (const Attribute& attribute : attributes_of(info, vertices, further)) {
+    for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
+      if (!attribute.belongs_to(vertices.parts[i])) continue;
+      const auto count = static_cast<std::uint64_t>(vertices.parts[i].vertex_count);
+      GltfArray array{.type = attribute.type,
+                      .component = attribute.component,
+                      .count = count,
+                      .bytes = attribute.bytes * count};
+      // Bytes that are skipped.
+      if (attribute.given != nullptr && attribute.given->is_integer &&
+          attribute.given->width % 2 != 0)
+        array.stride = static_cast<std::uint32_t>(attribute.bytes);
+      payload.primitives[i].attributes[attribute.name] = add(array);
+    }
+  }
+  for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
+    const GltfPart& part = vertices.parts[i];
+    GltfPrimitive& primitive = payload.primitives[i];
+    const std::uint64_t index_count = 3 * part.triangle_count;
+    primitive.indices = add({.type = "SCALAR",
+                             .component = index_size(part) == 2 ? GltfComponent::UnsignedShort
+                                                                : GltfComponent::UnsignedInt,
+                             .count = index_count,
+                             .is_indices = true,
+                             .bytes = index_size(part) * index_count});
+    if (part.group >= 0) {
+      primitive.name = info.groups[part.group].name;
+      primitive.material = info.groups[part.group].material;
+    }
+    primitive.group = part.group;
+    primitive.encodes_ngons = encodes_ngons(part, options);
+    payload.vertex_count += static_cast<std::uint64_t>(part.vertex_count);
+    payload.triangle_count += part.triangle_count;
+  }
+  return payload;
+}
+
+void set_bounds(GltfPayload& payload, std::span<const GltfBounds> positions,
+                const GltfVertices& vertices, const GltfOptions& options) {
+  for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
+    const std::map<std::string, std::size_t>& attributes = payload.primitives[i].attributes;
+    payload.arrays[attributes.at("POSITION")].bounds = positions[i];
+    for (const GltfAttribute& attribute : options.attributes)
+      if (attribute.name.ends_with("/POSITION") && attribute.is_in(vertices.parts[i].group))
+        payload.arrays[attributes.at(attribute.name)].bounds =
+            target_bounds(vertices, vertices.parts[i], attribute);
+  }
 }
 
 void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
                   const GltfOptions& options, std::span<const ByteSink> sinks) {
-  const GltfLayout layout = gltf_layout(surface, vertices, options);
+  const std::uint64_t bytes = plain_payload(surface.info(), vertices, options).buffer_bytes;
   LoopProgress progress(options.callbacks, "write", kGltfSurveyed, 1,
-                        static_cast<std::int64_t>(layout.buffer_bytes));
+                        static_cast<std::int64_t>(bytes));
   std::uint64_t written = 0;
   std::vector<ByteSink> all(sinks.begin(), sinks.end());
-  all.push_back([&](std::span<const std::byte> bytes) {
-    written += bytes.size();
-    progress.add(std::ssize(bytes));
+  all.push_back([&](std::span<const std::byte> piece) {
+    written += piece.size();
+    progress.add(std::ssize(piece));
   });
   RowWriter rows(surface, vertices, options, all);
   rows.write<glm::vec3>(Part::Position);
   rows.write<glm::vec3>(Part::Normal);
   for (int set = 0; set < uv_set_count(vertices); ++set)
     write_uvs(surface, vertices, set, options, all);
-  if (layout.has_colors) rows.write<glm::vec4>(Part::Color);
-  for (const GltfAttribute& attribute : layout.attributes) {
+  if (surface.info().has_colors) rows.write<glm::vec4>(Part::Color);
+  for (const GltfAttribute& attribute : row_attributes(options)) {
     if (attribute.is_integer) {
       write_attribute<std::uint16_t>(vertices, attribute, all);
     } else {
@@ -265,13 +387,12 @@ void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
     }
   }
   const std::array<std::byte, 4> zeros{};
-  for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
-    if (layout.primitives[i].index_size() == 2) {
-      write_indices<std::uint16_t>(surface, vertices, vertices.parts[i],
-                                   layout.primitives[i].encodes_ngons, all);
+  for (const GltfPart& part : vertices.parts) {
+    const bool is_of_ngons = encodes_ngons(part, options);
+    if (index_size(part) == 2) {
+      write_indices<std::uint16_t>(surface, vertices, part, is_of_ngons, all);
     } else {
-      write_indices<std::uint32_t>(surface, vertices, vertices.parts[i],
-                                   layout.primitives[i].encodes_ngons, all);
+      write_indices<std::uint32_t>(surface, vertices, part, is_of_ngons, all);
     }
     if (written % 4 == 0) continue;
     for (const ByteSink& sink : all) sink(std::span(zeros).first(4 - written % 4));

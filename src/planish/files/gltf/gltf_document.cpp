@@ -1,38 +1,34 @@
-// Based on: Khronos, "glTF 2.0 Specification", 2021.
+// Based on: Khronos, "glTF 2.0 Specification", 2021, sections 3 and 4 (GLB). tinygltf makes the
+// JSON of what is new; the container is written here: tinygltf copies the buffer several times and
+// corrupts files above 4 GiB.
 #include "planish/files/gltf/gltf_document.h"
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cctype>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <functional>
+#include <fstream>  // for tinygltf
 #include <limits>
 #include <map>
-#include <sstream>
-#include <string>
-#include <vector>
+#include <utility>
 
 #include "planish/core/formatted.h"
-#include "planish/core/json.h"
+#include "planish/core/host_scope.h"
+#include "planish/core/lower_case.h"
+#include "planish/core/memory_size.h"
 #include "planish/core/version.h"
+#include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_materials.h"
+#include "planish/files/gltf/meshopt_stream.h"
 
-// tinygltf with a JSON that is taken apart without memory, and without the streams that its library
-// writes to. What it includes itself stands above; what is not called here is not compiled.
+// Compiled here, with planish's JSON and without what reads and writes files: under a name of its
+// own, since a program may link tinygltf's library, too.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_FS
 #define TINYGLTF_NO_INCLUDE_JSON
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
-namespace {
+#define tinygltf planish_tinygltf
 #include <tiny_gltf.h>
-}
 
 namespace planish {
 namespace {
@@ -41,8 +37,6 @@ using nlohmann::json;
 using tinygltf::Value;
 
 constexpr double kRoughness = 0.5;
-
-constexpr std::string_view kMeshopt = "EXT_meshopt_compression";
 
 template <class Vector>
 std::vector<double> array_of(const Vector& v) {
@@ -65,23 +59,10 @@ tinygltf::Asset asset_of(const GltfOptions& options) {
   asset.generator = "planish " PLANISH_VERSION;
   Value::Object extras;
   for (const auto& [key, held] : options.extras) extras[valid_utf8(key)] = value_of(held);
+  if (options.compression == GltfCompression::Meshopt)
+    extras["vertex_order"] = Value(std::string("as triangles first use them"));
   if (!extras.empty()) asset.extras = Value(std::move(extras));
   return asset;
-}
-
-// Of a mesh and its node.
-std::string name_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
-  const std::string number = document.mesh_count > 1 ? formatted(" {}", mesh + 1) : "";
-  return valid_utf8(options.name + number);
-}
-
-tinygltf::Node node_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
-  tinygltf::Node node;
-  node.mesh = static_cast<int>(mesh);
-  node.name = name_of(document, options, mesh);
-  if (document.translation != glm::dvec3(0.0)) node.translation = array_of(document.translation);
-  if (document.scale != 1.0) node.scale = array_of(glm::dvec3(document.scale));
-  return node;
 }
 
 int type_of(std::string_view name) {
@@ -90,162 +71,329 @@ int type_of(std::string_view name) {
   return name == "VEC3" ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4;
 }
 
-void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
-  for (std::size_t i = 0; i < document.arrays.size(); ++i) {
-    const GltfArray& array = document.arrays[i];
-    tinygltf::BufferView& view = model.bufferViews.emplace_back();
-    view.buffer = array.stream ? 1 : static_cast<int>(array.buffer);
-    if (!array.stream) view.byteOffset = static_cast<std::size_t>(array.offset);
-    view.byteLength = static_cast<std::size_t>(array.bytes);
-    view.byteStride = array.stride;
-    view.target =
-        array.is_indices ? TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER : TINYGLTF_TARGET_ARRAY_BUFFER;
-    tinygltf::Accessor& accessor = model.accessors.emplace_back();
-    accessor.bufferView = static_cast<int>(i);
-    accessor.componentType = static_cast<int>(array.component);
-    accessor.normalized = array.normalized;
-    accessor.count = static_cast<std::size_t>(array.count);
-    accessor.type = type_of(array.type);
-    if (!array.bounds) continue;
+json accessor_json(const GltfArray& array, std::int64_t view) {
+  tinygltf::Accessor accessor;
+  accessor.bufferView = static_cast<int>(view);
+  accessor.componentType = static_cast<int>(array.component);
+  accessor.normalized = array.normalized;
+  accessor.count = static_cast<std::size_t>(array.count);
+  accessor.type = type_of(array.type);
+  if (array.bounds) {
     accessor.minValues = array_of(array.bounds->minimum);
     accessor.maxValues = array_of(array.bounds->maximum);
   }
+  json made;
+  tinygltf::SerializeGltfAccessor(accessor, made);
+  return made;
 }
 
-std::string material_name(const GltfArrays& primitive) {
-  return valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
+// Of an array in a document's last buffer, behind what is there. An array packed by a stream lies
+// in the second one, which nobody has: it may be larger than the 32 bits of WebAssembly, and so
+// than what tinygltf knows as an offset. Nor does it know extensions of views.
+json view_json(const GltfArray& array, const GltfDocument& document) {
+  tinygltf::BufferView view;
+  view.buffer = array.stream ? 1 : static_cast<int>(document.full_buffers.size());
+  view.byteLength = static_cast<std::size_t>(array.bytes);
+  view.byteStride = array.stride;
+  view.target =
+      array.is_indices ? TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER : TINYGLTF_TARGET_ARRAY_BUFFER;
+  json made;
+  tinygltf::SerializeGltfBufferView(view, made);
+  const std::uint64_t offset =
+      array.offset + (array.stream ? document.decoded_bytes : document.buffer_bytes);
+  if (offset > 0) made["byteOffset"] = offset;
+  if (!array.stream) return made;
+  json& stream = made["extensions"][kMeshoptExtension];
+  stream = {{"buffer", 0},
+            {"byteOffset", array.stream->offset + document.buffer_bytes},
+            {"byteLength", array.stream->bytes},
+            {"byteStride", array.bytes / array.count},
+            {"count", array.count},
+            {"mode", array.stream->mode}};
+  if (array.stream->filter != "NONE") stream["filter"] = array.stream->filter;
+  return made;
 }
 
-// Materials of the primitives, each with its number.
-std::vector<int> add_materials(const GltfDocument& document, const GltfOptions& options,
+// Plain materials of the primitives, in order, each with its number.
+std::vector<int> add_materials(std::span<const GltfPayload> surfaces, bool double_sided,
                                tinygltf::Model& model) {
   std::vector<int> numbers;
   std::map<std::string, int> known;
-  for (const GltfArrays& primitive : document.primitives) {
-    std::string name = material_name(primitive);
-    const auto next = static_cast<int>(model.materials.size());
-    const auto [entry, is_new] = known.try_emplace(name, next);
-    numbers.push_back(document.shares_materials ? entry->second : next);
-    if (document.shares_materials && !is_new) continue;
-    tinygltf::Material& material = model.materials.emplace_back();
-    material.pbrMetallicRoughness.metallicFactor = 0.0;
-    material.pbrMetallicRoughness.roughnessFactor = kRoughness;
-    material.doubleSided = options.double_sided;
-    material.name = std::move(name);
+  for (const GltfPayload& surface : surfaces) {
+    for (const GltfPrimitive& primitive : surface.primitives) {
+      std::string name =
+          valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
+      const auto next = static_cast<int>(model.materials.size());
+      const auto [entry, is_new] = known.try_emplace(name, next);
+      numbers.push_back(surface.shares_materials ? entry->second : next);
+      if (surface.shares_materials && !is_new) continue;
+      tinygltf::Material& material = model.materials.emplace_back();
+      material.pbrMetallicRoughness.metallicFactor = 0.0;
+      material.pbrMetallicRoughness.roughnessFactor = kRoughness;
+      material.doubleSided = double_sided;
+      material.name = std::move(name);
+    }
   }
   return numbers;
 }
 
-void add_meshes(const GltfDocument& document, const GltfOptions& options, tinygltf::Model& model) {
-  const std::vector<int> materials = add_materials(document, options, model);
-  for (std::size_t m = 0; m < document.mesh_count; ++m) {
-    model.nodes.push_back(node_of(document, options, m));
-    model.scenes.front().nodes.push_back(static_cast<int>(m));
-    model.meshes.emplace_back().name = name_of(document, options, m);
-  }
-  for (std::size_t i = 0; i < document.primitives.size(); ++i) {
-    const GltfArrays& arrays = document.primitives[i];
-    tinygltf::Primitive& primitive = model.meshes[arrays.mesh].primitives.emplace_back();
-    for (const auto& [name, array] : arrays.attributes)
-      primitive.attributes[valid_utf8(name)] = static_cast<int>(array);
-    primitive.indices = static_cast<int>(arrays.indices);
-    primitive.material = materials[i];
-    primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    // Primitives have no name of their own.
-    if (!arrays.name.empty())
-      primitive.extras = Value(Value::Object{{"group", Value(valid_utf8(arrays.name))}});
+// What a primitive has besides its arrays. Primitives have no name of their own.
+json plain_rest(const GltfPrimitive& primitive, int material) {
+  json rest{{"material", material}, {"mode", TINYGLTF_MODE_TRIANGLES}};
+  if (!primitive.name.empty()) rest["extras"] = {{"group", valid_utf8(primitive.name)}};
+  return rest;
+}
+
+// A node of its name for each surface.
+void add_nodes(std::span<const GltfPayload> surfaces, const std::string& given,
+               tinygltf::Model& model) {
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    tinygltf::Node& node = model.nodes.emplace_back();
+    model.scenes.front().nodes.push_back(static_cast<int>(i));
+    node.mesh = static_cast<int>(i);
+    node.name = valid_utf8(given + (surfaces.size() > 1 ? formatted(" {}", i + 1) : ""));
+    if (surfaces[i].translation != glm::dvec3(0.0))
+      node.translation = array_of(surfaces[i].translation);
+    if (surfaces[i].scale != 1.0) node.scale = array_of(glm::dvec3(surfaces[i].scale));
   }
 }
 
-// What tinygltf cannot serialise: buffers without their bytes, extensions of buffer views, and
-// places in a buffer that streams stand for: it may be larger than the 32 bits of WebAssembly.
-void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
-  json& buffers = to["buffers"] = json::array();
-  for (const GltfBuffer& buffer : document.buffers)
-    buffers.push_back({{"byteLength", buffer.bytes}, {"uri", buffer.uri}});
-  if (!document.buffers.empty()) return;
-  buffers.push_back({{"byteLength", document.buffer_bytes}});
-  if (!uri.empty()) buffers[0]["uri"] = uri;
-  if (document.decoded_bytes == 0) return;
-  buffers.push_back(
-      {{"byteLength", document.decoded_bytes}, {"extensions", {{kMeshopt, {{"fallback", true}}}}}});
-  for (std::size_t i = 0; i < document.arrays.size(); ++i) {
-    const GltfArray& array = document.arrays[i];
-    if (!array.stream) continue;
-    json stream{{"buffer", 0},
-                {"byteOffset", array.stream->offset},
-                {"byteLength", array.stream->bytes},
-                {"byteStride", array.bytes / array.count},
-                {"count", array.count},
-                {"mode", array.stream->mode}};
-    if (array.stream->filter != "NONE") stream["filter"] = array.stream->filter;
-    json& view = to["bufferViews"][i];
-    if (array.offset > 0) view["byteOffset"] = array.offset;
-    view["extensions"][std::string(kMeshopt)] = std::move(stream);
-  }
+constexpr std::uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+constexpr std::uint32_t kGlbVersion = 2;
+// Of a GLB and of each of its two chunks.
+constexpr std::uint64_t kGlbHeaderBytes = 12, kGlbChunkHeaderBytes = 8;
+
+void send(std::span<const ByteSink> sinks, std::span<const std::byte> bytes) {
+  for (const ByteSink& sink : sinks) sink(bytes);
 }
 
-// Where the parts of a block come.
-struct BlockPlace {
-  std::uint32_t buffer = 0;
-  std::uint64_t buffer_offset = 0;
-  std::size_t mesh = 0;
+template <std::size_t N>
+void send(std::span<const ByteSink> sinks, const std::array<std::uint32_t, N>& words) {
+  send(sinks, std::as_bytes(std::span(words)));
+}
+
+void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
+  if (bytes <= options.large_bytes) return;
+  options.callbacks.warn(
+      {"large-file", formatted("{}: {} bytes; many programs cannot open a glTF file as large as "
+                               "this, fewer levels make it smaller",
+                               options.name, bytes)});
+}
+
+std::vector<ByteSink> sinks_to(OutputFile& file, const GltfOptions& options) {
+  std::vector<ByteSink> sinks{[&file](std::span<const std::byte> bytes) { file.write(bytes); }};
+  if (options.observe) sinks.push_back(options.observe);
+  return sinks;
+}
+
+// What writes a document's buffer, and its text instead of its JSON.
+struct Settled {
+  Settled(GltfDocument given, const std::filesystem::path& gltf)
+      : document(std::move(given)), text(document.text(gltf)) {
+    document.json = nullptr;
+  }
+
+  void write_buffer(std::span<const ByteSink> sinks) const {
+    for (const auto& write : document.parts) write(sinks);
+  }
+
+  GltfDocument document;
+  std::string text;
 };
 
-void append_arrays(const GltfDocument& block, const BlockPlace& place, GltfDocument& all) {
-  const std::size_t first = all.arrays.size();
-  for (GltfArray array : block.arrays) {
-    array.buffer = place.buffer;
-    // The arrays that streams stand for lie in a buffer of their own.
-    array.offset += array.stream ? all.decoded_bytes : place.buffer_offset;
-    if (array.stream) array.stream->offset += place.buffer_offset;
-    all.arrays.push_back(array);
+// A GLB with all that stands before its buffer.
+struct Glb : Settled {
+  Glb(GltfDocument given, const GltfOptions& options) : Settled(std::move(given), {}) {
+    text.resize(padded(text.size()), ' ');
+    byte_count = glb_byte_count(text.size(), document.buffer_bytes, options.name);
+    warn_if_large(byte_count, options);
   }
-  for (GltfArrays primitive : block.primitives) {
-    for (auto& [name, array] : primitive.attributes) array += first;
-    primitive.indices += first;
-    primitive.mesh = place.mesh;
-    all.primitives.push_back(std::move(primitive));
+
+  void write(std::span<const ByteSink> sinks) const {
+    send(sinks, std::array{kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(byte_count)});
+    send(sinks, std::array{static_cast<std::uint32_t>(text.size()), kJsonChunk});
+    send(sinks, std::as_bytes(std::span(text)));
+    send(sinks, std::array{static_cast<std::uint32_t>(document.buffer_bytes), kBinaryChunk});
+    write_buffer(sinks);
   }
-  all.buffer_bytes += block.buffer_bytes;
-  all.decoded_bytes += block.decoded_bytes;
+
+  std::uint64_t byte_count = 0;
+};
+
+std::uint64_t write_glb(const std::filesystem::path& path, const Glb& glb,
+                        const GltfOptions& options) {
+  OutputFile file(path);
+  file.reserve(glb.byte_count);
+  glb.write(sinks_to(file, options));
+  file.commit();
+  return glb.byte_count;
+}
+
+std::uint64_t write_pair(const std::filesystem::path& path, const Settled& pair,
+                         const GltfOptions& options) {
+  const std::uint64_t buffer_bytes = pair.document.buffer_bytes;
+  warn_if_large(buffer_bytes, options);
+  OutputFile file(path), buffer(gltf_buffer_path(path, 0));
+  buffer.reserve(buffer_bytes);
+  const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
+  pair.write_buffer(std::span(&to_buffer, 1));
+  write_text(file, pair.text, options);
+  buffer.commit();
+  file.commit();
+  return pair.text.size() + buffer_bytes;
 }
 
 }  // namespace
 
-bool takes_materials(const GltfDocument& document, const GltfOptions& options) {
-  return options.materials != nullptr && document.buffers.empty() &&
-         std::ranges::any_of(document.primitives, [&](const GltfArrays& primitive) {
-           return options.materials->has(material_name(primitive));
-         });
+std::int64_t GltfDocument::Places::next(nlohmann::json& list) {
+  if (list.is_null()) list = nlohmann::json::array();
+  if (free.empty()) {
+    list.push_back(nullptr);
+    return std::ssize(list) - 1;
+  }
+  return free.extract(free.begin()).value();
 }
 
-std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
-                      std::string_view buffer_uri) {
+std::uint64_t GltfDocument::keep(std::span<const std::byte> bytes) {
+  const std::uint64_t offset = buffer_bytes;
+  parts.emplace_back([bytes](std::span<const ByteSink> sinks) { write_padded(bytes, sinks); });
+  buffer_bytes += padded(bytes.size());
+  return offset;
+}
+
+std::int64_t GltfDocument::add_view(std::span<const std::byte> bytes) {
+  nlohmann::json& list = json["bufferViews"];
+  const std::int64_t view = views.next(list);
+  list[view] = {{"buffer", 0}, {"byteOffset", keep(bytes)}, {"byteLength", bytes.size()}};
+  return view;
+}
+
+std::vector<std::int64_t> GltfDocument::add(const GltfPayload& payload) {
+  std::vector<std::int64_t> numbers;
+  for (const GltfArray& array : payload.arrays) {
+    const std::int64_t view = views.next(json["bufferViews"]);
+    json["bufferViews"][view] = view_json(array, *this);
+    numbers.push_back(accessors.next(json["accessors"]));
+    json["accessors"][numbers.back()] = accessor_json(array, view);
+  }
+  buffer_bytes += payload.buffer_bytes;
+  decoded_bytes += payload.decoded_bytes;
+  vertex_count += payload.vertex_count;
+  triangle_count += payload.triangle_count;
+  extensions.insert(payload.extensions.begin(), payload.extensions.end());
+  return numbers;
+}
+
+std::string GltfDocument::text(const std::filesystem::path& gltf) {
+  nlohmann::json& buffers = json["buffers"] = nlohmann::json::array();
+  for (std::size_t i = 0; i <= full_buffers.size(); ++i) {
+    const std::uint64_t bytes = i < full_buffers.size() ? full_buffers[i] : buffer_bytes;
+    buffers.push_back({{"byteLength", bytes}});
+    if (!gltf.empty())
+      buffers[i]["uri"] = encode_uri(gltf_buffer_path(gltf, i).filename().string());
+  }
+  if (decoded_bytes > 0)
+    buffers.push_back({{"byteLength", decoded_bytes},
+                       {"extensions", {{kMeshoptExtension, {{"fallback", true}}}}}});
+  return json.dump(gltf.empty() ? -1 : 2, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+json asset_json(const GltfOptions& options) {
+  json made;
+  tinygltf::SerializeGltfAsset(asset_of(options), made);
+  return made;
+}
+
+json primitive_json(const GltfPrimitive& primitive, std::span<const std::int64_t> accessors,
+                    json rest) {
+  constexpr std::string_view kTarget = "target/";
+  for (const auto& [name, array] : primitive.attributes) {
+    if (!name.starts_with(kTarget)) {
+      rest["attributes"][valid_utf8(name)] = accessors[array];
+      continue;
+    }
+    const std::size_t slash = name.find('/', kTarget.size());
+    const std::size_t target = std::stoul(name.substr(kTarget.size()));
+    while (rest["targets"].size() <= target) rest["targets"].push_back(json::object());
+    rest["targets"][target][name.substr(slash + 1)] = accessors[array];
+  }
+  rest["indices"] = accessors[primitive.indices];
+  return rest;
+}
+
+GltfDocument plain_document(std::span<const GltfPayload> surfaces, const GltfOptions& options) {
   tinygltf::Model model;
   model.asset = asset_of(options);
   model.defaultScene = 0;
   model.scenes.emplace_back();
-  add_meshes(document, options, model);
-  model.extensionsUsed = model.extensionsRequired = document.extensions;
-  add_arrays(document, model);
-  json written;
-  tinygltf::SerializeGltfModel(&model, written);
-  add_buffers(document, buffer_uri, written);
-  if (takes_materials(document, options))
-    options.materials->apply(written, options.image_folder, document.buffer_bytes);
-  return written.dump(buffer_uri.empty() ? -1 : 2);
+  add_nodes(surfaces, options.name, model);
+  const std::vector<int> materials = add_materials(surfaces, options.double_sided, model);
+  GltfDocument document;
+  tinygltf::SerializeGltfModel(&model, document.json);
+  auto material = materials.begin();
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (i > 0) document.full_buffers.push_back(std::exchange(document.buffer_bytes, 0));
+    const std::vector<std::int64_t> accessors = document.add(surfaces[i]);
+    json& mesh = document.json["meshes"].emplace_back(json::object());
+    if (!model.nodes[i].name.empty()) mesh["name"] = model.nodes[i].name;
+    for (const GltfPrimitive& primitive : surfaces[i].primitives)
+      mesh["primitives"].push_back(
+          primitive_json(primitive, accessors, plain_rest(primitive, *material++)));
+  }
+  if (!document.extensions.empty())
+    document.json["extensionsUsed"] = document.json["extensionsRequired"] = document.extensions;
+  return document;
 }
 
-void append(GltfDocument& all, const GltfDocument& block) {
-  append_arrays(block, {.buffer_offset = all.buffer_bytes, .mesh = all.mesh_count - 1}, all);
+GltfFile write_document(const std::filesystem::path& path, GltfDocument document,
+                        const GltfOptions& options) {
+  GltfFile written{.vertex_count = document.vertex_count,
+                   .triangle_count = document.triangle_count};
+  if (lower_case(path.extension().string()) == ".glb") {
+    written.byte_count = write_glb(path, Glb(std::move(document), options), options);
+  } else {
+    written.byte_count = write_pair(path, Settled(std::move(document), path), options);
+    written.buffer_count = 1;
+  }
+  options.callbacks.report("write", 1);
+  return written;
 }
 
-void append_mesh(GltfDocument& all, const GltfDocument& block, std::string uri) {
-  const std::size_t number = all.buffers.size();
-  append_arrays(block, {.buffer = static_cast<std::uint32_t>(number), .mesh = number}, all);
-  all.buffers.push_back({block.buffer_bytes, std::move(uri)});
-  all.mesh_count = number + 1;
+std::vector<std::byte> encode_document(GltfDocument document, const GltfOptions& options) {
+  const Glb glb(std::move(document), options);
+  std::vector<std::byte> bytes;
+  bytes.reserve(memory_size(glb.byte_count, options.name));
+  const ByteSink append = [&](std::span<const std::byte> piece) {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+  };
+  glb.write(std::span(&append, 1));
+  options.callbacks.report("write", 1);
+  return bytes;
+}
+
+void write_text(OutputFile& file, std::string_view text, const GltfOptions& options) {
+  send(sinks_to(file, options), std::as_bytes(std::span(text)));
+}
+
+void write_padded(std::span<const std::byte> bytes, std::span<const ByteSink> sinks) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  constexpr std::array<std::byte, 4> kZeros{};
+  for (std::size_t at = 0; at < bytes.size(); at += kPiece)
+    send(sinks, bytes.subspan(at, std::min(kPiece, bytes.size() - at)));
+  if (bytes.size() % 4 != 0) send(sinks, std::span(kZeros).first(4 - bytes.size() % 4));
+}
+
+std::uint64_t glb_byte_count(std::uint64_t json_bytes, std::uint64_t buffer_bytes,
+                             std::string_view name) {
+  const std::uint64_t bytes =
+      kGlbHeaderBytes + 2 * kGlbChunkHeaderBytes + padded(json_bytes) + padded(buffer_bytes);
+  if (bytes > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("{}: {} bytes are more than a .glb file can hold (4294967295); write "
+                          ".gltf, whose .bin has no such limit, or use fewer levels",
+                          name, bytes));
+  }
+  return bytes;
 }
 
 std::string encode_uri(std::string_view file_name) {

@@ -1,95 +1,88 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
-#include <map>
-#include <optional>
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "planish/core/json.h"
+#include "planish/core/output_file.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/shared/ordered_stream.h"
 
 namespace planish {
 
-/// Component types by their numbers in the format.
-enum class GltfComponent : int {
-  Byte = 5120,
-  UnsignedByte = 5121,
-  Short = 5122,
-  UnsignedShort = 5123,
-  UnsignedInt = 5125,
-  Float = 5126
-};
-
-/// Smallest and largest coordinates as they are stored.
-struct GltfBounds {
-  glm::vec3 minimum{0.0f}, maximum{0.0f};
-};
-
-/// Where an array lies when EXT_meshopt_compression has packed it.
-struct GltfStream {
-  std::uint64_t offset = 0, bytes = 0;
-  std::string_view mode;             ///< "ATTRIBUTES" or "TRIANGLES"
-  std::string_view filter = "NONE";  ///< "OCTAHEDRAL", "EXPONENTIAL"
-};
-
-/// An accessor and the buffer view that it has for itself.
-struct GltfArray {
-  std::string_view type;  ///< "SCALAR", "VEC2" ...
-  GltfComponent component = GltfComponent::Float;
-  std::uint64_t count = 0;
-  bool normalized = false, is_indices = false;
-  std::optional<GltfBounds> bounds;
-  std::uint32_t buffer = 0;             ///< of several
-  std::uint64_t offset = 0, bytes = 0;  ///< decoded, where there is a stream
-  std::uint32_t stride = 0;             ///< 0: without gaps
-  std::optional<GltfStream> stream;
-};
-
-/// A primitive of triangles by its arrays.
-struct GltfArrays {
-  std::map<std::string, std::size_t> attributes;
-  std::size_t indices = 0;
-  std::string name, material;
-  std::int32_t group = -1;     ///< of the surface; -1: it has none
-  bool encodes_ngons = false;  ///< see GltfOptions::ngon_groups
-  std::size_t mesh = 0;
-};
-
-/// A buffer of several.
-struct GltfBuffer {
-  std::uint64_t bytes = 0;
-  std::string uri;
-};
-
-/// What a file's document says: a node for each mesh, all at one place.
+/// A glTF on its way into a file: its JSON, and what writes the buffer that this names. An asset's
+/// begins with what it keeps (asset/write_asset.h), any other with nothing (plain_document()).
 struct GltfDocument {
-  std::vector<GltfArray> arrays;
-  std::vector<GltfArrays> primitives;   ///< those of a mesh together
-  std::size_t mesh_count = 1;           ///< several: a buffer for each
-  bool shares_materials = false;        ///< primitives of one material's name have it together
-  std::uint64_t buffer_bytes = 0;       ///< of all
-  std::vector<GltfBuffer> buffers;      ///< empty: there is one
-  std::uint64_t decoded_bytes = 0;      ///< of the buffer that streams stand for; 0: none does
-  std::vector<std::string> extensions;  ///< required by readers
-  glm::dvec3 translation{0.0};
-  double scale = 1.0;
+  /// Of a list, the places that new elements take: those that are free, then those behind it.
+  struct Places {
+    std::set<std::int64_t> free;
+    std::int64_t next(nlohmann::json& list);
+  };
+
+  nlohmann::json json = nlohmann::json::object();
+  Places accessors, views;
+  std::set<std::string> extensions;         ///< required of readers by the surfaces in it
+  std::vector<std::uint64_t> full_buffers;  ///< bytes of each before the last one
+  std::uint64_t buffer_bytes = 0;           ///< of the last, so far
+  std::uint64_t decoded_bytes = 0;          ///< of the buffer that streams stand for
+  std::uint64_t vertex_count = 0, triangle_count = 0;  ///< of all surfaces
+  /// Write the parts of the only buffer, in order, each padded to a multiple of four.
+  std::vector<std::function<void(std::span<const ByteSink>)>> parts;
+
+  /// Puts bytes, which must outlive it, behind the others. Returns where in the buffer.
+  std::uint64_t keep(std::span<const std::byte> bytes);
+  /// The same with a buffer view, whose number it returns.
+  std::int64_t add_view(std::span<const std::byte> bytes);
+  /// Accessors and buffer views of a surface, whose bytes come behind the others: whoever adds it
+  /// adds that part. Returns the accessor of each array.
+  std::vector<std::int64_t> add(const GltfPayload& payload);
+  /// Sets its buffers. The text, keys sorted, with URIs for the buffers of a .gltf at that path, or
+  /// with an empty one for the chunk of a GLB, without white space. Text that is not UTF-8 and
+  /// non-finite numbers become U+FFFD and null.
+  [[nodiscard]] std::string text(const std::filesystem::path& gltf);
 };
 
-/// Whether it gets any of the options' materials.
-[[nodiscard]] bool takes_materials(const GltfDocument& document, const GltfOptions& options);
+/// "asset" with the options' extras, which also say what packing has done.
+[[nodiscard]] nlohmann::json asset_json(const GltfOptions& options);
 
-/// The glTF JSON as tinygltf writes it, keys sorted. An empty buffer_uri stands for a GLB's binary
-/// chunk and gives the text without white space. Text that is not UTF-8 and non-finite numbers
-/// become U+FFFD and null.
-[[nodiscard]] std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
-                                    std::string_view buffer_uri);
+/// `rest` with attributes, morph targets and indices of a primitive, whose arrays have these
+/// accessors.
+[[nodiscard]] nlohmann::json primitive_json(const GltfPrimitive& primitive,
+                                            std::span<const std::int64_t> accessors,
+                                            nlohmann::json rest);
 
-/// Puts the arrays and primitives of a block behind those of `all`: into the last mesh, their bytes
-/// behind the buffer's; or as a mesh of its own with a buffer of its own, `uri`.
-void append(GltfDocument& all, const GltfDocument& block);
-void append_mesh(GltfDocument& all, const GltfDocument& block, std::string uri);
+/// A document of surfaces alone: a node and a mesh for each, of several in a buffer of its own, and
+/// plain materials.
+[[nodiscard]] GltfDocument plain_document(std::span<const GltfPayload> surfaces,
+                                          const GltfOptions& options);
+
+/// Writes a .glb, or a .gltf and its buffer, by extension. The buffer comes first: the document is
+/// nothing without it. Tells how large ones are warned of, and that all is done. Throws
+/// Error{UnwritableOutput}; for a .glb Error{InvalidArgument} from 4 GiB on.
+GltfFile write_document(const std::filesystem::path& path, GltfDocument document,
+                        const GltfOptions& options);
+/// The same as a GLB in memory.
+[[nodiscard]] std::vector<std::byte> encode_document(GltfDocument document,
+                                                     const GltfOptions& options);
+
+/// The text of a document, which GltfOptions::observe gets too.
+void write_text(OutputFile& file, std::string_view text, const GltfOptions& options);
+
+/// Bytes in pieces, and zeros up to a multiple of four.
+void write_padded(std::span<const std::byte> bytes, std::span<const ByteSink> sinks);
+
+/// Bytes of the GLB of a JSON text (before padding) and a buffer.
+/// Throws Error{InvalidArgument} naming `name` where they do not fit a GLB's 32-bit length.
+[[nodiscard]] std::uint64_t glb_byte_count(std::uint64_t json_bytes, std::uint64_t buffer_bytes,
+                                           std::string_view name);
 
 /// A file name as a relative URI: all but letters, digits and -._~ percent-encoded.
 [[nodiscard]] std::string encode_uri(std::string_view file_name);

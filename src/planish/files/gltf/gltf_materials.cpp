@@ -9,7 +9,7 @@
 #include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/tangent_sets.h"
-#include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/gltf_source.h"
 
 namespace planish {
@@ -117,41 +117,34 @@ std::optional<glm::dvec3> GltfMaterials::display_color(std::string_view name) co
   return std::nullopt;
 }
 
-bool GltfMaterials::has(const std::string& name) const {
-  const auto all = lists.find("materials");
-  return all != lists.end() &&
-         std::ranges::any_of(*all, [&](const json& material) { return material["name"] == name; });
-}
-
-void GltfMaterials::apply(json& document, std::string_view folder,
-                          std::uint64_t buffer_bytes) const {
+void GltfMaterials::apply(GltfDocument& document, std::string_view folder) const {
   std::map<std::string, const json*> by_name;
-  for (const json& material : lists["materials"])
-    by_name[material["name"].get<std::string>()] = &material;
-  for (json& material : document["materials"]) {
+  if (lists.contains("materials"))
+    for (const json& material : lists["materials"])
+      by_name[material["name"].get<std::string>()] = &material;
+  bool has_any = false;
+  for (json& material : document.json["materials"]) {
     const auto found = by_name.find(material.value("name", std::string()));
     if (found == by_name.end()) continue;
+    has_any = true;
     const bool is_double_sided = !has_sides && material.value("doubleSided", false);
     material = *found->second;
     if (is_double_sided) material["doubleSided"] = true;
   }
+  if (!has_any) return;
   for (const char* list : {"textures", "samplers", "images"})
-    if (lists.contains(list)) document[list] = lists[list];
+    if (lists.contains(list)) document.json[list] = lists[list];
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
-    if (lists.contains(list)) add_names(lists[list], list, document);
+    if (lists.contains(list)) add_names(lists[list], list, document.json);
   for (std::size_t i = 0; i < images.size(); ++i) {
-    json& image = document["images"][i];
-    if (!folder.empty()) {
+    json& image = document.json["images"][i];
+    if (folder.empty()) {
+      image["mimeType"] = images[i].type;
+      image["bufferView"] = document.add_view(images[i].bytes);
+    } else {
       image["uri"] = std::string(folder) + image_name(i);
       image.erase("mimeType");
-      continue;
     }
-    image["mimeType"] = images[i].type;
-    image["bufferView"] = document["bufferViews"].size();
-    document["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", buffer_bytes}, {"byteLength", images[i].bytes.size()}});
-    buffer_bytes += padded(images[i].bytes.size());
-    document["buffers"][0]["byteLength"] = buffer_bytes;
   }
 }
 
@@ -162,12 +155,6 @@ std::string GltfMaterials::image_name(std::size_t image) const {
   const bool is_plain =
       std::ranges::all_of(kind, [](char c) { return std::isalnum(static_cast<unsigned char>(c)); });
   return std::to_string(image) + "." + (kind == "jpeg" ? "jpg" : is_plain ? kind : "bin");
-}
-
-std::uint64_t GltfMaterials::image_bytes() const {
-  std::uint64_t bytes = 0;
-  for (const GltfImage& image : images) bytes += padded(image.bytes.size());
-  return bytes;
 }
 
 std::vector<std::string> material_names(const JsonPlace& root) {

@@ -15,6 +15,8 @@
 
 namespace planish {
 
+struct GltfDocument;  // gltf_document.h
+
 /// Text with U+FFFD where it is no UTF-8: glTF is UTF-8, tinygltf and JSON throw else.
 [[nodiscard]] std::string valid_utf8(const std::string& text);
 
@@ -36,19 +38,15 @@ struct GltfMaterials {
   std::vector<Warning> warnings;
   std::filesystem::path input{};  ///< the file that they are of: nothing is written over it
 
-  /// By the name as a document has it, see valid_utf8().
-  [[nodiscard]] bool has(const std::string& name) const;
   /// The base colour of the material of that name, in any bytes, as displays have it (sRGB), each 0
   /// to 1; empty: there is none, or nothing says its colour.
   [[nodiscard]] std::optional<glm::dvec3> display_color(std::string_view name) const;
-  /// Puts them in the place of a document's materials of these names, of which there is one. Its
-  /// images are found by `folder`, as image_name() has them; where that is empty they are embedded
-  /// behind `buffer_bytes`.
-  void apply(nlohmann::json& document, std::string_view folder, std::uint64_t buffer_bytes) const;
+  /// Puts them in the place of a document's materials of these names, if it has any. Its images are
+  /// found by `folder`, as image_name() has them; where that is empty they come into the buffer.
+  /// This must outlive it.
+  void apply(GltfDocument& document, std::string_view folder) const;
   /// "3.png" of image 3.
   [[nodiscard]] std::string image_name(std::size_t image) const;
-  /// Bytes of all images, each padded to a multiple of four.
-  [[nodiscard]] std::uint64_t image_bytes() const;
 };
 
 /// The names that a document's materials have in meshes that are read from it: their own, of those

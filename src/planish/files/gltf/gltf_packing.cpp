@@ -5,11 +5,12 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <string_view>
+#include <utility>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 #include "planish/core/point_bounds.h"
-#include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/packed_numbers.h"
 #include "planish/files/gltf/position_grid.h"
 #include "planish/files/gltf/stored_position.h"
@@ -55,27 +56,27 @@ void use(PackedArray& packed, std::span<const std::byte> bytes) {
 
 class Packer {
  public:
-  Packer(const GltfContents& plain, const GltfVertices& vertices, const GltfOptions& options,
+  Packer(GltfPayload plain, const GltfVertices& vertices, const GltfOptions& options,
          const GltfBounds& bounds)
-      : plain_(plain),
+      : payload_(std::move(plain)),
         vertices_(vertices),
         options_(options),
         grid_(position_grid(bounds, options)),
-        packed_(plain.document.arrays.size()) {}
+        packed_(payload_.arrays.size()) {}
 
-  GltfContents operator()() {
-    document_ = plain_.document;
-    document_.extensions = {"KHR_mesh_quantization"};
+  GltfPayload operator()() {
+    payload_.extensions = {"KHR_mesh_quantization"};
     if (is_meshopt())
-      document_.extensions.insert(document_.extensions.begin(), "EXT_meshopt_compression");
+      payload_.extensions.insert(payload_.extensions.begin(), "EXT_meshopt_compression");
     if (grid_.step > 0) {
-      document_.translation += grid_.origin;
-      document_.scale = grid_.step;
+      payload_.translation += grid_.origin;
+      payload_.scale = grid_.step;
     }
     decoded_.resize(static_cast<std::size_t>(std::min(row_count(), options_.decoded_rows)));
-    for (std::size_t i = 0; i < document_.primitives.size(); ++i) pack_primitive(i);
+    for (std::size_t i = 0; i < payload_.primitives.size(); ++i) pack_primitive(i);
     if (options_.decoded) options_.decoded(decoded_);
-    return assembled();
+    assemble();
+    return std::move(payload_);
   }
 
  private:
@@ -86,8 +87,8 @@ class Packer {
     return count;
   }
   [[nodiscard]] std::span<const std::byte> plain_bytes(std::size_t array) const {
-    const GltfArray& from = plain_.document.arrays[array];
-    return std::span(plain_.buffer).subspan(from.offset, from.bytes);
+    const GltfArray& from = payload_.arrays[array];
+    return std::span(payload_.pieces.front()).subspan(from.offset, from.bytes);
   }
 
   void pack_primitive(std::size_t primitive);
@@ -99,13 +100,12 @@ class Packer {
   [[nodiscard]] RawVector<float> placed(std::span<const glm::vec3> positions) const;
   void note_decoded(PackedArray& packed, const GltfPart& part,
                     std::span<const std::uint32_t> order);
-  GltfContents assembled();
+  void assemble();
 
-  const GltfContents& plain_;
+  GltfPayload payload_;  // its arrays and bytes are the plain ones until all is packed
   const GltfVertices& vertices_;
   const GltfOptions& options_;
   PositionGrid grid_;
-  GltfDocument document_;
   std::vector<PackedArray> packed_;
   std::vector<glm::dvec3> decoded_;  // by row
 };
@@ -122,17 +122,17 @@ RawVector<std::byte> reordered(std::span<const std::byte> bytes, std::size_t siz
 }
 
 void Packer::pack_primitive(std::size_t primitive) {
-  const GltfArrays& arrays = document_.primitives[primitive];
+  const GltfPrimitive& arrays = payload_.primitives[primitive];
   const GltfPart& part = vertices_.parts[primitive];
   if (!is_meshopt()) {
-    packed_[arrays.indices].array = plain_.document.arrays[arrays.indices];
+    packed_[arrays.indices].array = payload_.arrays[arrays.indices];
     use(packed_[arrays.indices], plain_bytes(arrays.indices));
     for (const auto& [name, array] : arrays.attributes) pack_attribute(name, array, part, {});
     return;
   }
   const std::span<const std::byte> bytes = plain_bytes(arrays.indices);
   RawVector<std::uint32_t> indices;
-  if (plain_.document.arrays[arrays.indices].component == GltfComponent::UnsignedShort) {
+  if (payload_.arrays[arrays.indices].component == GltfComponent::UnsignedShort) {
     const auto narrow = values_in<std::uint16_t>(bytes);
     indices.assign(narrow.begin(), narrow.end());
   } else {
@@ -152,7 +152,7 @@ void Packer::pack_primitive(std::size_t primitive) {
 
 void Packer::pack_indices(std::size_t array, const StripOrder& order) {
   PackedArray& packed = packed_[array];
-  packed.array = plain_.document.arrays[array];
+  packed.array = payload_.arrays[array];
   packed.array.stream = GltfStream{.mode = "TRIANGLES"};
   packed.bytes = encode_triangles(order.indices, order.new_vertices.size());
 }
@@ -160,7 +160,7 @@ void Packer::pack_indices(std::size_t array, const StripOrder& order) {
 void Packer::pack_attribute(const std::string& name, std::size_t array, const GltfPart& part,
                             std::span<const std::uint32_t> order) {
   PackedArray& packed = packed_[array];
-  packed.array = plain_.document.arrays[array];
+  packed.array = payload_.arrays[array];
   const std::span<const std::byte> bytes = plain_bytes(array);
   if (is_meshopt()) {
     const RawVector<std::byte> moved = reordered(bytes, bytes.size() / packed.array.count, order);
@@ -272,46 +272,45 @@ void Packer::note_decoded(PackedArray& packed, const GltfPart& part,
         vertices_.row_of(part.first_vertex + static_cast<std::int64_t>(i)));
     if (row >= decoded_.size()) continue;
     const glm::vec3& position = positions[order.empty() ? i : order[i]];
-    decoded_[row] = stored.unturn(document_.translation + document_.scale * glm::dvec3(position));
+    decoded_[row] = stored.unturn(payload_.translation + payload_.scale * glm::dvec3(position));
   }
 }
 
-GltfContents Packer::assembled() {
-  GltfContents contents;
-  contents.document = std::move(document_);
-  GltfDocument& document = contents.document;
+void Packer::assemble() {
   std::uint64_t total = 0;
   for (const PackedArray& packed : packed_) total += padded(packed.bytes.size());
-  contents.buffer.resize(total);
-  document.buffer_bytes = document.decoded_bytes = 0;
+  RawVector<std::byte>& buffer = payload_.pieces.front();
+  buffer = RawVector<std::byte>();  // the plain one goes first
+  buffer.resize(total);
+  std::byte* to = buffer.data();
+  payload_.buffer_bytes = payload_.decoded_bytes = 0;
   for (std::size_t i = 0; i < packed_.size(); ++i) {
     PackedArray& packed = packed_[i];
-    GltfArray& array = document.arrays[i] = packed.array;
+    GltfArray& array = payload_.arrays[i] = packed.array;
     if (array.stream) {
-      array.stream->offset = document.buffer_bytes;
+      array.stream->offset = payload_.buffer_bytes;
       array.stream->bytes = packed.bytes.size();
-      array.offset = document.decoded_bytes;
-      document.decoded_bytes += padded(array.bytes);
+      array.offset = payload_.decoded_bytes;
+      payload_.decoded_bytes += padded(array.bytes);
     } else {
-      array.offset = document.buffer_bytes;
+      array.offset = payload_.buffer_bytes;
     }
-    std::byte* const to = contents.buffer.data() + document.buffer_bytes;
+    const std::uint64_t size = padded(packed.bytes.size());
     std::memcpy(to, packed.bytes.data(), packed.bytes.size());
-    document.buffer_bytes += padded(packed.bytes.size());
-    std::fill(to + packed.bytes.size(), contents.buffer.data() + document.buffer_bytes,
-              std::byte{0});
-    packed.bytes = {};
+    std::fill(to + packed.bytes.size(), to + size, std::byte{0});
+    payload_.buffer_bytes += size;
+    to += size;
+    packed.bytes = RawVector<std::byte>();
   }
-  return contents;
 }
 
 }  // namespace
 
-GltfBounds bounds_of_all(const GltfDocument& document) {
+GltfBounds bounds_of_all(const GltfPayload& payload) {
   GltfBounds all;
   bool is_first = true;
-  for (const GltfArrays& primitive : document.primitives) {
-    const GltfBounds& bounds = *document.arrays[primitive.attributes.at("POSITION")].bounds;
+  for (const GltfPrimitive& primitive : payload.primitives) {
+    const GltfBounds& bounds = *payload.arrays[primitive.attributes.at("POSITION")].bounds;
     all = is_first ? bounds
                    : GltfBounds{glm::min(all.minimum, bounds.minimum),
                                 glm::max(all.maximum, bounds.maximum)};
@@ -320,9 +319,9 @@ GltfBounds bounds_of_all(const GltfDocument& document) {
   return all;
 }
 
-GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,
-                       const GltfOptions& options, const GltfBounds& bounds) {
-  return Packer(plain, vertices, options, bounds)();
+GltfPayload pack_gltf(GltfPayload plain, const GltfVertices& vertices, const GltfOptions& options,
+                      const GltfBounds& bounds) {
+  return Packer(std::move(plain), vertices, options, bounds)();
 }
 
 }  // namespace planish

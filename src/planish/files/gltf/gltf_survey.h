@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/gltf_vertices.h"
 #include "planish/files/gltf/write_gltf.h"
 

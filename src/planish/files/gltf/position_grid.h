@@ -3,7 +3,7 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
-#include "planish/files/gltf/gltf_document.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/write_gltf.h"
 
 namespace planish {

@@ -1,10 +1,8 @@
-// Based on: Khronos, "glTF 2.0 Specification", 2021. tinygltf writes the document
-// (gltf_document.h), the container is written here: tinygltf copies the buffer several times and
-// corrupts files above 4 GiB.
 #include "planish/files/gltf/write_gltf.h"
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
@@ -13,12 +11,9 @@
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
-#include "planish/files/gltf/gltf_blocks.h"
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_checks.h"
-#include "planish/files/gltf/gltf_container.h"
 #include "planish/files/gltf/gltf_document.h"
-#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_materials.h"
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/stored_position.h"
@@ -27,28 +22,13 @@
 namespace planish {
 namespace {
 
-// Behind the surface.
-void add_images(const GltfMaterials& materials, GltfWhole& whole) {
-  whole.buffer_bytes += materials.image_bytes();
-  whole.write_buffer = [&materials,
-                        surface = std::move(whole.write_buffer)](std::span<const ByteSink> sinks) {
-    surface(sinks);
-    for (const GltfImage& image : materials.images) write_padded(image.bytes, sinks);
-  };
-}
-
-// `buffer`: of a .gltf.
-GltfWhole whole_of(const SurfaceBlocks& surface, const GltfOptions& options,
-                   const std::filesystem::path& buffer) {
-  GltfPayload payload = payload_of(surface, options, buffer.empty());
-  GltfWhole whole{.json = payload_json(payload, options, encode_uri(buffer.filename().string())),
-                  .buffer_bytes = payload.document.buffer_bytes,
-                  .vertex_count = payload.vertex_count,
-                  .triangle_count = payload.triangle_count,
-                  .write_buffer = std::move(payload.write_buffer)};
-  if (takes_materials(payload.document, options) && options.image_folder.empty())
-    add_images(*options.materials, whole);
-  return whole;
+GltfDocument document_of(const SurfaceBlocks& surface, const GltfOptions& options, bool is_glb) {
+  const auto payload = std::make_shared<const GltfPayload>(payload_of(surface, options, is_glb));
+  GltfDocument document = plain_document(std::span(payload.get(), 1), options);
+  document.parts.emplace_back(
+      [payload](std::span<const ByteSink> sinks) { payload->write(sinks); });
+  if (options.materials != nullptr) options.materials->apply(document, options.image_folder);
+  return document;
 }
 
 // A document and buffers of some faces each, one after another.
@@ -64,15 +44,18 @@ class SeveralBuffers {
     DegenerateRows degenerate;
     for (std::int64_t first = 0; first < all;) first += write_block(first, degenerate);
     warn_of(degenerate, options_.callbacks);
-    document_.shares_materials = true;
-    document_.translation = StoredPosition(options_).translation();
-    const std::string text = gltf_json(document_, options_, gltf_buffer_path(path_, 0).string());
-    write_observed(file, std::as_bytes(std::span(text)), options_);
+    GltfDocument document = plain_document(blocks_, options_);
+    const std::string text = document.text(path_);
+    write_text(file, text, options_);
     for (const auto& buffer : buffers_) buffer->commit();
     file.commit();
-    written_.byte_count = text.size() + document_.buffer_bytes;
-    written_.buffer_count = buffers_.size();
-    return written_;
+    options_.callbacks.report("write", 1);
+    GltfFile written{.byte_count = text.size(),
+                     .vertex_count = document.vertex_count,
+                     .triangle_count = document.triangle_count,
+                     .buffer_count = buffers_.size()};
+    for (const GltfPayload& block : blocks_) written.byte_count += block.buffer_bytes;
+    return written;
   }
 
  private:
@@ -81,7 +64,7 @@ class SeveralBuffers {
     RowRange faces = faces_of_buffer(surface_, first, surface_bytes_, options_);
     auto block = std::make_unique<GltfBlock>(surface_, faces, options_);
     // Where faces that follow one another lie apart, more of their vertices are in two blocks.
-    while (block->layout().buffer_bytes > options_.buffer_bytes && faces.count > 1) {
+    while (block->buffer_bytes() > options_.buffer_bytes && faces.count > 1) {
       faces.count /= 2;
       block = std::make_unique<GltfBlock>(surface_, faces, options_);
     }
@@ -90,14 +73,14 @@ class SeveralBuffers {
     const double share =
         static_cast<double>(faces.count) / static_cast<double>(surface_.info().face_count);
     block->options().callbacks.progress = share_of(options_.callbacks, done, done + share).progress;
-    const std::filesystem::path path = gltf_buffer_path(path_, buffers_.size());
-    append_mesh(document_, block->document(degenerate), encode_uri(path.filename().string()));
-    OutputFile& buffer = *buffers_.emplace_back(std::make_unique<OutputFile>(path));
-    buffer.reserve(block->layout().buffer_bytes);
+    GltfPayload& payload = blocks_.emplace_back(block->payload(degenerate));
+    payload.shares_materials = true;
+    OutputFile& buffer = *buffers_.emplace_back(
+        std::make_unique<OutputFile>(gltf_buffer_path(path_, buffers_.size())));
+    buffer.reserve(payload.buffer_bytes);
     const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
-    write_buffer(block->surface(), block->vertices(), block->options(), std::span(&to_buffer, 1));
-    written_.vertex_count += block->layout().vertex_count;
-    written_.triangle_count += block->layout().triangle_count;
+    payload.write(std::span(&to_buffer, 1));
+    payload.write_plain = nullptr;  // the block goes
     return faces.count;
   }
 
@@ -105,22 +88,18 @@ class SeveralBuffers {
   const SurfaceBlocks& surface_;
   std::uint64_t surface_bytes_;
   const GltfOptions& options_;
-  GltfDocument document_;
-  GltfFile written_;
+  std::vector<GltfPayload> blocks_;
   std::vector<std::unique_ptr<OutputFile>> buffers_;
 };
 
 // A surface whose seams and groups make copies has more.
 std::uint64_t least_buffer_bytes(const SurfaceInfo& info, const GltfOptions& options) {
-  GltfLayout layout;
-  layout.has_colors = info.has_colors;
-  layout.attributes = row_attributes(options);
-  layout.primitives.push_back(
-      {.vertex_count = static_cast<std::uint64_t>(info.row_count),
-       .triangle_count = static_cast<std::uint64_t>(info.corner_count - 2 * info.face_count),
-       .uv_sets = info.uv_count > 0 ? 1 + static_cast<int>(options.further_uvs.size()) : 0});
-  set_sizes(layout);
-  return layout.buffer_bytes;
+  GltfVertices vertices;
+  vertices.parts = {
+      {.vertex_count = info.row_count,
+       .uv_sets = info.uv_count > 0 ? 1 + static_cast<int>(options.further_uvs.size()) : 0,
+       .triangle_count = static_cast<std::uint64_t>(info.corner_count - 2 * info.face_count)}};
+  return plain_payload(info, vertices, options).buffer_bytes;
 }
 
 }  // namespace
@@ -129,9 +108,7 @@ std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOption
   const HostScope host(options.callbacks);
   if (options.compression == GltfCompression::None)
     (void)memory_size(least_buffer_bytes(surface.info(), options), options.name);
-  std::vector<std::byte> bytes = glb_bytes(whole_of(surface, options, {}), options);
-  options.callbacks.report("write", 1);
-  return bytes;
+  return encode_document(document_of(surface, options, true), options);
 }
 
 GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surface,
@@ -144,21 +121,12 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
   if (options.materials != nullptr) require_apart(options.materials->input, path, *format_of(path));
   const HostScope host(options.callbacks);
   const std::uint64_t bytes = least_buffer_bytes(surface.info(), options);
-  GltfFile written;
-  const auto note = [&](const GltfWhole& whole, bool is_glb) {
-    written = {is_glb ? write_glb(path, whole, options) : write_pair(path, whole, options),
-               whole.vertex_count, whole.triangle_count, std::size_t{is_glb ? 0U : 1U}};
-  };
-  if (extension == ".glb") {
-    note(whole_of(surface, options, {}), true);
-  } else if (options.compression == GltfCompression::None && bytes > options.buffer_bytes) {
+  const bool is_glb = extension == ".glb";
+  if (!is_glb && options.compression == GltfCompression::None && bytes > options.buffer_bytes) {
     require_numbers(surface, options);
-    written = SeveralBuffers(path, surface, bytes, options).write();
-  } else {
-    note(whole_of(surface, options, gltf_buffer_path(path, 0)), false);
+    return SeveralBuffers(path, surface, bytes, options).write();
   }
-  options.callbacks.report("write", 1);
-  return written;
+  return write_document(path, document_of(surface, options, is_glb), options);
 }
 
 std::filesystem::path gltf_buffer_path(const std::filesystem::path& document, std::size_t index) {

@@ -10,7 +10,7 @@
 #include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
-#include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_buffer.h"
 
 namespace planish {
 namespace {

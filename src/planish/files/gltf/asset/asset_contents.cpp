@@ -9,7 +9,7 @@
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/asset/tangent_sets.h"
 #include "planish/files/gltf/draco_stream.h"
-#include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/meshopt_stream.h"
 
 namespace planish {

@@ -1,25 +1,362 @@
+// Based on: Khronos Group, "glTF 2.0 Specification", 2021. The asset's own JSON is changed in
+// place: tinygltf, which makes what is new (gltf_document.h), drops keys that it does not know.
 #include "planish/files/gltf/asset/write_asset.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <set>
+#include <string_view>
 #include <utility>
 
+#include "planish/core/formatted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/json.h"
-#include "planish/files/gltf/asset/asset_document.h"
+#include "planish/core/number_text.h"
+#include "planish/core/version.h"
+#include "planish/files/gltf/asset/asset_references.h"
+#include "planish/files/gltf/asset/geometry_extensions.h"
+#include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/json_guard.h"
+#include "planish/files/gltf/asset/mesh_levels.h"
+#include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_buffer.h"
-#include "planish/files/gltf/gltf_container.h"
-#include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/gltf_survey.h"
+#include "planish/files/gltf/meshopt_stream.h"
+#include "planish/files/gltf/normal_texture.h"
 #include "planish/files/input_files.h"
 
 namespace planish {
 namespace {
 
 using nlohmann::json;
+
+constexpr const char* kQuantization = "KHR_mesh_quantization";
+constexpr const char* kVariants = "KHR_materials_variants";
+
+// What layers have with the group that they lie on: places and how they move.
+bool is_of_surface(std::string_view attribute) {
+  const std::string_view name = attribute.substr(attribute.rfind('/') + 1);
+  return name == "POSITION" || name == "NORMAL" || name.starts_with("JOINTS_") ||
+         name.starts_with("WEIGHTS_");
+}
+
+// The primitive of a group, or of a layer on it, of one with all that its vertices have.
+GltfPrimitive own_primitive(const GltfPrimitive& made, const AssetGroup& group,
+                            const AssetLayer* layer) {
+  const int depth = layer == nullptr ? 0 : layer->depth;
+  const int first_set = layer == nullptr ? 0 : layer->first_uv_set;
+  GltfPrimitive own{.attributes = {}, .indices = made.indices};
+  for (const auto& [name, array] : made.attributes) {
+    if (const int set = uv_set(name); set >= 0) {
+      if (set >= first_set && set < first_set + group.uv_sets_at(depth))
+        own.attributes[uv_name(set - first_set)] = array;
+    } else if (depth == 0) {
+      if (!name.starts_with("layer/")) own.attributes[name] = array;
+    } else if (is_of_surface(name)) {
+      own.attributes[name] = array;
+    } else if (const std::string of_layer = layer_name(depth, ""); name.starts_with(of_layer)) {
+      own.attributes[name.substr(of_layer.size())] = array;
+    }
+  }
+  return own;
+}
+
+// use(number) for each place where a primitive names a material.
+template <class Json, class Use>
+void for_materials(Json& primitive, const Use& use) {
+  if (primitive.contains("material")) use(primitive["material"]);
+  if (!primitive.contains("extensions") || !primitive["extensions"].contains(kVariants)) return;
+  for (auto& mapping : primitive["extensions"][kVariants]["mappings"])
+    if (mapping.contains("material")) use(mapping["material"]);
+}
+
+// An asset's document while surfaces come in the place of triangles. New accessors and buffer
+// views take the places of those that nothing else names, so that no number in the rest of the
+// document changes, which may be one of an extension that nobody here knows.
+class AssetDocument {
+ public:
+  // `keeps_files`: images beside the asset, and those in data URIs, stay there; else all come into
+  // the buffer. Throws Error{UnreadableInput} where the
+  // asset names bytes that are not there.
+  AssetDocument(const GltfAsset& asset, const std::set<std::int64_t>& replaced_meshes,
+                bool keeps_files);
+
+  // Puts a surface in the place of a mesh's triangles. Another one of the same mesh, coarser than
+  // those before it, becomes a level of detail: see place_levels(). It has what the mesh has
+  // besides triangles, too.
+  void add(const AssetSurface& surface, const std::shared_ptr<const GltfPayload>& payload);
+  // An image in the buffer; before the first surface. Returns its number.
+  std::int64_t add_image(std::span<const std::byte> bytes, const std::string& type);
+  // Gives the materials of a surface that came last these normal textures: `images` of its maps.
+  // Materials that other primitives have, too, are copied.
+  void set_normal_maps(const AssetSurface& surface, const GltfPayload& payload,
+                       std::span<const std::int64_t> images);
+  // Adds the extras of `made` to those of the asset that it does not have already.
+  void add_extras(const json& made);
+  // The whole. Throws Error{UnreadableInput} where the asset requires an extension that its new
+  // triangles make untrue.
+  [[nodiscard]] GltfDocument finish();
+
+  // What of the asset could not come along.
+  [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
+
+ private:
+  void keep_views();
+  [[nodiscard]] bool stays(const JsonPlace& uri) const;
+  void keep_images();
+  void put_material(json& primitive, std::int64_t given, std::int64_t number);
+  json primitives_of(const AssetSurface& surface, const GltfPayload& payload);
+  void drop_unused_places(const char* list, GltfDocument::Places& places, const json& filler);
+  void tell_lost_extensions();
+  void settle_extensions();
+
+  const GltfAsset& asset_;
+  GltfDocument document_;
+  json& json_ = document_.json;
+  bool keeps_files_;
+  std::vector<Warning> warnings_;
+  LostExtensions lost_;
+  std::map<std::int64_t, std::vector<MeshLevel>> levels_;  // by the mesh that gave way
+  bool keeps_vertices_ = false;                            // of some primitive
+};
+
+AssetDocument::AssetDocument(const GltfAsset& asset, const std::set<std::int64_t>& replaced_meshes,
+                             bool keeps_files)
+    : asset_(asset), keeps_files_(keeps_files) {
+  json_ = asset.root().value();
+  FreePlaces free = free_places(json_, replaced_meshes);
+  document_.accessors.free = std::move(free.accessors);
+  document_.views.free = std::move(free.views);
+  for (std::size_t m = 0; m < json_["meshes"].size(); ++m)
+    keeps_vertices_ |= !replaced_meshes.contains(static_cast<std::int64_t>(m)) ||
+                       !std::ranges::all_of(json_["meshes"][m]["primitives"], is_surface);
+  keep_views();
+  keep_images();
+  json_["asset"]["generator"] = "planish " PLANISH_VERSION;
+}
+
+// What was packed by meshopt comes unpacked: its streams name buffers by themselves.
+void AssetDocument::keep_views() {
+  if (!json_.contains("bufferViews")) return;
+  json& views = json_["bufferViews"];
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto number = static_cast<std::int64_t>(i);
+    if (document_.views.free.contains(number)) continue;
+    const std::span<const std::byte> bytes = asset_.source().view(number);
+    views[i]["buffer"] = 0;
+    views[i]["byteOffset"] = document_.keep(bytes);
+    views[i]["byteLength"] = bytes.size();
+    if (!views[i].contains("extensions")) continue;
+    views[i]["extensions"].erase(kMeshoptExtension);
+    if (views[i]["extensions"].empty()) views[i].erase("extensions");
+  }
+}
+
+// Images beside the asset stay there where the file comes there, too; addresses elsewhere stay
+// anywhere.
+bool AssetDocument::stays(const JsonPlace& uri) const {
+  if (uri.text().find("://") != std::string::npos) return true;
+  if (!keeps_files_) return false;
+  if (is_data_uri(uri.text())) return true;
+  const auto name = decode_uri_path(uri.text());
+  std::error_code error;
+  return name && std::filesystem::is_regular_file(asset_.file().path.parent_path() / *name, error);
+}
+
+void AssetDocument::keep_images() {
+  std::vector<std::string> missing;
+  const auto images = asset_.root().find("images");
+  for (std::int64_t i = 0; images && i < images->array_size(); ++i) {
+    const auto uri = (*images)[i].find("uri");
+    if (!uri || stays(*uri)) continue;
+    const AssetImage found = asset_image(asset_, i);
+    if (!found.missing.empty()) missing.push_back(found.missing);
+    json& image = json_["images"][i];
+    if (!image.contains("name") && !is_data_uri(uri->text())) image["name"] = image["uri"];
+    if (!image.contains("mimeType") || !found.missing.empty()) image["mimeType"] = found.type;
+    image["bufferView"] = document_.add_view(found.bytes);
+    image.erase("uri");
+  }
+  if (!missing.empty()) warnings_.push_back(missing_images(missing));
+}
+
+// With what the mesh has besides triangles.
+json AssetDocument::primitives_of(const AssetSurface& surface, const GltfPayload& payload) {
+  const std::vector<std::int64_t> accessors = document_.add(payload);
+  const AssetVertices& vertices = *surface.vertices;
+  const json& given = asset_.root().value()["meshes"][surface.mesh]["primitives"];
+  json all = json::array();
+  const auto add = [&](const GltfPrimitive& made, int depth) {
+    const AssetGroup& group = vertices.groups[static_cast<std::size_t>(std::max(made.group, 0))];
+    const AssetLayer* const layer = group.layer(depth);
+    if (depth > 0 && layer == nullptr) return;
+    json rest = without_vertices(given[layer == nullptr ? group.primitive : layer->primitive]);
+    drop_untrue_extensions(rest, {asset_.root().value(), vertices, made.encodes_ngons}, lost_);
+    all.push_back(primitive_json(own_primitive(made, group, layer), accessors, std::move(rest)));
+  };
+  // Layers after what they lie on, as the file had them.
+  for (int depth = 0; depth <= vertices.layer_depth(); ++depth)
+    for (const GltfPrimitive& primitive : payload.primitives) add(primitive, depth);
+  for (const json& primitive : given)
+    if (!is_surface(primitive)) all.push_back(primitive);
+  return all;
+}
+
+void AssetDocument::add(const AssetSurface& surface,
+                        const std::shared_ptr<const GltfPayload>& payload) {
+  json& meshes = json_["meshes"];
+  std::vector<MeshLevel>& levels = levels_[surface.mesh];
+  json primitives = primitives_of(surface, *payload);
+  MeshLevel level{surface.mesh, payload->scale, payload->translation, surface.least_coverage};
+  if (levels.empty()) {
+    meshes[surface.mesh]["primitives"] = std::move(primitives);
+    drop_untrue_extensions(meshes[surface.mesh], {asset_.root().value(), *surface.vertices}, lost_);
+  } else {
+    json mesh = meshes[surface.mesh];
+    mesh["primitives"] = std::move(primitives);
+    if (mesh.contains("name"))
+      mesh["name"] = formatted("{}_LOD{}", mesh["name"].get<std::string>(), levels.size());
+    level.mesh = std::ssize(meshes);
+    meshes.push_back(std::move(mesh));
+    document_.extensions.insert(kLodExtension);
+  }
+  levels.push_back(level);
+  document_.parts.emplace_back(
+      [payload](std::span<const ByteSink> sinks) { payload->write(sinks); });
+}
+
+std::int64_t AssetDocument::add_image(std::span<const std::byte> bytes, const std::string& type) {
+  json& images = json_["images"];
+  images.push_back({{"bufferView", document_.add_view(bytes)}, {"mimeType", type}});
+  return std::ssize(images) - 1;
+}
+
+// In the place of another one.
+void AssetDocument::put_material(json& primitive, std::int64_t given, std::int64_t number) {
+  primitive["material"] = number;
+  bool has_others = false;
+  for_materials(primitive, [&](json& material) {
+    if (material == given) material = number;
+    has_others |= material != number;
+  });
+  if (has_others)
+    warnings_.push_back(
+        {"bake-variants", std::string(asset_.file().name) +
+                              ": variants of materials keep the normal textures that they have; "
+                              "only the material of a primitive itself gets a baked one"});
+}
+
+void AssetDocument::set_normal_maps(const AssetSurface& surface, const GltfPayload& payload,
+                                    std::span<const std::int64_t> images) {
+  const auto map_of = [&](std::size_t primitive) {
+    return surface
+        .map_of_group[static_cast<std::size_t>(std::max(payload.primitives[primitive].group, 0))];
+  };
+  std::vector<std::vector<json*>> of_maps(images.size());
+  json& primitives = json_["meshes"][surface.mesh]["primitives"];
+  for (std::size_t i = 0; i < payload.primitives.size(); ++i)
+    if (const int map = map_of(i); map >= 0 && images[static_cast<std::size_t>(map)] >= 0)
+      of_maps[static_cast<std::size_t>(map)].push_back(&primitives[i]);
+  for (std::size_t m = 0; m < images.size(); ++m) {
+    if (of_maps[m].empty()) continue;
+    json& materials = json_["materials"];
+    if (materials.is_null()) materials = json::array();
+    const std::int64_t given = of_maps[m].front()->value("material", std::int64_t{-1});
+    // Names of it elsewhere than in these primitives.
+    std::int64_t uses = 0, own = 0;
+    for (json& any : json_["meshes"])
+      for (json& primitive : any["primitives"])
+        for_materials(primitive, [&](const json& number) { uses += number == given ? 1 : 0; });
+    for (json* primitive : of_maps[m])
+      for_materials(*primitive, [&](const json& number) { own += number == given ? 1 : 0; });
+    std::int64_t number = given;
+    if (given < 0 || uses > own) {
+      json copy = given < 0 ? json::object() : materials[given];
+      number = std::ssize(materials);
+      materials.push_back(std::move(copy));
+    }
+    set_normal_texture(json_, json_["materials"][number], images[m], surface.normal_maps[m].set);
+    for (json* primitive : of_maps[m]) put_material(*primitive, given, number);
+  }
+}
+
+void AssetDocument::add_extras(const json& made) {
+  if (!made.contains("extras")) return;
+  json& own = json_["asset"]["extras"];
+  if (own.is_null()) own = json::object();
+  if (!own.is_object()) return;
+  for (const auto& [key, value] : made["extras"].items())
+    if (!own.contains(key)) own[key] = value;
+}
+
+// Where fewer came than gave way. Numbers stay, so only the last of a list can go.
+void AssetDocument::drop_unused_places(const char* list, GltfDocument::Places& places,
+                                       const json& filler) {
+  if (!json_.contains(list)) return;
+  json& all = json_[list];
+  while (!places.free.empty() && *places.free.rbegin() == std::ssize(all) - 1) {
+    places.free.erase(std::prev(places.free.end()));
+    all.erase(all.size() - 1);
+  }
+  for (const std::int64_t place : places.free) all[place] = filler;
+  if (all.empty()) json_.erase(list);
+}
+
+void AssetDocument::tell_lost_extensions() {
+  if (lost_.empty()) return;
+  const auto required = asset_.root().find("extensionsRequired");
+  for (std::int64_t i = 0; required && i < required->array_size(); ++i)
+    if (lost_.contains((*required)[i].text()))
+      (*required)[i].fail(
+          "{} describes triangles that give way, and cannot be kept; save the file "
+          "without it",
+          quote((*required)[i].text()));
+  std::int64_t places = 0;
+  for (const auto& [name, count] : lost_) places += count;
+  warnings_.push_back({"left-out-extensions",
+                       formatted("{}: left out, since they describe the triangles that give way: "
+                                 "{}",
+                                 asset_.file().name, names_of(lost_)),
+                       places});
+}
+
+void AssetDocument::settle_extensions() {
+  drop_untrue_scenes(json_, lost_);
+  tell_lost_extensions();
+  // What concerns bytes that are unpacked now, or attributes that gave way.
+  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+    std::set<std::string> names;
+    if (json_.contains(list))
+      for (const json& name : json_[list]) names.insert(name.get<std::string>());
+    names.erase(kMeshoptExtension);
+    for (const auto& [name, count] : lost_)
+      if (!has_extension(json_, name)) names.erase(name);
+    if (!keeps_vertices_) names.erase(kDracoExtension), names.erase(kQuantization);
+    const bool is_required = list == std::string_view("extensionsRequired");
+    // Readers that know no levels of detail show the finest.
+    for (const std::string& name : document_.extensions)
+      if (!is_required || name != kLodExtension) names.insert(name);
+    json_[list] = names;
+    if (names.empty()) json_.erase(list);
+  }
+}
+
+GltfDocument AssetDocument::finish() {
+  constexpr int kFloat = 5126;
+  for (const auto& [mesh, levels] : levels_) place_levels(json_, levels);
+  if (json_.contains("bufferViews"))
+    for (json& view : json_["bufferViews"]) view.emplace("byteOffset", 0);
+  drop_unused_places("accessors", document_.accessors,
+                     {{"componentType", kFloat}, {"count", 1}, {"type", "SCALAR"}});
+  drop_unused_places("bufferViews", document_.views, {{"buffer", 0}, {"byteLength", 1}});
+  settle_extensions();
+  return std::move(document_);
+}
 
 // By group, whether its triangles are to encode polygons; packing by Meshopt brings triangles into
 // another order.
@@ -70,9 +407,8 @@ std::vector<GltfOptions> options_of_all(const GltfAsset& asset,
   return options;
 }
 
-// `uri`: of the buffer of a .gltf; empty: a GLB.
-GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
-                    const Callbacks& common, const std::string& uri, bool keeps_files) {
+GltfDocument assembled(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
+                       const Callbacks& common, bool is_glb, bool keeps_files) {
   std::set<std::int64_t> replaced;
   for (const AssetSurface& surface : surfaces) replaced.insert(surface.mesh);
   AssetDocument document(asset, replaced, keeps_files);
@@ -86,45 +422,28 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
   const auto is_writing = std::make_shared<bool>(false);
   const auto options = std::make_shared<const std::vector<GltfOptions>>(
       options_of_all(asset, surfaces, common, is_writing));
-  auto payloads = std::make_shared<std::vector<GltfPayload>>();
-  GltfWhole whole;
-  std::set<std::int64_t> replaced_now;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const AssetSurface& one = surfaces[i];
-    const GltfPayload& payload =
-        payloads->emplace_back(payload_of(*one.surface, (*options)[i], uri.empty()));
+    const GltfOptions& own = (*options)[i];
+    const auto payload = std::make_shared<const GltfPayload>(payload_of(*one.surface, own, is_glb));
+    document.add(one, payload);
+    if (!one.normal_maps.empty()) document.set_normal_maps(one, *payload, images[i]);
     GltfOptions described = one.options;
     if (surfaces.size() > 1) described.extras.clear();
-    // One after another, each in the only mesh of a document of its own.
-    const json made = json::parse(payload_json(payload, described, {}));
-    if (replaced_now.insert(one.mesh).second) {
-      document.replace(one.mesh, *one.vertices, payload.document, made, one.least_coverage);
-    } else {
-      document.add_level(one.mesh, *one.vertices, payload.document, made, one.least_coverage);
-    }
-    if (!one.normal_maps.empty())
-      document.set_normal_maps(one.mesh, payload.document, one, images[i]);
-    if (made["asset"].contains("extras")) document.add_extras(made["asset"]["extras"]);
-    whole.vertex_count += payload.vertex_count;
-    whole.triangle_count += payload.triangle_count;
+    document.add_extras(asset_json(described));
   }
-  whole.json = document.text(uri);
+  GltfDocument whole = document.finish();
   for (const Warning& warning : document.warnings()) common.warn(warning);
-  whole.buffer_bytes = document.buffer_bytes();
   // Payloads read their options.
-  whole.write_buffer = [options, payloads, is_writing,
-                        kept = document.kept()](std::span<const ByteSink> sinks) {
-    *is_writing = true;
-    for (const std::span<const std::byte> bytes : kept) write_padded(bytes, sinks);
-    for (const GltfPayload& payload : *payloads) payload.write_buffer(sinks);
-  };
+  whole.parts.emplace(whole.parts.begin(),
+                      [options, is_writing](std::span<const ByteSink>) { *is_writing = true; });
   return whole;
 }
 
-GltfWhole whole_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
-                      const Callbacks& common, const std::string& uri, bool keeps_files) {
+GltfDocument whole_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
+                         const Callbacks& common, bool is_glb, bool keeps_files) {
   return guard_json(asset.file().name,
-                    [&] { return assembled(asset, surfaces, common, uri, keeps_files); });
+                    [&] { return assembled(asset, surfaces, common, is_glb, keeps_files); });
 }
 
 bool is_same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
@@ -145,21 +464,14 @@ GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::p
   const bool is_glb = info_of(*format_of(path)).format == FileFormat::Glb;
   const bool keeps_files = !is_glb && !asset.file().path.empty() &&
                            is_same_folder(asset.file().path.parent_path(), folder);
-  const std::string uri = is_glb ? "" : encode_uri(gltf_buffer_path(path, 0).filename().string());
-  const GltfWhole whole = whole_asset(asset, surfaces, common.callbacks, uri, keeps_files);
-  GltfFile written{is_glb ? write_glb(path, whole, common) : write_pair(path, whole, common),
-                   whole.vertex_count, whole.triangle_count, std::size_t{is_glb ? 0U : 1U}};
-  common.callbacks.report("write", 1);
-  return written;
+  return write_document(path, whole_asset(asset, surfaces, common.callbacks, is_glb, keeps_files),
+                        common);
 }
 
 std::vector<std::byte> encode_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
                                     const GltfOptions& common) {
   const HostScope host(common.callbacks);
-  std::vector<std::byte> bytes =
-      glb_bytes(whole_asset(asset, surfaces, common.callbacks, {}, false), common);
-  common.callbacks.report("write", 1);
-  return bytes;
+  return encode_document(whole_asset(asset, surfaces, common.callbacks, true, false), common);
 }
 
 }  // namespace planish
