@@ -12,10 +12,21 @@
 
 namespace planish {
 
+/// Around points; of none it is turned inside out.
 struct FloatBox {
   glm::vec3 minimum{std::numeric_limits<float>::infinity()};
   glm::vec3 maximum{-std::numeric_limits<float>::infinity()};
   bool is_finite = true;  ///< all coordinates are; if not, the rest means nothing
+
+  void add(const glm::vec3& point) {
+    minimum = glm::min(minimum, point);
+    maximum = glm::max(maximum, point);
+  }
+  /// Two boxes as one, of finite points.
+  void add(const FloatBox& other) {
+    minimum = glm::min(minimum, other.minimum);
+    maximum = glm::max(maximum, other.maximum);
+  }
 };
 
 /// The bounds of some points, four of them at a time as three vectors of four floats.

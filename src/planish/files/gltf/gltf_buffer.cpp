@@ -9,7 +9,6 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <string>
 
 #include "planish/core/host_scope.h"
@@ -226,14 +225,12 @@ void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribut
 }
 
 // Of all vertices of a part.
-GltfBounds target_bounds(const GltfVertices& vertices, const GltfPart& part,
-                         const GltfAttribute& target) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  GltfBounds bounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
+FloatBox target_bounds(const GltfVertices& vertices, const GltfPart& part,
+                       const GltfAttribute& target) {
+  FloatBox bounds;
   for (std::int64_t i = 0; i < part.vertex_count; ++i) {
     const float* at = target.values.data() + 3 * vertices.row_of(part.first_vertex + i);
-    const glm::vec3 value(at[0], at[1], at[2]);
-    bounds = {glm::min(bounds.minimum, value), glm::max(bounds.maximum, value)};
+    bounds.add(glm::vec3(at[0], at[1], at[2]));
   }
   return bounds;
 }
@@ -350,7 +347,7 @@ GltfPayload plain_payload(const SurfaceInfo& info, const GltfVertices& vertices,
   return payload;
 }
 
-void set_bounds(GltfPayload& payload, std::span<const GltfBounds> positions,
+void set_bounds(GltfPayload& payload, std::span<const FloatBox> positions,
                 const GltfVertices& vertices, const GltfOptions& options) {
   for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
     const std::map<std::string, std::size_t>& attributes = payload.primitives[i].attributes;

@@ -36,7 +36,7 @@ inline constexpr std::uint64_t kMaxShortIndexVertices = 65534;
 [[nodiscard]] GltfPayload plain_payload(const SurfaceInfo& info, const GltfVertices& vertices,
                                         const GltfOptions& options);
 /// The bounds that the format wants: `positions`, of each primitive, and those of morph targets.
-void set_bounds(GltfPayload& payload, std::span<const GltfBounds> positions,
+void set_bounds(GltfPayload& payload, std::span<const FloatBox> positions,
                 const GltfVertices& vertices, const GltfOptions& options);
 
 /// Sends the buffer of plain_payload() to the sinks in pieces of about a MB, in order, the survey

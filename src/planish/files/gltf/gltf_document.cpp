@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <fstream>  // for tinygltf
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <utility>
@@ -163,13 +164,16 @@ constexpr std::uint32_t kGlbVersion = 2;
 // Of a GLB and of each of its two chunks.
 constexpr std::uint64_t kGlbHeaderBytes = 12, kGlbChunkHeaderBytes = 8;
 
+std::string words(std::initializer_list<std::uint32_t> values) {
+  return {reinterpret_cast<const char*>(values.begin()), values.size() * sizeof(std::uint32_t)};
+}
+
 void send(std::span<const ByteSink> sinks, std::span<const std::byte> bytes) {
   for (const ByteSink& sink : sinks) sink(bytes);
 }
 
-template <std::size_t N>
-void send(std::span<const ByteSink> sinks, const std::array<std::uint32_t, N>& words) {
-  send(sinks, std::as_bytes(std::span(words)));
+void send_buffer(std::span<const ByteSink> sinks, const GltfDocument& document) {
+  for (const auto& write : document.parts) write(sinks);
 }
 
 void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
@@ -186,61 +190,47 @@ std::vector<ByteSink> sinks_to(OutputFile& file, const GltfOptions& options) {
   return sinks;
 }
 
-// What writes a document's buffer, and its text instead of its JSON.
-struct Settled {
-  Settled(GltfDocument given, const std::filesystem::path& gltf)
-      : document(std::move(given)), text(document.text(gltf)) {
-    document.json = nullptr;
-  }
-
-  void write_buffer(std::span<const ByteSink> sinks) const {
-    for (const auto& write : document.parts) write(sinks);
-  }
-
-  GltfDocument document;
-  std::string text;
-};
-
-// A GLB with all that stands before its buffer.
-struct Glb : Settled {
-  Glb(GltfDocument given, const GltfOptions& options) : Settled(std::move(given), {}) {
-    text.resize(padded(text.size()), ' ');
-    byte_count = glb_byte_count(text.size(), document.buffer_bytes, options.name);
-    warn_if_large(byte_count, options);
-  }
-
-  void write(std::span<const ByteSink> sinks) const {
-    send(sinks, std::array{kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(byte_count)});
-    send(sinks, std::array{static_cast<std::uint32_t>(text.size()), kJsonChunk});
-    send(sinks, std::as_bytes(std::span(text)));
-    send(sinks, std::array{static_cast<std::uint32_t>(document.buffer_bytes), kBinaryChunk});
-    write_buffer(sinks);
-  }
-
-  std::uint64_t byte_count = 0;
-};
-
-std::uint64_t write_glb(const std::filesystem::path& path, const Glb& glb,
-                        const GltfOptions& options) {
-  OutputFile file(path);
-  file.reserve(glb.byte_count);
-  glb.write(sinks_to(file, options));
-  file.commit();
-  return glb.byte_count;
+// Its JSON, which goes, as text.
+std::string take_text(GltfDocument& document, const std::filesystem::path& gltf) {
+  std::string text = document.text(gltf);
+  document.json = nullptr;
+  return text;
 }
 
-std::uint64_t write_pair(const std::filesystem::path& path, const Settled& pair,
+// All of a GLB that stands before its buffer.
+std::string take_head(GltfDocument& document, const GltfOptions& options) {
+  std::string text = take_text(document, {});
+  text.resize(padded(text.size()), ' ');
+  const std::uint64_t bytes = glb_byte_count(text.size(), document.buffer_bytes, options.name);
+  warn_if_large(bytes, options);
+  text.insert(0, words({kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(bytes),
+                        static_cast<std::uint32_t>(text.size()), kJsonChunk}));
+  return text += words({static_cast<std::uint32_t>(document.buffer_bytes), kBinaryChunk});
+}
+
+std::uint64_t write_glb(const std::filesystem::path& path, GltfDocument& document,
+                        const GltfOptions& options) {
+  const std::string head = take_head(document, options);
+  OutputFile file(path);
+  file.reserve(head.size() + document.buffer_bytes);
+  write_text(file, head, options);
+  send_buffer(sinks_to(file, options), document);
+  file.commit();
+  return head.size() + document.buffer_bytes;
+}
+
+std::uint64_t write_pair(const std::filesystem::path& path, GltfDocument& document,
                          const GltfOptions& options) {
-  const std::uint64_t buffer_bytes = pair.document.buffer_bytes;
-  warn_if_large(buffer_bytes, options);
+  const std::string text = take_text(document, path);
+  warn_if_large(document.buffer_bytes, options);
   OutputFile file(path), buffer(gltf_buffer_path(path, 0));
-  buffer.reserve(buffer_bytes);
+  buffer.reserve(document.buffer_bytes);
   const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
-  pair.write_buffer(std::span(&to_buffer, 1));
-  write_text(file, pair.text, options);
+  send_buffer(std::span(&to_buffer, 1), document);
+  write_text(file, text, options);
   buffer.commit();
   file.commit();
-  return pair.text.size() + buffer_bytes;
+  return text.size() + document.buffer_bytes;
 }
 
 }  // namespace
@@ -347,26 +337,25 @@ GltfDocument plain_document(std::span<const GltfPayload> surfaces, const GltfOpt
 
 GltfFile write_document(const std::filesystem::path& path, GltfDocument document,
                         const GltfOptions& options) {
-  GltfFile written{.vertex_count = document.vertex_count,
-                   .triangle_count = document.triangle_count};
-  if (lower_case(path.extension().string()) == ".glb") {
-    written.byte_count = write_glb(path, Glb(std::move(document), options), options);
-  } else {
-    written.byte_count = write_pair(path, Settled(std::move(document), path), options);
-    written.buffer_count = 1;
-  }
+  const bool is_glb = lower_case(path.extension().string()) == ".glb";
+  const GltfFile written{.byte_count = is_glb ? write_glb(path, document, options)
+                                              : write_pair(path, document, options),
+                         .vertex_count = document.vertex_count,
+                         .triangle_count = document.triangle_count,
+                         .buffer_count = is_glb ? 0U : 1U};
   options.callbacks.report("write", 1);
   return written;
 }
 
 std::vector<std::byte> encode_document(GltfDocument document, const GltfOptions& options) {
-  const Glb glb(std::move(document), options);
+  const std::string head = take_head(document, options);
   std::vector<std::byte> bytes;
-  bytes.reserve(memory_size(glb.byte_count, options.name));
+  bytes.reserve(memory_size(head.size() + document.buffer_bytes, options.name));
   const ByteSink append = [&](std::span<const std::byte> piece) {
     bytes.insert(bytes.end(), piece.begin(), piece.end());
   };
-  glb.write(std::span(&append, 1));
+  append(std::as_bytes(std::span(head)));
+  send_buffer(std::span(&append, 1), document);
   options.callbacks.report("write", 1);
   return bytes;
 }

@@ -73,7 +73,7 @@ GltfFile write_document(const std::filesystem::path& path, GltfDocument document
 [[nodiscard]] std::vector<std::byte> encode_document(GltfDocument document,
                                                      const GltfOptions& options);
 
-/// The text of a document, which GltfOptions::observe gets too.
+/// The text of a document, or what stands before a GLB's buffer; GltfOptions::observe gets it too.
 void write_text(OutputFile& file, std::string_view text, const GltfOptions& options);
 
 /// Bytes in pieces, and zeros up to a multiple of four.

@@ -32,7 +32,7 @@ std::span<const Value> values_in(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
 }
 
-GltfBounds bounds_of(std::span<const glm::vec3> positions) {
+FloatBox bounds_of(std::span<const glm::vec3> positions) {
   const auto [low, high] = point_bounds(positions);
   return {low, high};
 }
@@ -57,7 +57,7 @@ void use(PackedArray& packed, std::span<const std::byte> bytes) {
 class Packer {
  public:
   Packer(GltfPayload plain, const GltfVertices& vertices, const GltfOptions& options,
-         const GltfBounds& bounds)
+         const FloatBox& bounds)
       : payload_(std::move(plain)),
         vertices_(vertices),
         options_(options),
@@ -306,21 +306,15 @@ void Packer::assemble() {
 
 }  // namespace
 
-GltfBounds bounds_of_all(const GltfPayload& payload) {
-  GltfBounds all;
-  bool is_first = true;
-  for (const GltfPrimitive& primitive : payload.primitives) {
-    const GltfBounds& bounds = *payload.arrays[primitive.attributes.at("POSITION")].bounds;
-    all = is_first ? bounds
-                   : GltfBounds{glm::min(all.minimum, bounds.minimum),
-                                glm::max(all.maximum, bounds.maximum)};
-    is_first = false;
-  }
+FloatBox bounds_of_all(const GltfPayload& payload) {
+  FloatBox all;
+  for (const GltfPrimitive& primitive : payload.primitives)
+    all.add(*payload.arrays[primitive.attributes.at("POSITION")].bounds);
   return all;
 }
 
 GltfPayload pack_gltf(GltfPayload plain, const GltfVertices& vertices, const GltfOptions& options,
-                      const GltfBounds& bounds) {
+                      const FloatBox& bounds) {
   return Packer(std::move(plain), vertices, options, bounds)();
 }
 

@@ -10,7 +10,7 @@ namespace planish {
 /// positions that lie on one grid: those of the payload's, or of more. The same bytes for any
 /// number of threads.
 [[nodiscard]] GltfPayload pack_gltf(GltfPayload plain, const GltfVertices& vertices,
-                                    const GltfOptions& options, const GltfBounds& bounds);
-[[nodiscard]] GltfBounds bounds_of_all(const GltfPayload& payload);
+                                    const GltfOptions& options, const FloatBox& bounds);
+[[nodiscard]] FloatBox bounds_of_all(const GltfPayload& payload);
 
 }  // namespace planish

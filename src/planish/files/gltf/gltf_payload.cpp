@@ -42,7 +42,7 @@ GltfPayload pack_at_once(const SurfaceBlocks& surface, const GltfOptions& given)
   GltfPayload plain = plain_payload(surface.info(), vertices, options);
   set_bounds(plain, gltf_bounds(surface, vertices, options), vertices, options);
   hold_buffer(surface, vertices, options, plain);
-  const GltfBounds bounds = bounds_of_all(plain);
+  const FloatBox bounds = bounds_of_all(plain);
   tell_kept_float(options, bounds);
   return pack_gltf(std::move(plain), vertices, options, bounds);
 }
@@ -54,7 +54,7 @@ struct PackedBlock {
 };
 
 PackedBlock pack_block(const SurfaceBlocks& surface, RowRange faces, const GltfOptions& options,
-                       const GltfBounds& bounds) {
+                       const FloatBox& bounds) {
   GltfBlock block(surface, faces, options);
   const auto rows = block.surface().surface_rows();
   const auto given = std::ranges::lower_bound(rows, options.decoded_rows) - rows.begin();
@@ -72,7 +72,7 @@ PackedBlock pack_block(const SurfaceBlocks& surface, RowRange faces, const GltfO
 }
 
 // Of all rows.
-GltfBounds bounds_of_rows(const SurfaceBlocks& surface, const GltfOptions& options) {
+FloatBox bounds_of_rows(const SurfaceBlocks& surface, const GltfOptions& options) {
   GltfVertices all;
   all.kept_rows = surface.info().row_count;
   all.parts = {{.vertex_count = all.kept_rows}};
@@ -101,7 +101,7 @@ void append(GltfPayload block, GltfPayload& all) {
 }
 
 GltfPayload pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& options) {
-  const GltfBounds bounds = bounds_of_rows(surface, options);
+  const FloatBox bounds = bounds_of_rows(surface, options);
   tell_kept_float(options, bounds);
   const std::vector<RowRange> ranges = ranges_of(surface.info().face_count, kPackedFaces);
   LoopProgress progress(options.callbacks, "write", kGltfSurveyed, kGltfPacked, std::ssize(ranges));

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
+#include "planish/files/gltf/float_box.h"
 #include "planish/files/gltf/gltf_vertices.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/shared/ordered_stream.h"
@@ -30,11 +31,6 @@ enum class GltfComponent : int {
   Float = 5126
 };
 
-/// Smallest and largest coordinates as they are stored.
-struct GltfBounds {
-  glm::vec3 minimum{0.0f}, maximum{0.0f};
-};
-
 /// Where an array lies when EXT_meshopt_compression has packed it.
 struct GltfStream {
   std::uint64_t offset = 0, bytes = 0;
@@ -48,7 +44,7 @@ struct GltfArray {
   GltfComponent component = GltfComponent::Float;
   std::uint64_t count = 0;
   bool normalized = false, is_indices = false;
-  std::optional<GltfBounds> bounds;
+  std::optional<FloatBox> bounds;       ///< smallest and largest numbers as they are stored
   std::uint64_t offset = 0, bytes = 0;  ///< decoded, where there is a stream
   std::uint32_t stride = 0;             ///< 0: without gaps
   std::optional<GltfStream> stream;

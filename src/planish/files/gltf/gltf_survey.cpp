@@ -38,28 +38,14 @@ struct Fault {
   }
 };
 
-struct PartBounds {
-  GltfBounds bounds;
-  bool is_empty = true;
-
-  void add(const GltfBounds& other) {
-    bounds = is_empty ? other
-                      : GltfBounds{glm::min(bounds.minimum, other.minimum),
-                                   glm::max(bounds.maximum, other.maximum)};
-    is_empty = false;
-  }
-};
-
 struct Survey {
-  std::vector<PartBounds> parts;
+  std::vector<FloatBox> parts;
   DegenerateRows degenerate;
   Fault fault;
 
   void add(const Survey& other) {
     parts.resize(other.parts.size());
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (!other.parts[i].is_empty) parts[i].add(other.parts[i].bounds);
-    }
+    for (std::size_t i = 0; i < parts.size(); ++i) parts[i].add(other.parts[i]);
     degenerate.add(other.degenerate);
     if (other.fault.before(fault)) fault = other.fault;
   }
@@ -107,18 +93,16 @@ class Surveyor {
     survey.parts.resize(vertices_.parts.size());
     // One primitive has all rows: its copies have the places of others.
     if (survey.parts.size() == 1) {
-      for (const glm::vec3& corner : {box.minimum, box.maximum}) {
-        const glm::vec3 position = stored_.turn(corner);
-        survey.parts[0].add({position, position});
-      }
+      for (const glm::vec3& corner : {box.minimum, box.maximum})
+        survey.parts[0].add(stored_.turn(corner));
       return;
     }
     for (const CopiedRow& copy : copies_in(copied_, range)) {
       const auto part = std::ranges::upper_bound(vertices_.parts, copy.vertex, std::less<>(),
                                                  &GltfPart::first_vertex) -
                         1;
-      const glm::vec3 position = stored_.turn(positions_[copy.row - range.first]);
-      survey.parts[part - vertices_.parts.begin()].add({position, position});
+      survey.parts[part - vertices_.parts.begin()].add(
+          stored_.turn(positions_[copy.row - range.first]));
     }
   }
 
@@ -170,13 +154,11 @@ GltfSurvey gltf_survey(const SurfaceBlocks& surface, const GltfVertices& vertice
     if (!surface_rows.empty()) all.fault.row = surface_rows[all.fault.row];
     refuse(all.fault, options);
   }
-  GltfSurvey found{{}, all.degenerate};
-  for (const PartBounds& part : all.parts) found.bounds.push_back(part.bounds);
-  return found;
+  return {std::move(all.parts), all.degenerate};
 }
 
-std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface, const GltfVertices& vertices,
-                                    const GltfOptions& options) {
+std::vector<FloatBox> gltf_bounds(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                                  const GltfOptions& options) {
   GltfSurvey found = gltf_survey(surface, vertices, options);
   warn_of(found.degenerate, options.callbacks);
   return std::move(found.bounds);

@@ -16,7 +16,7 @@ inline constexpr double kGltfSurveyed = 0.35, kGltfPacked = 0.97;
 /// Smallest and largest float32 coordinates as stored, of each primitive, and the normals that are
 /// those of facets.
 struct GltfSurvey {
-  std::vector<GltfBounds> bounds;
+  std::vector<FloatBox> bounds;
   DegenerateRows degenerate;
 };
 /// Throws Error{InvalidArgument} for a position that float32 cannot hold and a normal that is not
@@ -25,8 +25,8 @@ struct GltfSurvey {
                                      const GltfOptions& options,
                                      std::span<const std::int32_t> surface_rows = {});
 /// The bounds alone. Warns "degenerate-normals".
-[[nodiscard]] std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface,
-                                                  const GltfVertices& vertices,
-                                                  const GltfOptions& options);
+[[nodiscard]] std::vector<FloatBox> gltf_bounds(const SurfaceBlocks& surface,
+                                                const GltfVertices& vertices,
+                                                const GltfOptions& options);
 
 }  // namespace planish

@@ -13,12 +13,12 @@ constexpr double kMostMantissas = 2.0 * ((1 << 23) - 1);  // with a sign
 // what is built on it.
 constexpr double kLeastTranslation = 1e-5;
 
-double extent_of(const GltfBounds& all) {
+double extent_of(const FloatBox& all) {
   const glm::dvec3 sides = glm::dvec3(all.maximum) - glm::dvec3(all.minimum);
   return std::max({sides.x, sides.y, sides.z});
 }
 
-PositionGrid placed_grid(const GltfBounds& all, const GltfOptions& options) {
+PositionGrid placed_grid(const FloatBox& all, const GltfOptions& options) {
   const glm::dvec3 least(all.minimum), sides = glm::dvec3(all.maximum) - least;
   const bool packs = options.compression == GltfCompression::Meshopt;
   if (options.grid_step > 0) {
@@ -45,7 +45,7 @@ double coarsest_step(double error) { return 2 / std::sqrt(3.0) * error; }
 
 // Where its place would be lost the grid lies about zero: 16 bits, which have no sign, do not do
 // then.
-PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
+PositionGrid position_grid(const FloatBox& all, const GltfOptions& options) {
   const PositionGrid grid = placed_grid(all, options);
   if (grid.origin == glm::dvec3(0.0) || !is_dropped(grid.origin) || !is_dropped(options.origin))
     return grid;
@@ -56,7 +56,7 @@ PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
   return fits ? PositionGrid{.step = grid.step} : PositionGrid{};
 }
 
-void tell_kept_float(const GltfOptions& options, const GltfBounds& bounds) {
+void tell_kept_float(const GltfOptions& options, const FloatBox& bounds) {
   if (!options.kept_float || options.compression != GltfCompression::Quantize ||
       position_grid(bounds, options).step > 0)
     return;

@@ -24,9 +24,9 @@ struct PositionGrid {
 
 /// For packing positions within these bounds as coarse as options.position_error leaves room for,
 /// else in 16 bits where those do.
-[[nodiscard]] PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options);
+[[nodiscard]] PositionGrid position_grid(const FloatBox& all, const GltfOptions& options);
 
 /// Calls options.kept_float, if it is there and positions within these bounds stay float32.
-void tell_kept_float(const GltfOptions& options, const GltfBounds& bounds);
+void tell_kept_float(const GltfOptions& options, const FloatBox& bounds);
 
 }  // namespace planish
