@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pipeline/asset_fixture.h"
-#include "planish/files/gltf/asset/tangent_sets.h"
+#include "planish/files/gltf/asset/primitive_parts.h"
 
 namespace planish::test {
 namespace {

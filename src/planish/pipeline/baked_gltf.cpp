@@ -10,7 +10,7 @@
 #include "planish/core/number_text.h"
 #include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/json_guard.h"
-#include "planish/files/gltf/asset/tangent_sets.h"
+#include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/normal_texture.h"
 
 namespace planish {

@@ -16,7 +16,6 @@
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/files/gltf/packed_numbers.h"
-#include "planish/files/gltf/strip_order.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 

@@ -8,7 +8,7 @@
 
 #include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/json_guard.h"
-#include "planish/files/gltf/asset/tangent_sets.h"
+#include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/gltf_source.h"
 

@@ -14,7 +14,6 @@
 #include "planish/files/gltf/packed_numbers.h"
 #include "planish/files/gltf/position_grid.h"
 #include "planish/files/gltf/stored_position.h"
-#include "planish/files/gltf/strip_order.h"
 
 namespace planish {
 namespace {

@@ -11,7 +11,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/stop.h"
-#include "planish/files/gltf/asset/geometry_extensions.h"
+#include "planish/files/gltf/asset/replaced_geometry.h"
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/gltf/gltf_materials.h"

@@ -4,10 +4,9 @@
 #include <set>
 
 #include "planish/core/json.h"
-#include "planish/files/gltf/asset/geometry_extensions.h"
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
-#include "planish/files/gltf/asset/tangent_sets.h"
+#include "planish/files/gltf/asset/replaced_geometry.h"
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/meshopt_stream.h"

@@ -8,7 +8,6 @@
 #include "planish/files/gltf/asset/asset_checks.h"
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
-#include "planish/files/gltf/asset/tangent_sets.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/scene_reader.h"
 #include "planish/mesh/mirrored_charts.h"

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 
 #include "planish/core/json_fwd.h"
@@ -9,13 +10,21 @@
 
 namespace planish {
 
+/// Places in an asset's lists that only the triangles of some meshes name: what comes in their
+/// place can have them.
+struct FreePlaces {
+  std::set<std::int64_t> accessors, views;
+};
+[[nodiscard]] FreePlaces free_places(const nlohmann::json& document,
+                                     const std::set<std::int64_t>& replaced_meshes);
+
 inline constexpr const char* kNgonExtension = "FB_ngon_encoding";
 /// Of scenes: how many vertices and triangles they have.
 inline constexpr const char* kCountsExtension = "FB_geometry_metadata";
 
 /// Whether an extension of a mesh or of a primitive describes vertices, corners or triangles by
 /// their numbers or accessors, so that it goes where those give way: what the table of
-/// geometry_extensions.cpp says, of an extension that nobody here knows whether it names an
+/// replaced_geometry.cpp says, of an extension that nobody here knows whether it names an
 /// accessor or a buffer view under a name that the format has for them.
 [[nodiscard]] bool describes_triangles(const std::string& name, const nlohmann::json& extension);
 
