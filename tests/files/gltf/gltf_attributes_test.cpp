@@ -71,6 +71,21 @@ TEST(GltfAttributes, FieldsBecomeScalarsOfTheirNames) {
   }
 }
 
+TEST(GltfAttributes, ThoseOfTargetsMoveTheMesh) {
+  const SurfaceMesh surface = charts_without_groups();
+  std::vector<float> moves(3 * surface.positions.size());
+  for (std::size_t i = 0; i < moves.size(); ++i) moves[i] = 0.25f * static_cast<float>(i);
+  GltfOptions options;
+  options.attributes = {{.name = "target/0/POSITION", .width = 3, .values = moves}};
+  const tinygltf::Model model = parsed(surface, options);
+  const tinygltf::Primitive& primitive = model.meshes.at(0).primitives.at(0);
+  EXPECT_FALSE(primitive.attributes.contains("target/0/POSITION"));
+  ASSERT_EQ(primitive.targets.size(), 1u);
+  const int accessor = primitive.targets[0].at("POSITION");
+  EXPECT_THAT(model.accessors.at(accessor).minValues, ElementsAre(0, 0.25, 0.5));
+  EXPECT_EQ(values_of<glm::vec3>(model, accessor).at(1), glm::vec3(0.75f, 1.0f, 1.25f));
+}
+
 TEST(GltfAttributes, FieldsAreCheckedBeforeTheyAreWritten) {
   const SurfaceMesh surface = test::two_charts();
   const auto message_for = [&](std::vector<float> values) -> std::string {
