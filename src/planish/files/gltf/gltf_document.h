@@ -65,7 +65,7 @@ struct GltfDocument {
                                           const GltfOptions& options);
 
 /// Writes a .glb, or a .gltf and its buffer, by extension. The buffer comes first: the document is
-/// nothing without it. Tells how large ones are warned of, and that all is done. Throws
+/// nothing without it. Warns of large ones; reports "write" as done. Throws
 /// Error{UnwritableOutput}; for a .glb Error{InvalidArgument} from 4 GiB on.
 GltfFile write_document(const std::filesystem::path& path, GltfDocument document,
                         const GltfOptions& options);
