@@ -1,11 +1,11 @@
 // Writes the stub of the Python module: a template, with the keywords of functions from the table
 // of options. Arguments: template, stub.
-#include <fstream>
 #include <string>
 
 #include "keywords.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
+#include "stubs/stub.h"
 
 namespace planish::python {
 namespace {
@@ -55,14 +55,11 @@ std::string fit_lines() {
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
-  std::ifstream form(argv[1]);
-  std::ofstream stub(argv[2]);
   using namespace planish::python;
-  for (std::string line; std::getline(form, line);)
-    stub << (line == "    @FIT_KEYWORDS@"    ? fit_lines()
-             : line == "    @FILE_KEYWORDS@" ? file_lines()
-             : line == "    @STEP_KEYWORDS@" ? keyword_lines(is_step_keyword)
-                                             : line + "\n");
-  stub.close();
-  return form.eof() && stub ? 0 : 1;
+  return planish::write_stub(argv[1], argv[2],
+                             {{"    @FIT_KEYWORDS@", fit_lines()},
+                              {"    @FILE_KEYWORDS@", file_lines()},
+                              {"    @STEP_KEYWORDS@", keyword_lines(is_step_keyword)}})
+             ? 0
+             : 1;
 }
