@@ -53,21 +53,10 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
   return made;
 }
 
-// One level, or several.
-std::vector<int> levels_in(const py::object& given) {
-  const py::sequence all =
-      py::isinstance<py::int_>(given) ? py::sequence(py::make_tuple(given)) : py::sequence(given);
-  std::vector<int> levels;
-  for (const py::handle level : all) {
-    if (!py::isinstance<py::int_>(level)) refuse("levels: whole numbers are wanted");
-    levels.push_back(level.cast<int>());
-  }
-  return levels;
-}
-
 FitHandle fit_files(const py::object& input, const py::object& output, const py::object& levels,
                     const py::object& cage, const py::object& report, py::kwargs keywords) {
   const auto start = std::chrono::steady_clock::now();
+  keywords["levels"] = levels;
   FitArguments arguments = fit_arguments(std::move(keywords), "fit_file");
   arguments.mesh.visit([](const char* name, const py::object& value) {
     if (!value.is_none()) refuse(std::string(name) + ": belongs to fit(); a file has its own");
@@ -75,7 +64,6 @@ FitHandle fit_files(const py::object& input, const py::object& output, const py:
   const std::filesystem::path from = path_of(input), to = path_of(output);
   FitFileOptions options;
   options.settings = arguments.settings;
-  if (!levels.is_none()) options.settings.set_levels(levels_in(levels));
   if (!cage.is_none()) options.cage = path_of(cage);
   if (!report.is_none()) options.report = path_of(report);
   FitHandle made = new_fit(arguments);
@@ -288,8 +276,7 @@ void add_fit(py::module_& module) {
       std::string(
           "From file to file: reads a mesh, points or a glTF, fits, and writes the surface and, "
           "where\nnamed, its cage and a report.\n\nfit_file(input, output, levels=None, cage=None, "
-          "*, report=None, **options) -> Fit\n\n    levels: 0 to 6, or several: a file each, or "
-          "with lods=\"msft\" levels of detail of one\n        glTF; None: 2, of a dense mesh 1.\n"
+          "*, report=None, **options) -> Fit\n\n"
           "    report: JSON of what was done, as planish fit --report writes.\n") +
       fit_keywords() + file_keywords() +
       "\n\nRaises what read(), fit(), reconstruct() and write() raise.";

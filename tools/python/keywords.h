@@ -22,11 +22,10 @@ namespace planish::python {
   return option.needs == OptionNeeds::Step;
 }
 
-/// What fit_file() takes besides: all but `levels`, which is an argument of its own, and the
-/// device.
+/// What fit_file() takes besides: all but the device.
 [[nodiscard]] inline bool is_file_keyword(const OptionInfo& option) {
   return !is_keyword(option) && option.kind != OptionKind::Vertices &&
-         option.kind != OptionKind::Edges && option.name != "levels" && option.name != "device";
+         option.kind != OptionKind::Edges && option.name != "device";
 }
 
 }  // namespace planish::python

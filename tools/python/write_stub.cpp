@@ -37,8 +37,10 @@ std::string keyword_lines(bool (*is_wanted)(const OptionInfo&)) {
   return lines;
 }
 
+// But for `levels`, which may stand without its name.
 std::string file_lines() {
-  std::string lines = keyword_lines(is_file_keyword);
+  std::string lines = keyword_lines(
+      [](const OptionInfo& option) { return is_file_keyword(option) && option.name != "levels"; });
   for (const PointOption& option : point_option_table()) lines += keyword_line(option);
   return lines;
 }
