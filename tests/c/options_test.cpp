@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planish/files/mesh_file.h"
@@ -104,11 +105,18 @@ TEST(COptions, WhatIsOfFilesIsRefusedForMeshes) {
   write_mesh(path, FileFormat::Obj, cube());
   planish_mesh* mesh = nullptr;
   ASSERT_EQ(planish_mesh_read(path.c_str(), &mesh), PLANISH_OK);
-  const OwnOptions options = defaults();
-  set(options, "compress", "meshopt");
-  planish_fit* fit = nullptr;
-  EXPECT_EQ(planish_fit_create(mesh, options.get(), &fit), PLANISH_INVALID_ARGUMENT);
-  EXPECT_STREQ(planish_last_error(), "options.compress: is of files; take planish_fit_file()");
+  const std::pair<const char*, const char*> of_files[] = {{"compress", "meshopt"},
+                                                          {"asset", "merge"},
+                                                          {"textures", "anywhere"},
+                                                          {"target_vertices", "100"}};
+  for (const auto& [name, value] : of_files) {
+    const OwnOptions options = defaults();
+    set(options, name, value);
+    planish_fit* fit = nullptr;
+    EXPECT_EQ(planish_fit_create(mesh, options.get(), &fit), PLANISH_INVALID_ARGUMENT);
+    EXPECT_EQ(planish_last_error(),
+              "options." + std::string(name) + ": is of files; take planish_fit_file()");
+  }
   planish_mesh_free(mesh);
 }
 
@@ -229,21 +237,6 @@ TEST_F(COptionsOfFiles, UpTurnsGltfAndIsToldToUsd) {
   EXPECT_THAT(by_file(upright, input_, "y.usda"), HasSubstr("upAxis = \"Y\""));
   EXPECT_THAT(by_file(turned, input_, "z.usda"), HasSubstr("upAxis = \"Z\""));
   EXPECT_THAT(by_fit(turned, "z.usda"), HasSubstr("upAxis = \"Z\""));
-}
-
-TEST_F(COptionsOfFiles, AssetsAreKeptOrMerged) {
-  const OwnOptions options = defaults();
-  set(options, "levels", "0");
-  (void)by_file(options, input_, "asset.gltf");
-  const std::filesystem::path asset = folder_.path() / "asset.gltf";
-  std::string document = content_of(asset);
-  const std::size_t nodes = document.find("\"nodes\": [\n");
-  ASSERT_NE(nodes, document.npos) << document;
-  document.insert(document.find('{', nodes) + 1, "\"extras\": {\"kept\": 1},");
-  std::ofstream(asset) << document;
-  EXPECT_THAT(by_file(options, asset, "kept.gltf"), HasSubstr("\"kept\""));
-  set(options, "asset", "merge");
-  EXPECT_THAT(by_file(options, asset, "merged.gltf"), Not(HasSubstr("\"kept\"")));
 }
 
 // The finest is first, in whatever order they are named, as on a command line.

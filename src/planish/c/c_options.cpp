@@ -42,13 +42,13 @@ void for_options(const Visit& visit) {
   for (const PointOption& option : point_option_table()) visit(option);
 }
 
-// Rows that say what files hold, or what becomes of points: nothing here does it but
-// planish_fit_file().
+// What meshes in memory take, too: what shapes and solves, and what planish_fit_write() is told.
+// All else is of files and points, and nothing does it but planish_fit_file().
 bool is_of_files(const OptionInfo& option) {
-  constexpr std::string_view kOfFiles[] = {"attributes", "compress",     "bake", "tile_vertices",
-                                           "skirts",     "chord_errors", "angle"};
-  return option.stage == OptionStage::Points ||
-         std::ranges::find(kOfFiles, option.name) != std::end(kOfFiles);
+  constexpr std::string_view kOfMeshes[] = {"up", "levels", "device"};
+  return option.stage != OptionStage::Shape && option.stage != OptionStage::Solve &&
+         option.needs != OptionNeeds::Step &&
+         std::ranges::find(kOfMeshes, option.name) == std::end(kOfMeshes);
 }
 
 [[noreturn]] void refuse_name(std::string_view name) {
