@@ -62,6 +62,9 @@ export default async function make() {
       readFile: (path) => files.get(path),
       unlink: (path) => { if (!files.delete(path)) throw new Error('no ' + path); },
       analyzePath: (path) => ({ exists: files.has(path) }),
+      mkdir: () => {},
+      readdir: (folder) => ['.', '..', ...[...files.keys()].filter((path) => path.startsWith(folder + '/'))
+        .map((path) => path.slice(folder.length + 1))],
     },
     UTF8ToString: text,
     lengthBytesUTF8: (value) => new TextEncoder().encode(value).length,
@@ -148,7 +151,7 @@ test('options reach the library by name, as text', () => {
   assert.equal(result.info.interpolation, 'fair');
   assert.deepEqual([...result.bytes], [1, 2, 3]);
   assert.deepEqual(module.calls.at(-1), {
-    from: '/from.glb', to: '/to.glb',
+    from: '/in/duck.GLB', to: '/out/surface.glb',
     set: [['levels', '2,0'], ['lods', 'msft'], ['interpolation', 'fair'], ['tolerance', '1e-7'], ['max_iterations', '12'],
       ['within', 'auto'], ['step_face_size', '4']],
   });
@@ -173,10 +176,11 @@ test('warnings are heard, exceptions come out, and nothing is left behind', () =
 
 test('errors name the file and what was wrong', () => {
   module.told = undefined;
-  [module.status, module.error] = [3, '/from.glb: meshes[0] is no mesh'];
+  [module.status, module.error] = [3, '/in/duck.glb: meshes[0] is no mesh'];
   refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb'), 'UNREADABLE_INPUT', /^duck.glb: meshes/);
   [module.status, module.error] = [0, ''];
-  refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb', { output: 'x.gltf' }), 'INVALID_ARGUMENT', /beside/);
+  for (const output of ['x.gltf', 'x.JSON'])
+    refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb', { output }), 'INVALID_ARGUMENT', /beside/);
   refused(() => planish.fitFile(new Uint8Array(4), 'duck.glb', { speed: 1 }), 'INVALID_ARGUMENT', /^options.speed: there is no such/);
   refused(() => planish.fit({ positions: [1, 2] }), 'INVALID_ARGUMENT', /multiple of 3/);
 });

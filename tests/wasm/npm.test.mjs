@@ -184,6 +184,14 @@ test('files', () => {
   assert.match(new TextDecoder().decode(fit.write('x.obj', 0)), /^v /m);
 });
 
+test('files are called as the caller calls them', () => {
+  const { bytes } = planish.fitFile(scene('goblet.obj'), 'scenes/goblet.obj', { output: 'out/cup.step', levels: 0 });
+  assert.match(new TextDecoder().decode(bytes.subarray(0, 400)), /FILE_NAME\('goblet'/);
+  refused(() => planish.fitFile(scene('goblet.obj'), 'goblet.obj', { output: 'tiles.json' }), 'INVALID_ARGUMENT', /beside it/);
+  // Input and output may have the same name.
+  assert.ok(planish.fitFile(scene('goblet.obj'), 'goblet.obj', { output: 'goblet.obj', levels: 0 }).bytes.length > 1e5);
+});
+
 test('a glTF keeps all that is no triangle, with levels of detail', () => {
   const given = planish.fit(cube).glb(0);
   const { bytes, info } = planish.fitFile(given, 'cube.glb', { levels: [2, 1, 0], lods: 'msft' });
@@ -199,7 +207,7 @@ test('errors say what, where and which', () => {
   const bytes = (text) => new TextEncoder().encode(text);
   refused(() => planish.fit({ positions: [0, 0, 0, 1, 0, 0], faces: [[0, 1, 7]] }), 'UNUSABLE_MESH', /face 0 names vertex 7 of 2/);
   refused(() => planish.fit(cube, { maxIteration: 1 }), 'INVALID_ARGUMENT', /did you mean max_iterations\?/);
-  refused(() => planish.fit(cube, { chordErrors: [0.1] }), 'INVALID_ARGUMENT', /chord_errors: .* planish fit does it/);
+  refused(() => planish.fit(cube, { chordErrors: [0.1] }), 'INVALID_ARGUMENT', /chord_errors: is of files/);
   refused(() => planish.fit(cube, { tolerance: -1 }), 'INVALID_ARGUMENT', /tolerance.*1e-6/);
   refused(() => planish.fit(cube, { interpolation: 'best' }), 'INVALID_ARGUMENT', /interpolation: "best" is not one of auto/);
   refused(() => planish.fit(cube, { speed: 1 }), 'INVALID_ARGUMENT', /options.speed: there is no such option here/);

@@ -23,10 +23,19 @@ export async function load({ wasm } = {}) {
   return new Planish(await makeModule(given));
 }
 
+// Files in the library's memory are called as the caller's: formats tell it, and some files hold the name.
+const pathIn = (folder, name) => `${folder}/${String(name).replace(/.*[\\/]/, '') || 'unnamed'}`;
+
+// What is there besides the file that was asked for, too: materials of an OBJ, say.
+function removeAll({ FS }, folder) {
+  for (const name of FS.readdir(folder)) if (name !== '.' && name !== '..') FS.unlink(`${folder}/${name}`);
+}
+
 class Planish {
   #module;
   constructor(module) {
     this.#module = module;
+    for (const folder of ['/in', '/out']) module.FS.mkdir(folder);
   }
 
   get version() {
@@ -41,7 +50,7 @@ class Planish {
   /** A file's mesh; `name` tells its format by its ending. */
   read(bytes, name) {
     const module = this.#module;
-    const path = `/read.${String(name).split('.').pop().toLowerCase()}`;
+    const path = pathIn('/in', name);
     module.FS.writeFile(path, bytes);
     try {
       return new Memory(module).use((memory) => {
@@ -69,9 +78,9 @@ class Planish {
    * `output` tells the format by its ending; of `lods` "msft" several `levels` are levels of detail in one glTF. */
   fitFile(bytes, name, { output = 'surface.glb', ...options } = {}) {
     const module = this.#module;
-    const ending = (file) => String(file).split('.').pop().toLowerCase();
-    if (ending(output) === 'gltf') refuse('output: a .gltf has files beside it; take .glb');
-    const from = `/from.${ending(name)}`, to = `/to.${ending(output)}`, warnings = [];
+    const [several] = /\.(gltf|json)$/i.exec(output) ?? [];
+    if (several) refuse(`output: a ${several} has files beside it; take .glb`);
+    const from = pathIn('/in', name), to = pathIn('/out', output), warnings = [];
     module.FS.writeFile(from, bytes);
     try {
       const info = new Memory(module).use((memory) => {
@@ -84,7 +93,8 @@ class Planish {
       });
       return { bytes: module.FS.readFile(to), info, warnings };
     } finally {
-      for (const path of [from, to]) if (module.FS.analyzePath(path).exists) module.FS.unlink(path);
+      module.FS.unlink(from);
+      removeAll(module, '/out');
     }
   }
 }
