@@ -1,13 +1,27 @@
 #pragma once
 
 #include <charconv>
+#include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <string>
 #include <string_view>
 
 namespace planish {
+
+/// As std::to_chars() with a number of digits has it. Its tables are 33 kB of packed WebAssembly,
+/// where printf() writes the same: no locale there has another point.
+inline char* rounded_text(char* first, char* last, double value, std::chars_format format,
+                          int digits) {
+#ifdef __EMSCRIPTEN__
+  const char* const form = format == std::chars_format::fixed ? "%.*f" : "%.*g";
+  return first + std::snprintf(first, static_cast<std::size_t>(last - first), form, digits, value);
+#else
+  return std::to_chars(first, last, value, format, digits).ptr;
+#endif
+}
 
 /// Text of Part 21's entities: #12=NAME(...);
 class StepText {
@@ -53,8 +67,8 @@ class StepText {
   /// 15 digits, with the point that Part 21 asks for.
   void put(double value) {
     char buffer[40];
-    const auto [stop, error] =
-        std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 15);
+    const char* const stop =
+        rounded_text(buffer, buffer + sizeof buffer, value, std::chars_format::general, 15);
     put_real({buffer, static_cast<std::size_t>(stop - buffer)});
   }
   struct Coordinate {
@@ -64,9 +78,8 @@ class StepText {
   void put(Coordinate coordinate) {
     char exact[40], rounded[400];
     const char* const end = std::to_chars(exact, exact + sizeof exact, coordinate.value).ptr;
-    char* stop = std::to_chars(rounded, rounded + sizeof rounded, coordinate.value,
-                               std::chars_format::fixed, decimals_)
-                     .ptr;
+    char* stop = rounded_text(rounded, rounded + sizeof rounded, coordinate.value,
+                              std::chars_format::fixed, decimals_);
     while (decimals_ > 0 && stop[-1] == '0') --stop;
     const bool is_exact = end - exact <= stop - rounded;
     const std::string_view text(is_exact ? exact : rounded,

@@ -1,12 +1,13 @@
 #include "planish/job/further_buffers.h"
 
-#include <fstream>
+#include <cstddef>
 #include <string>
 
 #include "planish/core/json.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/read_file.h"
 
 namespace planish {
 namespace {
@@ -22,8 +23,9 @@ std::size_t own_buffers(const fs::path& document) {
   if (!fs::is_regular_file(fs::symlink_status(document, error)) ||
       fs::file_size(document, error) > kMostDocumentBytes || error)
     return 0;
-  std::ifstream file(document, std::ios::binary);
-  const nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
+  const RawVector<std::byte> text = read_named(document, document, FileReach::Anywhere).bytes;
+  const auto* const letters = reinterpret_cast<const char*>(text.data());
+  const nlohmann::json json = nlohmann::json::parse(letters, letters + text.size(), nullptr, false);
   if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return 0;
   std::size_t count = 0;
   for (const nlohmann::json& buffer : json["buffers"]) {

@@ -232,12 +232,14 @@ OrderedJson to_json(const JobReport& report) {
 }
 
 std::uint64_t peak_host_bytes() {
+#ifdef __linux__
   // What getrusage() says begins with the memory of who started the process.
   std::ifstream status("/proc/self/status");
   std::string word;
   while (status >> word && word != "VmHWM:") {
   }
   if (std::uint64_t kibibytes = 0; status >> kibibytes) return 1024 * kibibytes;
+#endif
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB

@@ -317,6 +317,10 @@ std::int64_t meshed_at_first(std::int64_t point_count, const ReconstructOptions&
 
 Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
                            const ReconstructOptions& options) {
+#ifdef __EMSCRIPTEN__
+  // There are no processes, so that nobody has a mesher, and what follows need not be carried.
+  throw Error(ErrorCode::NoDevice, "points are not meshed in WebAssembly");
+#endif
   check_options(options);
   const HostScope host(options.callbacks);
   Work work{.cloud = cloud, .mesher = mesher, .options = options};
