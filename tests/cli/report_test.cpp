@@ -14,7 +14,7 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/digest.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/surface_quality.h"

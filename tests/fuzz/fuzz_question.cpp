@@ -13,7 +13,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/read_points.h"
 #include "planish/files/sniff_format.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 
 namespace planish::test {
 

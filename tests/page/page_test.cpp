@@ -12,7 +12,7 @@
 #include "page/page_reader.h"
 #include "page/page_text.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 

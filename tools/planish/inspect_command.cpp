@@ -7,7 +7,7 @@
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/job/input_path.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/pipeline/option_table.h"
 #include "terminal/faults.h"
 

@@ -13,7 +13,7 @@
 #include "planish/job/build_info.h"
 #include "planish/job/output_plan.h"
 #include "planish/job/point_input.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/job/staged_files.h"
 #include "planish/job/text.h"
 #include "planish/pipeline/option_table.h"
@@ -57,7 +57,7 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
   json["exit_code"] = 0;
   json["input"] = {
       {"path", flags.input}, {"sha256", input.sha256}, {"format", name_of(input.format)}};
-  json["reconstruction"] = reconstruction_json(input, result);
+  json["reconstruction"] = to_json(facts_of(input, result));
   json["outputs"] = flags.outputs;
   json["memory"] = {{"host_peak_bytes", peak_host_bytes()}};
   json["warnings"] = nlohmann::ordered_json::array();
@@ -139,7 +139,7 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
   if (!flags.report.empty())
     write_reconstruction(flags, arguments, input, result, warnings, staged);
   staged.commit();
-  console.info(input.name + "\n" + reconstruction_summary(input, result));
+  console.info(input.name + "\n" + points_text(facts_of(input, result)));
   return ExitCode::Done;
 }
 

@@ -11,7 +11,7 @@
 #include "planish/job/input.h"
 #include "planish/job/input_path.h"
 #include "planish/job/job_settings.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/job/text.h"
 #include "planish/pipeline/option_table.h"
 #include "terminal/faults.h"

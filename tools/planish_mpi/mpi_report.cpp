@@ -14,7 +14,7 @@
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
 #include "planish/job/build_info.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/job/text.h"
 #include "planish/pipeline/fit_report.h"
 
@@ -149,7 +149,7 @@ std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& 
           {"dart", fit.kinds[1]},
           {"crease", fit.kinds[2]},
           {"corner", fit.kinds[3]}}}}},
-      {"solve", solve_json(fitted_of(job, fit))},
+      {"solve", solve_json(fitted_of(job, fit).figures())},
       {"matrix",
        {{"engine", "PETSc " + PetscSession::version()},
         {"entries", fit.entries},

@@ -21,7 +21,8 @@ py::object python_of(const nlohmann::ordered_json& json) {
 
 nlohmann::ordered_json input_of(const FittedMesh& fitted) {
   const PreparedMesh& prepared = *fitted.fit.prepared;
-  return input_json(fitted, statistics(prepared), folded_edges(fitted.mesh, *prepared.topology));
+  const FoldedEdges folds = folded_edges(fitted.mesh, *prepared.topology);
+  return input_json(fitted.figures(), statistics(prepared), folds.count, folds.area);
 }
 
 py::dict timing_of(const PythonFit& fit) {
@@ -44,7 +45,7 @@ py::dict report_of(const PythonFit& fit) {
   tool["version"] = PLANISH_VERSION;
   report["tool"] = tool;
   report["input"] = python_of(input_of(fit.fitted));
-  report["solve"] = python_of(solve_json(fit.fitted));
+  report["solve"] = python_of(solve_json(fit.fitted.figures()));
   report["timing_ms"] = timing_of(fit);
   report["warnings"] = python_of(warnings_json(fit.fitted.warnings));
   return report;

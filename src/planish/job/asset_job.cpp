@@ -223,7 +223,7 @@ std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts
     {
       const auto progress = part_of(work, {part.share.begin, made_at});
       made.level = std::make_unique<JobLevel>(
-          surface_of(job, *part.surface, settled(fineness, part.report.density.level()),
+          surface_of(job, *part.surface, settled(fineness, part.report.fit.density.level()),
                      made.fields, made.options));
     }
     const auto progress = part_of(work, {made_at, part.share.end});
@@ -306,7 +306,7 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
   written.path = planned.path.string();
   written.kind = planned.kind;
   int finest = 0;
-  for (const AssetPart& part : parts) finest = std::max(finest, part.report.density.level());
+  for (const AssetPart& part : parts) finest = std::max(finest, part.report.fit.density.level());
   written.fineness = settled(planned.fineness, finest);
   written.coarser = planned.coarser;
   GltfOptions common;

@@ -36,20 +36,20 @@ std::string details(const JobReport& report) {
   }
   std::string text = report.job + ", in detail:\n";
   text += line("threads", std::to_string(oneapi::tbb::this_task_arena::max_concurrency()));
-  if (report.fair) {
+  if (report.fit.fair) {
     text += line("drawn in", formatted("{}, {} turned back, {} cured of folds",
-                                       counted(report.fair->shrunk_vertices, "vertex"),
-                                       counted(report.fair->reversed_vertices, "vertex"),
-                                       with_separators(report.fair->cured_vertices)));
-    if (report.fair->least_polygon)
+                                       counted(report.fit.fair->shrunk_vertices, "vertex"),
+                                       counted(report.fit.fair->reversed_vertices, "vertex"),
+                                       with_separators(report.fit.fair->cured_vertices)));
+    if (report.fit.fair->least_polygon)
       text += line("least polygon",
-                   short_number(*report.fair->least_polygon) + " of its vertex' shortest edge");
-    text += line("flagged", counted(report.fair->flagged_edges, "edge") + ", " +
-                                counted(report.fair->flagged_faces, "face"));
+                   short_number(*report.fit.fair->least_polygon) + " of its vertex' shortest edge");
+    text += line("flagged", counted(report.fit.fair->flagged_edges, "edge") + ", " +
+                                counted(report.fit.fair->flagged_faces, "face"));
   } else {
-    text += line("bound", short_number(report.spectral_bound) + " (least eigenvalue of B)");
+    text += line("bound", short_number(report.fit.spectral_bound) + " (least eigenvalue of B)");
   }
-  text += line("errors", errors_text(report.interpolation.history));
+  text += line("errors", errors_text(report.fit.interpolation.history));
   if (report.host_peak_bytes > 0)  // of a mesh of several only the job has it
     text += line("memory", byte_size(report.host_peak_bytes) + " at most" +
                                (report.device_bytes > 0

@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "planish/core/json.h"
 #include "planish/files/read_file.h"
 #include "planish/job/asset_job.h"
 #include "planish/job/baked_maps.h"
@@ -28,7 +27,7 @@ namespace {
 
 void write_report(const Job& job, const JobReport& report, StagedFiles& staged) {
   if (job.report.empty() || job.report == "-") return;
-  staged.write(job.report, json_text(to_json(report)));
+  staged.write(job.report, report_json(report));
 }
 
 // The job's own page, as text where it is for stdout.
@@ -161,7 +160,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, report, context);
       cage = take_cage(prepared, outputs, context.wants_page());
-      report.method = prepared.fitted.options.method;
+      report.fit.method = prepared.fitted.options.method;
       if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context);
       const MeshNeed need{&prepared, nullptr};
       require_memory_for({&need, 1}, job.settings, outputs);
@@ -191,7 +190,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   if (!stdout_bytes.empty())
     write({reinterpret_cast<const char*>(stdout_bytes.data()), stdout_bytes.size()});
   staged.commit();
-  if (job.report == "-") write(json_text(to_json(report)));
+  if (job.report == "-") write(report_json(report));
   if (job.page == "-") write(page_text);
   return result;
 }

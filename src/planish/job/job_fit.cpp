@@ -6,35 +6,23 @@
 #include "planish/core/refuse.h"
 #include "planish/job/apply_moves.h"
 #include "planish/job/timed.h"
-#include "planish/pipeline/fit_report.h"
 #include "planish/pipeline/mesh_warnings.h"
 
 namespace planish {
 namespace {
 
 void note_fit(JobReport& report, FittedMesh& fitted) {
-  report.method = fitted.options.method;
-  report.choice = fitted.choice;
+  report.fit = fitted.figures();
   settle(report.settings, fitted);
-  report.found_edges = std::ssize(fitted.found.edges);
-  report.input.joined = fitted.paired_count;
-  report.density = fitted.density;
-  report.input.added = std::ssize(fitted.added_vertices);
-  report.within = fitted.fit.within;
   report.input.welded += fitted.welded_count;
-  report.input.separated_edges = std::ssize(fitted.separated_edges);
   report.timing.choose = fitted.choose_milliseconds;
   Fit& result = fitted.fit;
-  report.spectral_bound = result.spectral_bound;
   report.timing.check += result.timing.check;
   report.timing.topology += result.timing.topology;
   report.timing.stencils += result.timing.stencils;
   report.timing.upload += result.timing.upload;
   report.timing.solve += result.timing.solve;
-  if (result.fair) report.fair = *result.fair;
-  report.solve = solve_json(fitted);
-  report.interpolation = std::move(result.interpolation);
-  report.interpolation.displacement.clear();
+  result.interpolation.displacement = {};  // nobody needs it any more
 }
 
 }  // namespace
@@ -46,7 +34,7 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
   made.fitted = fit_prepared(std::move(ready), backend);
   made.fitted.split_normals = report.settings.creases.split_normals;
   if (!moves.empty()) {
-    if (!report.reconstruction.is_null())
+    if (report.points)
       refuse(moves.front().where, "moves are of vertices of a mesh; the input holds points");
     report.moved =
         timed(made.fitted.fit.timing.solve, [&] { return apply_moves(made.fitted, moves); });
@@ -58,7 +46,6 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
   });
   report.input.folded_edges = made.folds.count;
   report.input.folded_edge_area = made.folds.area;
-  report.input.mesh = input_json(made.fitted, report.input.statistics, made.folds);
   // Said of the fit where it is made; here of moves.
   if (const auto missed = convergence_warning(made.fitted, name)) {
     report.falls_short = true;

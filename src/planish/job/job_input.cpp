@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "planish/core/error.h"
-#include "planish/core/json.h"
 #include "planish/files/formats.h"
 #include "planish/job/point_input.h"
 #include "planish/job/text.h"
@@ -15,14 +14,6 @@
 #include "planish/reconstruct/point_options.h"
 
 namespace planish {
-
-nlohmann::ordered_json sampling_json(const Sampling& sampling) {
-  return {{"points", sampling.points},
-          {"pattern", sampling.poisson_disk ? "poisson-disk" : "uniform"},
-          {"seed", sampling.seed},
-          {"noise", sampling.noise},
-          {"outliers", sampling.outliers}};
-}
 
 void add_warning(JobReport& report, const JobContext& context, const Warning& warning) {
   const auto same = [&](const Warning& other) {
@@ -70,8 +61,7 @@ void reconstruct_points(const PointInput& cloud, const Mesher& mesher, JobInput&
   options.pair_quads = report.settings.quads != QuadChoice::Off &&
                        report.settings.scheme != Scheme::Loop;  // which is of triangles only
   Reconstruction result = reconstruct_input(cloud, mesher, options);
-  report.reconstruction = reconstruction_json(cloud, result);
-  report.reconstruction_summary = reconstruction_summary(cloud, result);
+  report.points = facts_of(cloud, result);
   for (const std::int32_t point : result.used_points)
     made.points.push_back(cloud.cloud.origin + cloud.cloud.points[point]);
   made.input.file.mesh = std::move(result.mesh);
@@ -155,7 +145,7 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
   if (job.sampling) {
     (void)mesher();  // before the work
     reconstruct(sample_input(file, *job.sampling, callbacks));
-    report.reconstruction["sampled"] = sampling_json(*job.sampling);
+    report.points->sampled = job.sampling;
   } else if (holds_points_only(file.format)) {
     reconstruct(points_of(file, callbacks));
   } else {
@@ -209,13 +199,13 @@ ReadyFit prepare_input(JobInput& made, JobReport& report, const JobContext& cont
   options.faces_are_given = is_mesh;
   if (!is_mesh) options.quads = QuadChoice::Off;  // which it has already
   ReadyFit ready = prepare_mesh(std::move(made.input), options, report.settings);
-  report.method = ready.fitted.options.method;
+  report.fit.method = ready.fitted.options.method;
   return ready;
 }
 
 void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
                              const JobContext& context) {
-  const bool is_fair = report.method == InterpolationMethod::Fair;
+  const bool is_fair = report.fit.method == InterpolationMethod::Fair;
   const auto has_surface = [&](bool (*is_wanted)(const FormatInfo&)) {
     return std::ranges::any_of(job.outputs, [&](const OutputRequest& output) {
       const auto format = output.path == "-" ? FileFormat::Glb : format_of(output.path);
@@ -267,7 +257,7 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
       {"unused-settings",
        formatted("{}: without effect here: {} (the input is {}, the method {}{}{}{})",
                  made.input.name, unused, made.points.empty() ? "a mesh" : "of points",
-                 name_of(report.method), lacks_tiles ? ", no output 3D Tiles" : "",
+                 name_of(report.fit.method), lacks_tiles ? ", no output 3D Tiles" : "",
                  lacks_step ? ", no output STEP" : "", lacks_levels ? ", STEP has no levels" : ""),
        count, -1});
 }

@@ -65,12 +65,12 @@ SurfaceOutputOptions surface_options(const FittedJob& work) {
   options.gltf.materials = &work.made.materials.gltf;
   options.gltf.z_up = job.settings.up == UpAxis::Z;
   options.gltf.origin = storage_origin(fitted.fit.placement);
-  options.gltf.extras = fit_extras(fitted.options, fitted.creases(), report.interpolation);
+  options.gltf.extras = fit_extras(fitted.options, fitted.creases(), report.fit.interpolation);
   return options;
 }
 
 void warn_of_rounding(JobReport& report, const JobContext& context, const WrittenOutput& output) {
-  if (!report.interpolation.converged) return;
+  if (!report.fit.interpolation.converged) return;
   if (const auto rounded = rounding_warning(output_name(output.path), output.as_written_error,
                                             report.settings.tolerance))
     add_warning(report, context, *rounded);

@@ -111,50 +111,17 @@ Reconstruction reconstruct_input(const PointInput& input, const Mesher& mesher,
   }
 }
 
-nlohmann::ordered_json reconstruction_json(const PointInput& input, const Reconstruction& result) {
-  const MeshStatistics& facts = result.statistics;
-  const auto faces_of = [&](std::size_t corners) {
-    return facts.face_size_counts.size() > corners ? facts.face_size_counts[corners] : 0;
-  };
-  nlohmann::ordered_json json;
-  json["points"] = input.cloud.points.size();
-  json["missing"] = input.cloud.missing_count;
-  json["duplicates"] = result.duplicate_count;
-  json["outliers"] = result.outlier_count;
-  json["used"] = result.used_points.size();
-  json["origin"] = {input.cloud.origin.x, input.cloud.origin.y, input.cloud.origin.z};
-  json["diagonal"] = result.diagonal;
-  json["spacing"] = result.spacing;
-  json["noise"] =
-      result.noise < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(result.noise);
-  json["smooth"] = result.smooth_rounds;
-  json["tolerance"] = result.tolerance;
-  json["vertices"] = facts.vertex_count;
-  json["faces"] = facts.face_count;
-  json["quads"] = faces_of(4);
-  json["triangles"] = faces_of(3);
-  json["components"] = facts.component_count;
-  json["components_dropped"] = result.dropped_component_count;
-  json["genus"] = facts.genus;
-  json["boundary_loops"] = facts.boundary_loop_count;
-  json["loops_filled"] = result.filled_loop_count;
-  json["points_left_out"] = result.strayed_count;
-  json["thinned"] =
-      result.sample_count == 0 ? 0 : std::ssize(result.used_points) - result.sample_count;
-  json["inserted"] = result.inserted_count;
-  json["meshings"] = result.meshing_count;
-  json["max_point_distance"] = result.distances.max / result.diagonal;
-  json["rms_point_distance"] = result.distances.rms / result.diagonal;
-  json["valence_histogram"] = histogram_json(facts.valence_counts);
-  const ReconstructTiming& timing = result.timing;
-  json["timing_ms"] = {{"clean", timing.clean},       {"smooth", timing.smooth},
-                       {"mesh", timing.mesh},         {"repair", timing.repair},
-                       {"simplify", timing.simplify}, {"measure", timing.measure}};
-  return json;
+PointFacts facts_of(const PointInput& input, const Reconstruction& result) {
+  return {.points = std::ssize(input.cloud.points),
+          .missing = input.cloud.missing_count,
+          .used = std::ssize(result.used_points),
+          .origin = input.cloud.origin,
+          .mesh = result,
+          .sampled = {}};
 }
 
 // Where points were moved.
-std::string noise_line(const Reconstruction& result) {
+std::string noise_line(const ReconstructionFigures& result) {
   if (result.smooth_rounds == 0) return {};
   std::string line = "  noise       ";
   if (result.noise >= 0)
@@ -165,13 +132,13 @@ std::string noise_line(const Reconstruction& result) {
                    short_number(result.tolerance));
 }
 
-std::string reconstruction_summary(const PointInput& input, const Reconstruction& result) {
+std::string points_text(const PointFacts& points) {
+  const ReconstructionFigures& result = points.mesh;
   const MeshStatistics& facts = result.statistics;
-  const auto used = static_cast<std::int64_t>(result.used_points.size());
   return formatted(
       "  points      {}, {} used, spacing {} of the diagonal\n{}  mesh        {}, {}, genus {}, "
       "{}; farthest point {}, rms {} of the diagonal\n",
-      with_separators(static_cast<std::int64_t>(input.cloud.points.size())), with_separators(used),
+      with_separators(points.points), with_separators(points.used),
       short_number(result.spacing / result.diagonal), noise_line(result),
       counted(facts.vertex_count, "vertex"), counted(facts.face_count, "face"), facts.genus,
       counted(facts.boundary_loop_count, "boundary loop"),

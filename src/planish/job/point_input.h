@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "planish/core/json_fwd.h"
 #include "planish/job/input.h"
+#include "planish/job/report.h"
 #include "planish/reconstruct/reconstruct.h"
 
 namespace planish {
@@ -39,12 +39,10 @@ void require_readable(const std::string& path, std::optional<FileFormat> format)
 [[nodiscard]] Reconstruction reconstruct_input(const PointInput& input, const Mesher& mesher,
                                                const ReconstructOptions& options);
 
-/// The "reconstruction" of a report.
-[[nodiscard]] nlohmann::ordered_json reconstruction_json(const PointInput& input,
-                                                         const Reconstruction& result);
+/// For reports.
+[[nodiscard]] PointFacts facts_of(const PointInput& input, const Reconstruction& result);
 
 /// Two aligned lines for people.
-[[nodiscard]] std::string reconstruction_summary(const PointInput& input,
-                                                 const Reconstruction& result);
+[[nodiscard]] std::string points_text(const PointFacts& points);
 
 }  // namespace planish

@@ -1,4 +1,4 @@
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 
 #include <sys/resource.h>
 
@@ -17,9 +17,11 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-OrderedJson input_json(const InputFacts& input) {
+OrderedJson input_json(const InputFacts& input, const FitFigures& fit) {
   OrderedJson json{{"path", input.path}, {"sha256", input.sha256}, {"format", input.format}};
-  for (const auto& [key, value] : input.mesh.items()) {
+  const OrderedJson mesh =
+      input_json(fit, input.statistics, input.folded_edges, input.folded_edge_area);
+  for (const auto& [key, value] : mesh.items()) {
     json[key] = value;
     if (key != "welded") continue;
     json[key] = input.welded;  // by readers, too
@@ -159,17 +161,17 @@ OrderedJson asset_json(const JobReport& report) {
 
 // What was fitted, and how good it is.
 void add_fit(const JobReport& report, OrderedJson& json) {
-  json["solve"] = report.solve;
+  json["solve"] = solve_json(report.fit);
   if (report.moved) {
     json["moved"] = {{"moves", report.moved->moves},
                      {"vertices", report.moved->vertices},
                      {"farthest", report.moved->farthest}};
   }
   json["surface"] = surface_json(report);
-  if (report.density.is_dense())
-    json["density"] = {{"vertices", report.density.vertex_count},
-                       {"even_area", report.density.even_share},
-                       {"level", report.density.level()}};
+  if (report.fit.density.is_dense())
+    json["density"] = {{"vertices", report.fit.density.vertex_count},
+                       {"even_area", report.fit.density.even_share},
+                       {"level", report.fit.density.level()}};
 }
 
 OrderedJson meshes_json(const std::vector<JobReport>& meshes) {
@@ -177,7 +179,7 @@ OrderedJson meshes_json(const std::vector<JobReport>& meshes) {
   for (const JobReport& mesh : meshes) {
     OrderedJson& entry = json.emplace_back();
     entry["asset"] = asset_json(mesh);
-    entry["input"] = input_json(mesh.input);
+    entry["input"] = input_json(mesh.input, mesh.fit);
     add_fit(mesh, entry);
     entry["warnings"] = warnings_json(mesh.warnings);
   }
@@ -206,6 +208,56 @@ std::string json_text(const OrderedJson& value) {
   return value.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
+OrderedJson to_json(const PointFacts& points) {
+  const ReconstructionFigures& result = points.mesh;
+  const MeshStatistics& facts = result.statistics;
+  const auto faces_of = [&](std::size_t corners) {
+    return facts.face_size_counts.size() > corners ? facts.face_size_counts[corners] : 0;
+  };
+  OrderedJson json;
+  json["points"] = points.points;
+  json["missing"] = points.missing;
+  json["duplicates"] = result.duplicate_count;
+  json["outliers"] = result.outlier_count;
+  json["used"] = points.used;
+  json["origin"] = {points.origin.x, points.origin.y, points.origin.z};
+  json["diagonal"] = result.diagonal;
+  json["spacing"] = result.spacing;
+  json["noise"] =
+      result.noise < 0 ? OrderedJson() : OrderedJson(result.noise);
+  json["smooth"] = result.smooth_rounds;
+  json["tolerance"] = result.tolerance;
+  json["vertices"] = facts.vertex_count;
+  json["faces"] = facts.face_count;
+  json["quads"] = faces_of(4);
+  json["triangles"] = faces_of(3);
+  json["components"] = facts.component_count;
+  json["components_dropped"] = result.dropped_component_count;
+  json["genus"] = facts.genus;
+  json["boundary_loops"] = facts.boundary_loop_count;
+  json["loops_filled"] = result.filled_loop_count;
+  json["points_left_out"] = result.strayed_count;
+  json["thinned"] =
+      result.sample_count == 0 ? 0 : points.used - result.sample_count;
+  json["inserted"] = result.inserted_count;
+  json["meshings"] = result.meshing_count;
+  json["max_point_distance"] = result.distances.max / result.diagonal;
+  json["rms_point_distance"] = result.distances.rms / result.diagonal;
+  json["valence_histogram"] = histogram_json(facts.valence_counts);
+  const ReconstructTiming& timing = result.timing;
+  json["timing_ms"] = {{"clean", timing.clean},       {"smooth", timing.smooth},
+                       {"mesh", timing.mesh},         {"repair", timing.repair},
+                       {"simplify", timing.simplify}, {"measure", timing.measure}};
+  if (!points.sampled) return json;
+  const Sampling& sampling = *points.sampled;
+  json["sampled"] = {{"points", sampling.points},
+                     {"pattern", sampling.poisson_disk ? "poisson-disk" : "uniform"},
+                     {"seed", sampling.seed},
+                     {"noise", sampling.noise},
+                     {"outliers", sampling.outliers}};
+  return json;
+}
+
 OrderedJson to_json(const JobReport& report) {
   const bool is_one = report.meshes.empty();
   OrderedJson json;
@@ -214,8 +266,8 @@ OrderedJson to_json(const JobReport& report) {
   json["argv"] = report.arguments;
   json["job"] = report.job;
   json["exit_code"] = report.falls_short ? kFallsShortCode : 0;
-  json["input"] = is_one ? input_json(report.input) : asset_input_json(report.input);
-  if (!report.reconstruction.is_null()) json["reconstruction"] = report.reconstruction;
+  json["input"] = is_one ? input_json(report.input, report.fit) : asset_input_json(report.input);
+  if (report.points) json["reconstruction"] = to_json(*report.points);
   if (is_one && report.mesh_number >= 0) json["asset"] = asset_json(report);
   json["device"] = device_json(report.device);
   if (is_one) {
@@ -230,6 +282,8 @@ OrderedJson to_json(const JobReport& report) {
   json["warnings"] = warnings_json(report.warnings);
   return json;
 }
+
+std::string report_json(const JobReport& report) { return json_text(to_json(report)); }
 
 std::uint64_t peak_host_bytes() {
 #ifdef __linux__

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "planish/backend/backend.h"
-#include "planish/core/json.h"
 #include "planish/job/job_settings.h"
 #include "planish/job/output_plan.h"
+#include "planish/job/sampling.h"
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/write_fitted_step.h"
@@ -62,15 +62,19 @@ struct WrittenPage {
 struct InputFacts {
   std::string path, sha256, format;
   MeshStatistics statistics{};
-  nlohmann::ordered_json mesh;    ///< input_json() of what was fitted
   std::int64_t folded_edges = 0;  ///< see FoldedEdges, as the area
   double folded_edge_area = 0;
-  std::int64_t welded = 0, dropped = 0;
-  std::int64_t joined = 0;           ///< pairs of triangles, to quads
-  std::int64_t added = 0;            ///< vertices, between those of uneven triangles
-  std::int64_t separated_edges = 0;  ///< along which repair separated sheets
+  std::int64_t welded = 0, dropped = 0;  ///< by readers, too
   /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
   std::int64_t file_vertices = 0, file_faces = 0;
+};
+
+/// Of a cloud, and of the mesh through its points.
+struct PointFacts {
+  std::int64_t points = 0, missing = 0, used = 0;
+  glm::dvec3 origin{0};
+  ReconstructionFigures mesh;
+  std::optional<Sampling> sampled;
 };
 
 /// What a job's moves did to its mesh.
@@ -115,19 +119,10 @@ struct JobReport {
   InputFacts input;
   DeviceDescription device;
   Settings settings;
-  InterpolationMethod method = InterpolationMethod::Progressive;
-  std::optional<Choice> choice;  ///< where the settings leave something open
-  std::int64_t found_edges = 0;  ///< that are kept sharp
-  MeshDensity density;           ///< which settles the level where nobody named one
-  std::optional<FairFigures> fair;
-  std::optional<MovedFigures> moved;  ///< where the job has moves
-  std::optional<WithinFit> within;    ///< where vertices were left to bend less
-  nlohmann::ordered_json solve;       ///< solve_json()
-  Interpolation interpolation;        ///< displacement left empty
-  double spectral_bound = 0;
+  FitFigures fit;                          ///< until there is one, with the method alone
+  std::optional<MovedFigures> moved;       ///< where the job has moves
   std::optional<MeasuredSurface> surface;  ///< empty where none was evaluated
-  nlohmann::ordered_json reconstruction;   ///< of a point cloud, see reconstruction_json()
-  std::string reconstruction_summary;      ///< for people; empty for a mesh
+  std::optional<PointFacts> points;        ///< of a point cloud
   /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
   std::optional<PointDistances> point_distances;
   std::vector<WrittenOutput> outputs;
@@ -149,14 +144,8 @@ struct JobReport {
 /// "exit_code" of a report that falls short.
 inline constexpr int kFallsShortCode = 5;
 
-/// The stable JSON form; keys keep their order. Text that is no UTF-8 is made so.
-[[nodiscard]] nlohmann::ordered_json to_json(const JobReport& report);
-
-/// Indented text of any JSON value, with a line end.
-[[nodiscard]] std::string json_text(const nlohmann::ordered_json& value);
-
-/// {"3": 20, "4": 1}: the non-zero entries of a histogram.
-[[nodiscard]] nlohmann::ordered_json histogram_json(const std::vector<std::int64_t>& counts);
+/// As JSON by report.schema.json: the same wherever the job ran.
+[[nodiscard]] std::string report_json(const JobReport& report);
 
 /// "1,148 vertices, 1,254 after separating sheets, 2,200 faces": the file's own counts, with what
 /// mending made of them where that differs, and joining so many pairs of triangles. Or, where so

@@ -3,11 +3,11 @@
 #include <cstdint>
 
 #include "planish/core/callbacks.h"
-#include "planish/core/json_fwd.h"
-#include "planish/job/input.h"
 #include "planish/mesh/point_cloud.h"
 
 namespace planish {
+
+struct Input;  // input.h
 
 /// Points that stand in for a mesh: drawn from the interpolating surface through its vertices, by
 /// area.
@@ -21,8 +21,5 @@ struct Sampling {
   PointCloud (*draw)(const Input& mesh, const Sampling& sampling,
                      const Callbacks& callbacks) = nullptr;
 };
-
-/// "sampled" in a report.
-[[nodiscard]] nlohmann::ordered_json sampling_json(const Sampling& sampling);
 
 }  // namespace planish

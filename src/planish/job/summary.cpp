@@ -4,6 +4,7 @@
 #include "planish/core/formatted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/visible_text.h"
+#include "planish/job/point_input.h"
 #include "planish/job/report.h"
 #include "planish/job/text.h"
 #include "planish/pipeline/option_table.h"
@@ -69,13 +70,13 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
 }
 
 std::string method_line(const JobReport& report) {
-  const Interpolation& result = report.interpolation;
+  const Interpolation& result = report.fit.interpolation;
   const std::string weights =
       subdivision_text(report.settings.scheme, report.settings.weights) + ")";
   std::string line;
-  if (report.fair) {
+  if (report.fit.fair) {
     line = "  method      fair (" + counted(report.settings.polish_steps, "polish step") + ", " +
-           weights + ", " + counted(report.fair->shrunk_vertices, "vertex") + " drawn in";
+           weights + ", " + counted(report.fit.fair->shrunk_vertices, "vertex") + " drawn in";
   } else {
     line = formatted("  iterations  {} ({}, {}", result.iterations, name_of(report.settings.solver),
                      weights);
@@ -92,9 +93,9 @@ std::string chosen_lines(const JobReport& report) {
     if (!reason.empty())
       text += (text.empty() ? "  chosen      " : "              ") + reason + "\n";
   };
-  if (!report.choice) return text;
-  add(report.choice->reason);
-  add(report.choice->faces_reason);
+  if (!report.fit.choice) return text;
+  add(report.fit.choice->reason);
+  add(report.fit.choice->faces_reason);
   return text;
 }
 
@@ -111,8 +112,8 @@ std::string mending_lines(const JobReport& report) {
   if (report.settings.weld)
     text += formatted("  welded      {} to others within {} of the diagonal\n",
                       counted(report.input.welded, "vertex"), short_number(*report.settings.weld));
-  if (report.input.separated_edges == 0) return text;
-  text += "  sheets      separated along " + counted(report.input.separated_edges, "edge");
+  if (report.fit.separated_edges == 0) return text;
+  text += "  sheets      separated along " + counted(report.fit.separated_edges, "edge");
   if (report.surface && report.surface->sheet_gap)
     text += ", at most " + short_number(*report.surface->sheet_gap) + " of the diagonal apart";
   return text + "\n";
@@ -141,17 +142,17 @@ std::string normals_text(const JobReport& report) {
 
 // What was taken and why, and how good it is.
 std::string surface_line(const JobReport& report) {
-  const Interpolation& result = report.interpolation;
+  const Interpolation& result = report.fit.interpolation;
   std::string text = "  surface     ";
-  if (report.choice && !report.choice->reason.empty()) {
-    text += report.choice->reason;
+  if (report.fit.choice && !report.fit.choice->reason.empty()) {
+    text += report.fit.choice->reason;
   } else if (report.settings.scheme != Scheme::DooSabin) {
     text += word_of(kSchemeWords, report.settings.scheme);
   } else {
-    text += word_of(kMethodWords, report.method);
+    text += word_of(kMethodWords, report.fit.method);
   }
   // Why the mesh's own faces stayed is for who reads the whole report.
-  if (report.choice && report.choice->has_other_faces()) text += "; " + report.choice->faces_reason;
+  if (report.fit.choice && report.fit.choice->has_other_faces()) text += "; " + report.fit.choice->faces_reason;
   if (!result.converged) text += "; not converged: the error is " + short_number(result.error.max);
   if (!report.surface) return text + "\n";
   if (report.surface->quality.folded_area >= kSoundFoldedArea)
@@ -167,7 +168,7 @@ std::string moved_line(const JobReport& report) {
 }
 
 std::string within_line(const JobReport& report) {
-  return report.within ? "  within      " + within_text(*report.within) + "\n" : "";
+  return report.fit.within ? "  within      " + within_text(*report.fit.within) + "\n" : "";
 }
 
 }  // namespace
@@ -195,7 +196,7 @@ std::string computing_lines(const JobReport& report) {
   std::string text = formatted("  device      {}, {}\n{}\n", report.device.kind, report.device.name,
                                method_line(report));
   text += chosen_lines(report);
-  text += within_line(report) + "  max error   " + short_number(report.interpolation.error.max) +
+  text += within_line(report) + "  max error   " + short_number(report.fit.interpolation.error.max) +
           " of the diagonal (tolerance " + short_number(report.settings.tolerance) + ")\n";
   if (report.surface)
     text += formatted("  surface     {}, {}\n", folds_text(report.surface->quality),
@@ -230,19 +231,19 @@ bool has_level_by_density(const JobReport& report) {
 }
 
 std::string density_line(const JobReport& report) {
-  if (!has_level_by_density(report) || report.density.level() == 2) return "";
-  if (report.density.is_refined)
+  if (!has_level_by_density(report) || report.fit.density.level() == 2) return "";
+  if (report.fit.density.is_refined)
     return "  level       1, by added vertices as fine as 2 without (--levels 2 is finer)\n";
   return formatted(
       "  level       {}: the mesh is dense, faces of {} of its area turn by less than {} degrees "
       "(--levels 2 is finer)\n",
-      report.density.level(), percent(report.density.even_share), short_number(kEvenDegrees));
+      report.fit.density.level(), percent(report.fit.density.even_share), short_number(kEvenDegrees));
 }
 
 // Of an asset.
 std::string dense_meshes_line(const JobReport& report) {
   const auto dense = std::ranges::count_if(
-      report.meshes, [](const JobReport& mesh) { return mesh.density.is_dense(); });
+      report.meshes, [](const JobReport& mesh) { return mesh.fit.density.is_dense(); });
   if (!has_level_by_density(report) || dense == 0) return "";
   return formatted("  level       1 of {}, which {} (--levels 2 is finer)\n",
                    counted(dense, "mesh"), dense == 1 ? "is dense" : "are dense");
@@ -269,11 +270,11 @@ namespace {
 std::string choices_text(const std::vector<JobReport>& meshes) {
   const auto count_of = [&](const auto& is_of) { return std::ranges::count_if(meshes, is_of); };
   const auto fair =
-      count_of([](const JobReport& mesh) { return mesh.method == InterpolationMethod::Fair; });
+      count_of([](const JobReport& mesh) { return mesh.fit.method == InterpolationMethod::Fair; });
   const auto creased = count_of([](const JobReport& mesh) {
-    return mesh.found_edges > 0 || mesh.settings.creases.split_normals;
+    return mesh.fit.found_edges > 0 || mesh.settings.creases.split_normals;
   });
-  const auto joined = count_of([](const JobReport& mesh) { return mesh.input.joined > 0; });
+  const auto joined = count_of([](const JobReport& mesh) { return mesh.fit.joined > 0; });
   const std::int64_t progressive = std::ssize(meshes) - fair;
   std::string text;
   if (fair > 0) text += with_separators(fair) + " fair";
@@ -314,7 +315,7 @@ std::string asset_summary(const JobReport& report, bool is_full) {
           "  {}: {}\n{}", mesh.mesh_name,
           counts_text(mesh.input.file_vertices, mesh.input.file_faces,
                       mesh.input.statistics.vertex_count, mesh.input.statistics.face_count,
-                      mesh.input.joined, mesh.input.added),
+                      mesh.fit.joined, mesh.fit.added),
           surface_line(mesh));
   return text + dense_meshes_line(report) + output_lines(report);
 }
@@ -331,11 +332,11 @@ std::string summary(const JobReport& report, bool is_full) {
   std::string text = formatted(
       "{}: {} ({}){}\n", input_name(report.input.path),
       counts_text(report.input.file_vertices, report.input.file_faces, statistics.vertex_count,
-                  statistics.face_count, report.input.joined, report.input.added),
+                  statistics.face_count, report.fit.joined, report.fit.added),
       shape_of(statistics), is_full ? "" : ", " + duration(report.timing.total));
   text += mending_lines(report);
   text += input_folds_line(report.input);
-  text += report.reconstruction_summary;
+  if (report.points) text += points_text(*report.points);
   if (report.point_distances)
     text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";

@@ -47,6 +47,44 @@ std::string FittedMesh::creases() const {
   return split_normals ? "normals" : creases_text(uses_tags, finds_features, crease_degrees);
 }
 
+FitFigures FittedMesh::figures() const {
+  FitFigures figures{.method = options.method,
+                     .scheme = options.scheme,
+                     .weights = options.weights,
+                     .solver = options.solver,
+                     .boundary = options.sharp.boundary,
+                     .polish_steps = options.polish_steps,
+                     .tolerance = options.tolerance,
+                     .creases = creases(),
+                     .repairs = repairs,
+                     .weld = weld,
+                     .choice = choice,
+                     .density = density,
+                     .found_edges = std::ssize(found.edges),
+                     .rounded_edges = rounded_count,
+                     .separated_edges = std::ssize(separated_edges),
+                     .joined = paired_count,
+                     .added = std::ssize(added_vertices),
+                     .welded = welded_count,
+                     .sharp_edges = fit.sharp_edge_count,
+                     .corners = fit.corner_count,
+                     .changed_faces = changed_faces,
+                     .within = fit.within,
+                     .fair = fit.fair,
+                     .interpolation = {},
+                     .spectral_bound = fit.spectral_bound};
+  const Interpolation& solved = fit.interpolation;
+  Interpolation& result = figures.interpolation;
+  result.converged = solved.converged;
+  result.stop_reason = solved.stop_reason;
+  result.iterations = solved.iterations;
+  result.error = solved.error;
+  result.worst_vertex = solved.worst_vertex;
+  result.history = solved.history;
+  result.upload_milliseconds = solved.upload_milliseconds;
+  return figures;
+}
+
 namespace {
 
 ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options,

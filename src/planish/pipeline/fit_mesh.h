@@ -50,6 +50,33 @@ struct MeshFitOptions {
   FitOptions fit;              ///< its method and prepared are not looked at
 };
 
+/// What a fit says of itself: a FittedMesh without the arrays of its mesh.
+struct FitFigures {
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  Scheme scheme = Scheme::DooSabin;
+  Weights weights = Weights::DooSabin;
+  Solver solver = Solver::Chebyshev;
+  BoundaryRule boundary = BoundaryRule::Edge;
+  std::int32_t polish_steps = 0;
+  double tolerance = 0;
+  std::string creases;  ///< as FittedMesh::creases() has them
+  bool repairs = true;
+  std::optional<double> weld;
+  std::optional<Choice> choice;
+  MeshDensity density;
+  std::int64_t found_edges = 0;  ///< that are kept sharp
+  std::int64_t rounded_edges = 0, separated_edges = 0;
+  std::int64_t joined = 0;  ///< pairs of triangles, to quads
+  std::int64_t added = 0;   ///< vertices, between those of uneven triangles
+  std::int64_t welded = 0;  ///< vertices that became another
+  std::int64_t sharp_edges = 0, corners = 0;
+  std::vector<std::int32_t> changed_faces;  ///< the given mesh's that repair changed
+  std::optional<WithinFit> within;
+  std::optional<FairFigures> fair;
+  Interpolation interpolation;  ///< without its displacement
+  double spectral_bound = 0;
+};
+
 /// A mesh that anybody made, with the fit of it.
 struct FittedMesh {
   PolygonMesh mesh;  ///< what was fitted: the given one, repaired and tagged
@@ -92,6 +119,7 @@ struct FittedMesh {
   [[nodiscard]] const SurfaceQuality* chosen_quality() const;
   /// What is sharp, as the command's --creases has it.
   [[nodiscard]] std::string creases() const;
+  [[nodiscard]] FitFigures figures() const;
 };
 
 /// A mesh that can be fitted, repaired and tagged.

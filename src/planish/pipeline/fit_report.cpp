@@ -36,15 +36,15 @@ Json choice_json(const std::optional<Choice>& choice) {
           {"candidates", candidates}};
 }
 
-Json fair_json(const FittedMesh& fitted) {
-  if (!fitted.fit.fair) return nullptr;
-  const FairFit& fair = *fitted.fit.fair;
-  return {{"polish", fitted.options.polish_steps},
+Json fair_json(const FitFigures& fit) {
+  if (!fit.fair) return nullptr;
+  const FairFigures& fair = *fit.fair;
+  return {{"polish", fit.polish_steps},
           {"shrunk_vertices", fair.shrunk_vertices},
           {"reversed_vertices", fair.reversed_vertices},
           {"cured_vertices", fair.cured_vertices},
           {"least_polygon", fair.least_polygon ? Json(*fair.least_polygon) : Json()},
-          {"rounded_edges", fitted.rounded_count},
+          {"rounded_edges", fit.rounded_edges},
           {"flagged_edges", fair.flagged_edges},
           {"flagged_faces", fair.flagged_faces},
           {"rounds",
@@ -71,8 +71,8 @@ Json within_json(const std::optional<WithinFit>& within) {
 
 }  // namespace
 
-Json input_json(const FittedMesh& fitted, const MeshStatistics& statistics,
-                const FoldedEdges& folds) {
+Json input_json(const FitFigures& fit, const MeshStatistics& statistics, std::int64_t folded_edges,
+                double folded_edge_area) {
   Json sizes = Json::object();
   for (std::size_t n = 0; n < statistics.face_size_counts.size(); ++n)
     if (statistics.face_size_counts[n] != 0)
@@ -83,38 +83,37 @@ Json input_json(const FittedMesh& fitted, const MeshStatistics& statistics,
           {"boundary_loops", statistics.boundary_loop_count},
           {"components", statistics.component_count},
           {"genus", statistics.genus},
-          {"sharp_edges", fitted.fit.sharp_edge_count},
-          {"corners", fitted.fit.corner_count},
-          {"folded_edges", {{"count", folds.count}, {"area", folds.area}}},
-          {"welded", fitted.welded_count},
-          {"separated_edges", fitted.separated_edges.size()},
-          {"changed_faces", fitted.changed_faces}};
+          {"sharp_edges", fit.sharp_edges},
+          {"corners", fit.corners},
+          {"folded_edges", {{"count", folded_edges}, {"area", folded_edge_area}}},
+          {"welded", fit.welded},
+          {"separated_edges", fit.separated_edges},
+          {"changed_faces", fit.changed_faces}};
 }
 
-Json solve_json(const FittedMesh& fitted) {
-  const FitOptions& options = fitted.options;
-  const Interpolation& result = fitted.fit.interpolation;
-  const bool iterates = options.method == InterpolationMethod::Progressive;
+Json solve_json(const FitFigures& fit) {
+  const Interpolation& result = fit.interpolation;
+  const bool iterates = fit.method == InterpolationMethod::Progressive;
   const auto where = [](bool applies, Json value) { return applies ? value : Json(); };
   Json json;
-  json["method"] = word_of(kMethodWords, options.method);
-  json["choice"] = choice_json(fitted.choice);
-  json["scheme"] = word_of(kSchemeWords, options.scheme);
+  json["method"] = word_of(kMethodWords, fit.method);
+  json["choice"] = choice_json(fit.choice);
+  json["scheme"] = word_of(kSchemeWords, fit.scheme);
   json["weights"] =
-      where(options.scheme == Scheme::DooSabin, word_of(kWeightsWords, options.weights));
-  json["solver"] = where(iterates, word_of(kSolverWords, options.solver));
-  json["boundary"] = word_of(kBoundaryWords, options.sharp.boundary);
-  json["creases"] = fitted.creases();
-  json["repair"] = fitted.repairs ? "safe" : "none";
-  json["weld"] = fitted.weld ? Json(*fitted.weld) : Json();
-  json["quads"] = {{"joined", fitted.paired_count}};
-  json["refine"] = {{"added", fitted.added_vertices.size()}};
-  json["tolerance"] = options.tolerance;
-  json["within"] = within_json(fitted.fit.within);
+      where(fit.scheme == Scheme::DooSabin, word_of(kWeightsWords, fit.weights));
+  json["solver"] = where(iterates, word_of(kSolverWords, fit.solver));
+  json["boundary"] = word_of(kBoundaryWords, fit.boundary);
+  json["creases"] = fit.creases;
+  json["repair"] = fit.repairs ? "safe" : "none";
+  json["weld"] = fit.weld ? Json(*fit.weld) : Json();
+  json["quads"] = {{"joined", fit.joined}};
+  json["refine"] = {{"added", fit.added}};
+  json["tolerance"] = fit.tolerance;
+  json["within"] = within_json(fit.within);
   json["converged"] = result.converged;
   json["stop_reason"] = name_of(result.stop_reason);
   json["iterations"] = result.iterations;
-  json["spectral_bound"] = where(iterates, fitted.fit.spectral_bound);
+  json["spectral_bound"] = where(iterates, fit.spectral_bound);
   json["error"] = norms_json(result.error);
   json["error"]["worst_vertex"] = result.worst_vertex;
   json["history"] = Json::array();
@@ -123,7 +122,7 @@ Json solve_json(const FittedMesh& fitted) {
     entry.update(norms_json(result.history[i]));
     json["history"].push_back(entry);
   }
-  json["fair"] = fair_json(fitted);
+  json["fair"] = fair_json(fit);
   return json;
 }
 

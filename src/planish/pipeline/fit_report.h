@@ -3,7 +3,6 @@
 #include <span>
 
 #include "planish/core/json_fwd.h"
-#include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit_mesh.h"
 
@@ -13,12 +12,13 @@
 namespace planish {
 
 /// The mesh that was fitted: `input` of a report.
-[[nodiscard]] nlohmann::ordered_json input_json(const FittedMesh& fitted,
+/// `folded_edges`: see FoldedEdges, as the area.
+[[nodiscard]] nlohmann::ordered_json input_json(const FitFigures& fit,
                                                 const MeshStatistics& statistics,
-                                                const FoldedEdges& folds);
+                                                std::int64_t folded_edges, double folded_edge_area);
 
 /// Options and result of the fit: `solve` of a report.
-[[nodiscard]] nlohmann::ordered_json solve_json(const FittedMesh& fitted);
+[[nodiscard]] nlohmann::ordered_json solve_json(const FitFigures& fit);
 
 /// The figures of a level: most of `surface`.
 [[nodiscard]] nlohmann::ordered_json quality_json(const SurfaceQuality& quality, int level);

@@ -47,15 +47,8 @@ struct ReconstructTiming {
   double clean = 0, smooth = 0, mesh = 0, repair = 0, simplify = 0, measure = 0;
 };
 
-/// A polygon mesh near every point of a cloud. Lengths are those of the cloud.
-struct Reconstruction {
-  /// All vertices are used; places are those of the file, see PointCloud, and so are colours
-  /// and attributes.
-  PolygonMesh mesh;
-  /// The point at each vertex, an index into PointCloud::points; without smoothing both are equal
-  /// to the last bit.
-  std::vector<std::int32_t> vertex_points;
-  std::vector<std::int32_t> used_points;  ///< what cleaning kept, ascending
+/// What a reconstruction says of itself. Lengths are those of the cloud.
+struct ReconstructionFigures {
   std::int64_t duplicate_count = 0, outlier_count = 0;
   double spacing = 0;
   double noise = -1;  ///< deviation from local fits; -1: not measured
@@ -73,6 +66,17 @@ struct Reconstruction {
   /// says.
   PointDistances distances;
   ReconstructTiming timing;
+};
+
+/// A polygon mesh near every point of a cloud.
+struct Reconstruction : ReconstructionFigures {
+  /// All vertices are used; places are those of the file, see PointCloud, and so are colours
+  /// and attributes.
+  PolygonMesh mesh;
+  /// The point at each vertex, an index into PointCloud::points; without smoothing both are equal
+  /// to the last bit.
+  std::vector<std::int32_t> vertex_points;
+  std::vector<std::int32_t> used_points;  ///< what cleaning kept, ascending
 };
 
 /// Points to mesh, in the order of the paper's first step: clean, smooth on request, mesh through

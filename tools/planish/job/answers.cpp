@@ -8,7 +8,7 @@
 #include "planish/core/formatted.h"
 #include "planish/core/json.h"
 #include "planish/core/parallel.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 
 namespace planish::command {
 namespace {

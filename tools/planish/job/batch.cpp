@@ -18,6 +18,7 @@
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
 #include "planish/job/build_info.h"
+#include "planish/job/report_json.h"
 #include "planish/job/staged_files.h"
 #include "planish/job/text.h"
 #include "planish/job/threads.h"
@@ -92,7 +93,7 @@ std::string fit_time(const JobTiming& timing) {
 // Of a glTF that stays an asset: the largest error of its meshes.
 std::vector<std::string> row_of_asset(const JobReport& report) {
   double error = 0;
-  for (const JobReport& mesh : report.meshes) error = std::max(error, mesh.interpolation.error.max);
+  for (const JobReport& mesh : report.meshes) error = std::max(error, mesh.fit.interpolation.error.max);
   return {report.job,
           "-",
           with_separators(report.input.file_vertices),
@@ -106,15 +107,13 @@ std::vector<std::string> row_of_asset(const JobReport& report) {
 
 std::vector<std::string> row_of(const JobReport& report) {
   if (!report.meshes.empty()) return row_of_asset(report);
-  const Interpolation& result = report.interpolation;
+  const Interpolation& result = report.fit.interpolation;
   return {report.job,
-          report.reconstruction.is_null()
-              ? "-"
-              : with_separators(report.reconstruction["points"].get<std::int64_t>()),
+          report.points ? with_separators(report.points->points) : "-",
           with_separators(report.input.statistics.vertex_count),
-          report.fair ? "fair" : std::string(name_of(report.settings.solver)),
+          report.fit.fair ? "fair" : std::string(name_of(report.settings.solver)),
           weights_text(report.settings),
-          (report.fair ? "-" : std::to_string(result.iterations)) +
+          (report.fit.fair ? "-" : std::to_string(result.iterations)) +
               (result.converged ? "" : " (not converged)"),
           short_number(result.error.max),
           fit_time(report.timing),
@@ -208,10 +207,10 @@ struct SurfaceFigures {
   bool is_measured = false, converged = true;
 
   void add(const JobReport& report) {
-    creases += report.input.mesh.value("sharp_edges", std::int64_t{0});
-    joined += report.input.joined;
+    creases += report.fit.sharp_edges;
+    joined += report.fit.joined;
     warnings += std::ssize(report.warnings);
-    converged &= report.interpolation.converged;
+    converged &= report.fit.interpolation.converged;
     if (!report.surface) return;
     is_measured = true;
     normals = std::max(normals, report.surface->quality.rms_normal_deviation);
@@ -222,10 +221,10 @@ struct SurfaceFigures {
 std::string method_of(const JobReport& report) {
   if (report.meshes.empty())
     return std::string(report.settings.scheme == Scheme::DooSabin
-                           ? word_of(kMethodWords, report.method)
+                           ? word_of(kMethodWords, report.fit.method)
                            : word_of(kSchemeWords, report.settings.scheme));
   const auto fair =
-      std::ranges::count(report.meshes, InterpolationMethod::Fair, &JobReport::method);
+      std::ranges::count(report.meshes, InterpolationMethod::Fair, [](const JobReport& mesh) { return mesh.fit.method; });
   return formatted("{} of {} fair", fair, std::ssize(report.meshes));
 }
 

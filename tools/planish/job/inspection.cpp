@@ -10,7 +10,7 @@
 #include "planish/core/point_bounds.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/write_polygons.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/job/text.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/prepared_mesh.h"

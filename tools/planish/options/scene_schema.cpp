@@ -5,7 +5,7 @@
 #include "options/scene_values.h"
 #include "planish/core/json.h"
 #include "planish/files/formats.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
 

@@ -8,7 +8,7 @@
 #include "page/page_coding.h"
 #include "page/page_still.h"
 #include "planish/core/error.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/job/text.h"
 
 namespace planish::command {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "planish/core/json.h"
-#include "planish/job/report.h"
+#include "planish/job/report_json.h"
 #include "planish/job/text.h"
 #include "terminal/table.h"
 
