@@ -13,6 +13,7 @@
 #include "planish/core/rename_file.h"
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
+#include "planish/core/work_limits.h"
 
 namespace planish {
 
@@ -91,6 +92,7 @@ void OutputFile::reserve(std::uint64_t bytes) {
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) {
+  if (LimitScope* const limits = LimitScope::current()) limits->add_output(bytes.size());
   check_stop();
   written_ += bytes.size();
   while (!bytes.empty()) {

@@ -10,7 +10,13 @@ thread_local const StopScope* in_force = nullptr;
 
 }  // namespace
 
-StopScope::StopScope(const StopFlag& flag) : flag_(flag), outer_(in_force) { in_force = this; }
+StopScope::StopScope(const StopFlag& flag)
+    : StopScope(flag, in_force != nullptr ? in_force->limits_ : nullptr) {}
+
+StopScope::StopScope(const StopFlag& flag, LimitScope* limits)
+    : flag_(flag), outer_(in_force), limits_(limits) {
+  in_force = this;
+}
 
 StopScope::~StopScope() { in_force = outer_; }
 
@@ -27,7 +33,12 @@ void check_stop() {
 
 const StopScope* AdoptedStop::current() { return in_force; }
 
-AdoptedStop::AdoptedStop(const StopScope* scope) : own_(in_force) { in_force = scope; }
+AdoptedStop::AdoptedStop(const StopScope* scope)
+    : own_(in_force),
+      time_(scope != nullptr ? scope->limits_ : nullptr,
+            own_ != nullptr ? own_->limits_ : nullptr) {
+  in_force = scope;
+}
 
 AdoptedStop::~AdoptedStop() { in_force = own_; }
 

@@ -9,6 +9,8 @@ namespace planish {
 using StopFlag = std::atomic<bool>;
 static_assert(StopFlag::is_always_lock_free);
 
+class LimitScope;  // work_limits.h
+
 /// While it lives, work of the library on this thread, and on the threads that this work takes,
 /// looks at the flag: every piece of a parallel loop and every few thousand steps of a serial one,
 /// so after at most about 10 ms. Once it is set the work throws Error{Cancelled}. Holds for
@@ -24,9 +26,12 @@ class StopScope {
 
  private:
   friend class AdoptedStop;
+  friend class LimitScope;
   friend bool stop_requested();
+  StopScope(const StopFlag& flag, LimitScope* limits);
   const StopFlag& flag_;
   const StopScope* outer_;
+  LimitScope* limits_;  // of this scope or one around it
 };
 
 /// Whether a flag in force on this thread is set.
@@ -34,6 +39,20 @@ class StopScope {
 
 /// Throws Error{Cancelled} where stop_requested(). Costs some nanoseconds.
 void check_stop();
+
+/// While it lives, the time of this thread is that of work with limits, but of work whose time it
+/// is already.
+class CountedTime {
+ public:
+  CountedTime(LimitScope* limits, const LimitScope* counted);
+  ~CountedTime();
+  CountedTime(const CountedTime&) = delete;
+  CountedTime& operator=(const CountedTime&) = delete;
+
+ private:
+  LimitScope* limits_;
+  std::int64_t began_ = 0;
+};
 
 /// The scopes of another thread, taken over for a task that works for it.
 class AdoptedStop {
@@ -48,6 +67,7 @@ class AdoptedStop {
 
  private:
   const StopScope* own_;
+  CountedTime time_;
 };
 
 /// For a serial loop of short steps: looks every kInterval of them.

@@ -15,6 +15,7 @@
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/work_limits.h"
 
 namespace planish {
 
@@ -152,7 +153,9 @@ std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel 
   return bytes + (attributes.holes ? 2 : 1) * surface;
 }
 
-std::uint64_t available_memory_bytes() {
+namespace {
+
+std::uint64_t free_on_machine() {
 #ifdef __EMSCRIPTEN__
   return ::emscripten_get_heap_max() - ::mallinfo().uordblks;
 #endif
@@ -171,6 +174,14 @@ std::uint64_t available_memory_bytes() {
   }
   const std::uint64_t elsewhere = memory_elsewhere;
   return available + std::min(elsewhere, std::numeric_limits<std::uint64_t>::max() - available);
+}
+
+}  // namespace
+
+std::uint64_t available_memory_bytes() {
+  const LimitScope* const scope = LimitScope::current();
+  const std::uint64_t allowed = scope != nullptr ? scope->limits().memory_bytes : 0;
+  return allowed > 0 ? std::min(allowed, free_on_machine()) : free_on_machine();
 }
 
 void set_memory_elsewhere(std::uint64_t bytes) { memory_elsewhere = bytes; }
