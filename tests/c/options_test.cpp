@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <planish/c/planish.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -22,6 +23,7 @@
 namespace planish::test {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
@@ -99,25 +101,63 @@ TEST(COptions, EveryRowIsServed) {
   }
 }
 
-TEST(COptions, WhatIsOfFilesIsRefusedForMeshes) {
+TEST(COptions, WhatMeshesHaveNotIsRefusedForThem) {
   const TemporaryFolder folder;
   const std::string path = folder.path() / "cube.obj";
   write_mesh(path, FileFormat::Obj, cube());
   planish_mesh* mesh = nullptr;
   ASSERT_EQ(planish_mesh_read(path.c_str(), &mesh), PLANISH_OK);
-  const std::pair<const char*, const char*> of_files[] = {{"compress", "meshopt"},
-                                                          {"asset", "merge"},
-                                                          {"textures", "anywhere"},
-                                                          {"target_vertices", "100"}};
-  for (const auto& [name, value] : of_files) {
+  planish_fit* fit = nullptr;
+  for (const auto& [name, value, what] : {std::array{"outliers", "off", "points; take"},
+                                          {"page", "p.html", ""},
+                                          {"cage", "c.obj", ""}}) {
     const OwnOptions options = defaults();
     set(options, name, value);
-    planish_fit* fit = nullptr;
     EXPECT_EQ(planish_fit_create(mesh, options.get(), &fit), PLANISH_INVALID_ARGUMENT);
-    EXPECT_EQ(planish_last_error(),
-              "options." + std::string(name) + ": is of files; take planish_fit_file()");
+    EXPECT_THAT(planish_last_error(), AllOf(StartsWith("options." + std::string(name) + ": is of "),
+                                            HasSubstr(what), HasSubstr("planish_fit_file()")));
   }
   planish_mesh_free(mesh);
+}
+
+// What is of files goes with a fit to the files that are written of it.
+TEST(COptions, FilesOfAFitAreAsItsOptionsSay) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() / "cube.obj", plain = folder.path() / "a.glb",
+                    packed = folder.path() / "b.glb", tiles = folder.path() / "t.json";
+  write_mesh(path, FileFormat::Obj, cube());
+  planish_mesh* mesh = nullptr;
+  ASSERT_EQ(planish_mesh_read(path.c_str(), &mesh), PLANISH_OK);
+  planish_fit* fit = nullptr;
+  const OwnOptions options = defaults();
+  set(options, "compress", "meshopt");
+  ASSERT_EQ(planish_fit_create(mesh, nullptr, &fit), PLANISH_OK);
+  EXPECT_EQ(planish_fit_write(fit, 3, plain.c_str()), PLANISH_OK);
+  planish_fit_free(fit);
+  ASSERT_EQ(planish_fit_create(mesh, options.get(), &fit), PLANISH_OK);
+  EXPECT_EQ(planish_fit_write(fit, 3, packed.c_str()), PLANISH_OK);
+  EXPECT_EQ(planish_fit_write(fit, 2, tiles.c_str()), PLANISH_OK);
+  EXPECT_LT(std::filesystem::file_size(packed), std::filesystem::file_size(plain));
+  EXPECT_TRUE(std::filesystem::exists(tiles));
+  EXPECT_EQ(planish_fit_write(fit, 7, plain.c_str()), PLANISH_INVALID_ARGUMENT);
+  planish_fit_free(fit);
+  planish_mesh_free(mesh);
+}
+
+TEST(COptions, LimitsEndWhatNeedsMore) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() / "cube.obj", output = folder.path() / "a.glb";
+  write_mesh(path, FileFormat::Obj, cube());
+  const auto status_with = [&](const char* name, const char* value) {
+    const OwnOptions options = defaults();
+    set(options, name, value);
+    return planish_fit_file(path.c_str(), output.c_str(), options.get(), nullptr);
+  };
+  EXPECT_EQ(status_with("point_limit", "7"), PLANISH_NO_MEMORY);
+  EXPECT_EQ(status_with("memory_limit", "1000"), PLANISH_NO_MEMORY);
+  EXPECT_EQ(status_with("output_limit", "1000"), PLANISH_UNWRITABLE_OUTPUT);
+  EXPECT_FALSE(std::filesystem::exists(output));
+  EXPECT_EQ(status_with("point_limit", "8"), PLANISH_OK);
 }
 
 TEST(COptions, UnknownNamesAreToldTheNearest) {
@@ -127,9 +167,7 @@ TEST(COptions, UnknownNamesAreToldTheNearest) {
   EXPECT_THAT(refusal(options, "thread", "1"), HasSubstr("did you mean threads?"));
   EXPECT_THAT(refusal(options, "max-iterations", "1"), HasSubstr("did you mean max_iterations?"));
   EXPECT_THAT(refusal(options, "\x1b", "1"), StartsWith("options.\\x1b: there is no"));
-  // Of reports and of no rows at all.
-  for (const char* name : {"report", ""})
-    EXPECT_THAT(refusal(options, name, "1"), HasSubstr("planish fit --help")) << name;
+  EXPECT_THAT(refusal(options, "", "1"), HasSubstr("planish fit --help"));
 }
 
 TEST(COptions, DefaultsAreTheTables) {

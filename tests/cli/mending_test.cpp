@@ -235,20 +235,20 @@ TEST_F(Mending, SaysHowFarSeparatedSheetsAreApart) {
 // apart.
 TEST(SheetGapOfAJob, DoesNotGrowWithTheMesh) {
   for (const double unit : {1.0, 1000.0}) {
-    JobInput made;
-    PolygonMesh& mesh = made.fitted.mesh;
+    FittedMesh fitted;
+    PolygonMesh& mesh = fitted.mesh;
     mesh.positions = {{0, 0, 0},   {1, 0, 0},   {1, 1, 0},    {0, 1, 0},
                       {0, 0, 0.2}, {1, 0, 0.2}, {1, -1, 0.2}, {0, -1, 0.2}};
     for (glm::dvec3& position : mesh.positions) position *= unit;
     mesh.face_offsets = {0, 4, 8};
     mesh.face_vertices = {0, 1, 2, 3, 5, 4, 7, 6};
     for (std::int32_t v = 0; v < 8; ++v) mesh.corners.push_back({v});
-    made.fitted.source_vertices = {0, 1, 2, 3, 0, 1, 4, 5};
-    made.fitted.separated_edges = {{0, 1}};
-    made.fitted.fit = fit(mesh, *make_cpu_backend(), {});
+    fitted.source_vertices = {0, 1, 2, 3, 0, 1, 4, 5};
+    fitted.separated_edges = {{0, 1}};
+    fitted.fit = fit(mesh, *make_cpu_backend(), {});
     JobReport report;
     report.surface.emplace();
-    note_sheet_gap(made, fitted_surface(mesh, made.fitted.fit, {}), report);
+    note_sheet_gap(fitted, fitted_surface(mesh, fitted.fit, {}), report);
     ASSERT_TRUE(report.surface->sheet_gap);
     EXPECT_NEAR(*report.surface->sheet_gap, 0.2 / std::sqrt(1 + 4 + 0.04), 1e-6) << unit;
   }

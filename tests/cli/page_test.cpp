@@ -4,8 +4,9 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "page/page_job.h"
+#include "options/page_flags.h"
 #include "planish/core/error.h"
+#include "planish/job/page/job_page.h"
 
 namespace planish::test {
 namespace {

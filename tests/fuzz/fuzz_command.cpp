@@ -7,12 +7,12 @@
 
 #include "fuzz/fuzz_read.h"
 #include "options/scene_file.h"
-#include "page/page_text.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/cage_header.h"
+#include "planish/job/page/page_text.h"
 
 namespace planish::test {
 
@@ -85,23 +85,23 @@ void fuzz_read_cage(std::span<const std::byte> bytes, FileFormat format) {
 
 void fuzz_write_text(std::span<const std::byte> bytes, FileFormat) {
   const std::string_view text = text_of(bytes);
-  const std::string message = visible(text), shown = command::visible_text(text);
+  const std::string message = visible(text), shown = visible_text(text);
   require(visible(message) == message);
-  require(command::visible_text(shown) == shown);
-  require(without_references(command::html_text(text)) == shown);
+  require(visible_text(shown) == shown);
+  require(without_references(html_text(text)) == shown);
   std::string lines;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     if (begin > 0) lines += '\n';
-    lines += command::visible_text(text.substr(begin, end - begin));
+    lines += visible_text(text.substr(begin, end - begin));
     begin = end + 1;
   }
-  require(without_references(command::html_lines(text)) == lines);
-  require(without_quotes(command::shell_word(text)) == text);
+  require(without_references(html_lines(text)) == lines);
+  require(without_quotes(shell_word(text)) == text);
   const nlohmann::ordered_json given = {{std::string(text), {std::string(text), 1, nullptr}}};
-  const nlohmann::ordered_json seen = command::visible_json(given);
+  const nlohmann::ordered_json seen = visible_json(given);
   for (const nlohmann::ordered_json* value : {&given, &seen}) {
-    const std::string script = command::script_json(*value);
+    const std::string script = script_json(*value);
     for (const char c : script) require(c >= ' ' && c <= '~' && c != '<' && c != '>' && c != '&');
     const nlohmann::ordered_json parsed = nlohmann::ordered_json::parse(script);
     if (value == &seen) require(parsed == seen);

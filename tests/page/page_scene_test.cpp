@@ -1,4 +1,4 @@
-#include "page/page_scene.h"
+#include "planish/job/page/page_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -7,14 +7,14 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "page/page_reader.h"
 #include "planish/backend/cpu_backend.h"
+#include "page/page_reader.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/vertex_fields.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 struct SceneCase {
@@ -361,4 +361,4 @@ TEST(PageScene, NumbersThatAreNotFiniteAreRefused) {
 }
 
 }  // namespace
-}  // namespace planish::command
+}  // namespace planish

@@ -1,4 +1,4 @@
-#include "page/page.h"
+#include "planish/job/page/page.h"
 
 #include <gtest/gtest.h>
 #include <openssl/sha.h>
@@ -8,15 +8,15 @@
 #include <regex>
 #include <set>
 
-#include "page/page_coding.h"
 #include "page/page_reader.h"
-#include "page/page_text.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/job/page/page_coding.h"
+#include "planish/job/page/page_text.h"
 #include "planish/job/report_json.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 using test::between;
@@ -337,4 +337,4 @@ TEST(Page, EveryNumberIsTheReports) {
 }
 
 }  // namespace
-}  // namespace planish::command
+}  // namespace planish

@@ -1,11 +1,11 @@
-#include "page/page_text.h"
+#include "planish/job/page/page_text.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 TEST(PageText, WhatCannotBeSeenIsMadeVisible) {
@@ -59,4 +59,4 @@ TEST(PageText, FiguresHaveThreeDigits) {
 }
 
 }  // namespace
-}  // namespace planish::command
+}  // namespace planish

@@ -9,7 +9,7 @@
 #include "pipeline/asset_fixture.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/asset_attributes.h"
-#include "planish/pipeline/fitted_level.h"
+#include "support/fitted_level.h"
 
 namespace planish::test {
 namespace {
@@ -144,17 +144,17 @@ TEST(AssetWeights, StayAffineOnFairSurfaces) {
   how.quads = QuadChoice::Off;
   how.refine = RefineChoice::Off;
   const FittedMesh fitted = fit_mesh(mesh.file.mesh, "plate", *backend, how);
-  const FittedLevel level = fitted_level(fitted, *backend, {.level = 2});
-  const AssetAttributes attributes(mesh, fitted, *level.blocks, *backend, {});
+  const FittedLevel level(fitted, *backend, 2);
+  const AssetAttributes attributes(mesh, fitted, level.blocks(), *backend, {});
   GltfOptions options;
   attributes.add_to(options);
   const auto named = [&](const char* name) {
     return std::ranges::find(options.attributes, name, &GltfAttribute::name)->values;
   };
-  std::vector<glm::dvec3> places(static_cast<std::size_t>(level.blocks->info().row_count));
+  std::vector<glm::dvec3> places(static_cast<std::size_t>(level.blocks().info().row_count));
   RowTarget target;
   target.positions = places;
-  (void)level.blocks->rows({0, level.blocks->info().row_count}, target);
+  (void)level.blocks().rows({0, level.blocks().info().row_count}, target);
   for (std::size_t row = 0; row < places.size(); ++row) {
     double second = 0;
     for (std::size_t k = 4 * row; k < 4 * row + 4; ++k)

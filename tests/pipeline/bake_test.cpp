@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "files/gltf/glb_bytes.h"
 #include "pipeline/baked_look.h"
 #include "planish/core/json.h"
 #include "planish/files/image/png.h"
 #include "planish/files/write_surface.h"
 #include "planish/pipeline/baked_gltf.h"
-#include "planish/pipeline/fitted_level.h"
 #include "support/expect_error.h"
+#include "support/fitted_level.h"
 #include "support/meshes.h"
 
 namespace planish::test {
@@ -82,16 +83,14 @@ Baked bake(PolygonMesh mesh, int size, const GltfMaterials& materials = {}) {
   how.chooses_creases = false;
   how.quads = QuadChoice::Off;
   made.fitted = fit_mesh(mesh, "mesh", *backend, how);
-  const FittedLevel low = fitted_level(made.fitted, *backend, {.level = 0});
-  const FittedLevel fine =
-      fitted_level(made.fitted, *backend, {.level = bake_level(made.fitted.mesh, size)});
+  const FittedLevel low(made.fitted, *backend, 0);
+  const FittedLevel fine(made.fitted, *backend, bake_level(made.fitted.mesh, size));
   BakeFileOptions options{.size = size, .name = "in.obj", .callbacks = {}};
   options.callbacks.warning = [&](const Warning& warning) { made.warnings.push_back(warning); };
-  const BakedSurface baked(made.fitted, *low.blocks, *fine.blocks, materials, options);
-  GltfOptions gltf = gltf_options_of(made.fitted, "mesh", {.level = 0});
-  gltf.origin = glm::dvec3(0.0);
+  const BakedSurface baked(made.fitted, low.blocks(), fine.blocks(), materials, options);
+  GltfOptions gltf;
   baked.add_to(gltf);
-  made.glb = encode_glb(*low.blocks, gltf);
+  made.glb = encode_glb(low.blocks(), gltf);
   made.maps.assign(baked.maps().begin(), baked.maps().end());
   return made;
 }
@@ -108,8 +107,8 @@ Angles against_surface(
   constexpr int kLevel = 5;
   constexpr std::size_t kPlaces = 4000;
   const auto backend = make_cpu_backend({});
-  const FittedLevel exact = fitted_level(made.fitted, *backend, {.level = kLevel});
-  const SurfaceMesh surface = collect(*exact.blocks, {});
+  const FittedLevel exact(made.fitted, *backend, kLevel);
+  const SurfaceMesh surface = collect(exact.blocks(), {});
   const tinygltf::Model model = parsed(made.glb);
   const BakedLook look(model);
   std::mt19937 random(1);

@@ -21,7 +21,6 @@
 #include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/tessellate_fit.h"
 #include "planish/pipeline/verify_cage.h"
-#include "planish/pipeline/write_fitted_surface.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
@@ -128,8 +127,9 @@ TEST_F(CallbacksOf, Files) {
     how.callbacks = host_.callbacks();
     (void)fit_file(folder_.path() / "in.obj", folder_.path() / name, how);
     host_.expect_good(std::string("fit_file ") + name);
-    (void)write_fitted_surface(folder_.path() / name, fitted_, "mesh", *backend_,
-                               {.level = 2, .callbacks = host_.callbacks()});
+    (void)write_fitted_surface(
+        folder_.path() / name, fitted_, *backend_,
+        {.settings = settings_of({{"levels", "2"}}), .callbacks = host_.callbacks()});
     host_.expect_good(std::string("write_fitted_surface ") + name);
   }
 }
@@ -263,7 +263,8 @@ TEST_F(CallbacksOf, OneThreadIsOneThread) {
     expect_alone("fit_file",
                  [&] { (void)fit_file(folder_.path() / "in.obj", folder_.path() / name, how); });
     expect_alone("write_fitted_surface", [&] {
-      (void)write_fitted_surface(folder_.path() / name, fitted_, "mesh", *one, {.level = 2});
+      (void)write_fitted_surface(folder_.path() / name, fitted_, *one,
+                                 {.settings = settings_of({{"levels", "2"}})});
     });
   }
   for (const Scheme scheme : {Scheme::DooSabin, Scheme::CatmullClark})

@@ -16,7 +16,6 @@
 #include "planish/files/file_materials.h"
 #include "planish/files/input_files.h"
 #include "planish/files/mesh_file.h"
-#include "planish/pipeline/write_fitted_surface.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/temporary_folder.h"
@@ -98,14 +97,10 @@ TEST_F(FitFilePlaces, WhatTheInputNamesIsNeverWritten) {
   });
   fs::create_hard_link(folder_ / "y.mtl", folder_ / "w.glb");
   const FittedMesh fitted = fit_mesh(test::cube(), "cube", *make_cpu_backend());
-  refused([&] {
-    (void)write_fitted_surface(folder_ / "w.glb", fitted, "cube", *make_cpu_backend(),
-                               {.materials = &materials});
-  });
   InputFiles inputs;
   inputs.add(folder_ / "s.gltf");
   refused([&] {
-    (void)write_fitted_surface(folder_ / "b.gltf", fitted, "cube", *make_cpu_backend(),
+    (void)write_fitted_surface(folder_ / "b.gltf", fitted, *make_cpu_backend(),
                                {.inputs = &inputs});
   });
   inputs.add(folder_ / "x.obj");

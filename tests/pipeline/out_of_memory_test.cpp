@@ -14,7 +14,7 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/gltf/gltf_tangents.h"
 #include "planish/files/mesh_file.h"
-#include "planish/pipeline/write_fitted_surface.h"
+#include "planish/job/fit_file.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "support/failing_memory.h"
 #include "support/meshes.h"
@@ -60,7 +60,8 @@ TEST(OutOfMemory, NoFileIsLeft) {
     const std::int64_t requests = test::fail_at_every_request(
         [&] {
           std::filesystem::remove(folder.path() / name);  // of a job that could do without
-          (void)write_fitted_surface(folder.path() / name, fitted, "mesh", *backend, {.level = 1});
+          (void)write_fitted_surface(folder.path() / name, fitted, *backend,
+                                     {.settings = settings_of({{"levels", "1"}})});
         },
         [&](std::int64_t n) { EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << n; });
     EXPECT_GT(requests, 30);
@@ -130,7 +131,8 @@ TEST(OutOfMemory, ReadersEndByAnException) {
   for (const char* name : {"a.glb", "a.gltf", "a.obj", "a.ply", "a.off", "a.stl"}) {
     SCOPED_TRACE(name);
     const std::filesystem::path path = folder.path() / name;
-    (void)write_fitted_surface(path, fitted, "mesh", *backend, {.level = 1});
+    (void)write_fitted_surface(path, fitted, *backend,
+                               {.settings = settings_of({{"levels", "1"}})});
     const std::int64_t faces = read_mesh(path).mesh.face_count();
     const std::int64_t requests = test::fail_at_every_request(
         [&] { EXPECT_EQ(read_mesh(path).mesh.face_count(), faces); }, [](std::int64_t) {});

@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "camera.h"
-#include "colours.h"
 #include "dome_light.h"
 #include "overlay.h"
 #include "picture.h"
 #include "planish/files/gltf/write_gltf.h"
-#include "rasterise.h"
+#include "planish/job/page/camera.h"
+#include "planish/job/page/colours.h"
+#include "planish/job/page/rasterise.h"
 #include "render_mesh.h"
 
 namespace planish::render {

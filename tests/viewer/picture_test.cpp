@@ -11,9 +11,9 @@
 #include <glm/vec4.hpp>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/job/page/rasterise.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
-#include "render/rasterise.h"
 #include "support/meshes.h"
 #include "viewer/fixture.h"
 #include "viewer/legend.h"

@@ -48,7 +48,7 @@ install(FILES ${PROJECT_BINARY_DIR}/planishConfig.cmake
 # For builds without CMake. A shared library brings what it needs itself; OpenSubdiv has no .pc file.
 set(pc_libs_private "")
 if(NOT BUILD_SHARED_LIBS)
-  set(pc_libs_private "-losdCPU -lmeshoptimizer -lcrypto -lstdc++ -lm")
+  set(pc_libs_private "-losdCPU -lmeshoptimizer -lcrypto -lz -lstdc++ -lm")
   if(PLANISH_DRACO)
     string(PREPEND pc_libs_private "-ldraco ")
   endif()

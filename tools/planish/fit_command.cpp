@@ -8,7 +8,7 @@
 #include "memory/large_arrays.h"
 #include "options/fit_flags.h"
 #include "options/input_list.h"
-#include "page/page_job.h"
+#include "options/page_flags.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/job/details.h"
@@ -118,10 +118,7 @@ FitPlan plan_fit(const FitFlags& flags) {
   }
   if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });
   if (!flags.page.empty()) {
-    faults.note([&] {
-      require_page_path(flags.page, "--page");
-      claims.add_output(flags.page, "--page");
-    });
+    faults.note([&] { claims.add_page(flags.page, "--page"); });
   }
   faults.note([&] { plan.page = page_options(flags.page_limit, flags.page_no_times); });
   faults.note([&] { plan.devices = settle_devices(plan.jobs); });
@@ -137,13 +134,12 @@ ExitCode run_one(const FitFlags& flags, const FitPlan& plan, Console& console,
   const auto backend = open_backend(plan.devices.devices[planned.device], planned.job.settings);
   Progress progress(console, flags.messages.progress_mode());
   JobDisplay display(progress, planned.job.name);
-  ShownJob shown(planned.job.name, plan.page);
+  planned.job.page_options = plan.page;
+  planned.job.digests = is_reported(planned.job);
   planned.job.arguments = arguments;
   planned.job.mesher = require_counted_mesher;
   const JobReport report =
-      run_job(planned.job, planned.outputs, *backend,
-              watch_of(console, display, flags.page.empty() ? nullptr : &shown))
-          .report;
+      run_job(planned.job, planned.outputs, *backend, watch_of(console, display)).report;
   progress.finish();
   console.info(summary(report, console.level() == LogLevel::Debug));
   if (console.is_terminal()) console.info(next_step(report));
@@ -157,7 +153,8 @@ ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& consol
                              .progress = flags.messages.progress_mode(),
                              .arguments = arguments,
                              .page = plan.page,
-                             .wants_page = !flags.page.empty()});
+                             .wants_page = !flags.page.empty(),
+                             .wants_report = !flags.report.empty()});
   console.info(files_table(plan.jobs, outcomes));
   if (!flags.report.empty())
     write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments), flags.force);

@@ -37,6 +37,7 @@ ExitCode inspect_all(const InspectFlags& flags) {
     faults.note([&] {
       require_input(path, format);
       InputFile file = load_input(path, format);
+      if (flags.json) file.take_digest();
       file.reach = settings.textures;
       const Inspection inspection = inspect(file);
       if (is_refused(inspection)) exit_code = ExitCode::UnusableMesh;

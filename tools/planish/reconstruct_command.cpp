@@ -44,7 +44,9 @@ FileFormat output_format(const std::string& path) {
 // A PLY may be one of a mesh: its vertices are points all the same.
 PointInput read_cloud(const std::string& path, std::optional<FileFormat> format,
                       const Callbacks& callbacks) {
-  return points_of(load_input(path, format, callbacks), callbacks);
+  InputFile file = load_input(path, format, callbacks);
+  file.take_digest();
+  return points_of(file, callbacks);
 }
 
 void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::string>& arguments,

@@ -6,8 +6,8 @@
 #include "commands.h"
 #include "job/batch.h"
 #include "job/describe_job.h"
+#include "options/page_flags.h"
 #include "options/scene_file.h"
-#include "page/page_job.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/job/report.h"
@@ -64,7 +64,7 @@ void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaim
     if (!job.report.empty())
       faults.note([&] { claims.add_report(job.report, "report of job " + job.name); });
     if (!job.page.empty())
-      faults.note([&] { claims.add_output(job.page, "page of job " + job.name); });
+      faults.note([&] { claims.add_page(job.page, "page of job " + job.name); });
   }
   if (flags.json && !flags.report.empty())
     faults.note(
@@ -72,10 +72,7 @@ void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaim
   if (!flags.report_path().empty())
     faults.note([&] { claims.add_report(flags.report_path(), "--report"); });
   if (!flags.page.empty()) {
-    faults.note([&] {
-      require_page_path(flags.page, "--page");
-      claims.add_output(flags.page, "--page");
-    });
+    faults.note([&] { claims.add_page(flags.page, "--page"); });
   }
   faults.throw_if_any();
 }
@@ -98,7 +95,8 @@ ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& argume
                              .progress = flags.messages.progress_mode(),
                              .arguments = arguments,
                              .page = page,
-                             .wants_page = !flags.page.empty()});
+                             .wants_page = !flags.page.empty(),
+                             .wants_report = !flags.report_path().empty()});
   if (!flags.page.empty()) write_batch_page(flags.page, outcomes, page, console, flags.force);
   const std::string report = flags.report_path();
   if (!report.empty())

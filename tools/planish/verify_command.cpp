@@ -74,9 +74,12 @@ ExitCode run_verify(const VerifyFlags& flags) {
   faults.note([&] { require_input(flags.input, {}); });
   faults.note([&] { (void)with_flags({}, flags); });
   faults.throw_if_any();
-  const Input cage = read_input(flags.cage, FileReach::Beside);
+  InputFile cage_file = load_input(flags.cage, std::nullopt);
+  cage_file.take_digest();
+  const Input cage = mesh_of(cage_file);
   const CageHeader made = with_flags(parse_cage_header(cage.file.header, cage.name), flags);
   InputFile input = load_input(flags.input, std::nullopt);
+  input.take_digest();
   input.split_normals_crease = made.settings.creases.split_normals;
   input.is_strict = made.settings.repair == RepairChoice::None;
   input.reach = made.settings.textures;

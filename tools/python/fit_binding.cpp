@@ -11,7 +11,6 @@
 #include "planish/core/visible_text.h"
 #include "planish/job/fit_file.h"
 #include "planish/pipeline/tessellate_fit.h"
-#include "planish/pipeline/write_fitted_surface.h"
 
 namespace py = pybind11;
 
@@ -54,7 +53,8 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
 }
 
 FitHandle fit_files(const py::object& input, const py::object& output, const py::object& levels,
-                    const py::object& cage, const py::object& report, py::kwargs keywords) {
+                    const py::object& cage, const py::object& report, const py::object& page,
+                    const py::object& source, py::kwargs keywords) {
   const auto start = std::chrono::steady_clock::now();
   keywords["levels"] = levels;
   FitArguments arguments = fit_arguments(std::move(keywords), "fit_file");
@@ -66,6 +66,9 @@ FitHandle fit_files(const py::object& input, const py::object& output, const py:
   options.settings = arguments.settings;
   if (!cage.is_none()) options.cage = path_of(cage);
   if (!report.is_none()) options.report = path_of(report);
+  if (!page.is_none()) options.page = path_of(page);
+  if (!source.is_none()) options.source = path_of(source);
+  options.limits = arguments.limits;
   FitHandle made = new_fit(arguments);
   const auto backend = arguments.make_backend();
   options.backend = backend.get();
@@ -275,14 +278,19 @@ void add_fit(py::module_& module) {
   const std::string file_text =
       std::string(
           "From file to file: reads a mesh, points or a glTF, fits, and writes the surface and, "
-          "where\nnamed, its cage and a report.\n\nfit_file(input, output, levels=None, cage=None, "
-          "*, report=None, **options) -> Fit\n\n"
-          "    report: JSON of what was done, as planish fit --report writes.\n") +
+          "where\nnamed, its cage, a report and a page.\n\nfit_file(input, output, levels=None, "
+          "cage=None, *, report=None, page=None, source=None, **options) -> Fit\n\n"
+          "    report: JSON of what was done, as planish fit --report writes.\n"
+          "    page: HTML to look at, as planish fit --page writes.\n"
+          "    source: mesh that the surface is compared with; None: the input.\n"
+          "    memory_limit, output_limit: bytes; point_limit: of the input; time_limit: seconds "
+          "of\n        processor time. For hosts that run the work of others; 0: none.\n") +
       fit_keywords() + file_keywords() +
       "\n\nRaises what read(), fit(), reconstruct() and write() raise.";
   module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"),
              py::arg("levels") = py::none(), py::arg("cage") = py::none(), py::kw_only(),
-             py::arg("report") = py::none(), file_text.c_str());
+             py::arg("report") = py::none(), py::arg("page") = py::none(),
+             py::arg("source") = py::none(), file_text.c_str());
 }
 
 }  // namespace planish::python

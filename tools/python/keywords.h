@@ -3,6 +3,7 @@
 #include <string>
 
 #include "planish/core/option.h"
+#include "planish/job/job_settings.h"
 
 namespace planish::python {
 
@@ -17,9 +18,11 @@ namespace planish::python {
          option.kind != OptionKind::Vertices && option.kind != OptionKind::Edges;
 }
 
-/// What only functions that write files take, of STEP.
-[[nodiscard]] inline bool is_step_keyword(const OptionInfo& option) {
-  return option.needs == OptionNeeds::Step;
+/// What write() takes: what files hold, and how finely the surface is cut where no level says it.
+[[nodiscard]] inline bool is_write_keyword(const OptionInfo& option) {
+  return (option.stage == OptionStage::Output || option.stage == OptionStage::Fineness ||
+          option.needs == OptionNeeds::Step) &&
+         !is_of_inputs(option) && option.name != "levels" && option.name != "device";
 }
 
 /// What fit_file() takes besides: all but the device.

@@ -14,9 +14,9 @@
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
 #include "planish/files/write_surface.h"
+#include "planish/job/fit_file.h"
 #include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/verify_cage.h"
-#include "planish/pipeline/write_fitted_surface.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/reconstruct/reconstruct.h"
 
@@ -275,20 +275,20 @@ std::string path_of(const py::object& path) {
 
 void write(const std::string& path, const py::object& what, const py::object& level,
            const py::kwargs& keywords) {
-  const StepSettings step = step_arguments(keywords, "write");
+  const Settings settings =
+      write_arguments(keywords, level.is_none() ? std::nullopt : std::optional(level.cast<int>()));
   if (py::isinstance<PythonFit>(what)) {
     const auto fit = what.cast<FitHandle>();
-    const int splits = level.is_none() ? fit->fitted.density.level() : level.cast<int>();
     const auto backend =
         make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
     const InputFiles inputs = fit->inputs;
     std::vector<Warning> warnings;
     run_released({}, [&](const Callbacks& callbacks) {
-      write_fitted_surface(path, fit->fitted, fit->name, *backend,
-                           {.level = splits,
-                            .callbacks = collecting(callbacks, warnings),
-                            .step = step,
-                            .inputs = &inputs});
+      (void)write_fitted_surface(path, fit->fitted, *backend,
+                                 {.settings = settings,
+                                  .name = fit->name,
+                                  .callbacks = collecting(callbacks, warnings),
+                                  .inputs = &inputs});
     });
     warn(warnings);
   } else if (py::isinstance<PythonSurface>(what)) {
@@ -339,7 +339,7 @@ void add_mesh(py::module_& module) {
       "or USD text, a Fit also as STEP, or a Mesh as OBJ, PLY, OFF or USD text, by extension. An "
       "old file stays until the new one is whole. Files that read() read for it are never written "
       "over. Raises UnwritableOutput, InvalidArgument.\n" +
-      keywords_text(is_step_keyword);
+      keywords_text(is_write_keyword);
   module.def(
       "write",
       [](const py::object& path, const py::object& what, const py::object& level,

@@ -142,6 +142,13 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
   keywords.take("threads", result.threads, "a whole number is wanted");
   if (result.threads < 0 || result.threads > kMostThreads)
     refuse(formatted("threads: {} is out of range; 0 to 4096 is wanted", result.threads));
+  if (is_of_files) {
+    const char* const wanted = "a number from 0 on is wanted";
+    keywords.take("memory_limit", result.limits.memory_bytes, wanted);
+    keywords.take("point_limit", result.limits.points, wanted);
+    keywords.take("output_limit", result.limits.output_bytes, wanted);
+    keywords.take("time_limit", result.limits.cpu_seconds, wanted);
+  }
   result.callbacks.progress = keywords.take("progress");
   result.callbacks.cancelled = keywords.take("cancelled");
   result.mesh.visit([&](const char* name, py::object& value) {
@@ -152,13 +159,17 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
   return result;
 }
 
-StepSettings step_arguments(py::kwargs given, const char* function) {
-  Keywords keywords(std::move(given), function);
-  FitSettings settings;
+Settings write_arguments(py::kwargs given, std::optional<int> level) {
+  Keywords keywords(std::move(given), "write");
+  Settings settings;
+  if (level) settings.set_levels({*level});
   for (const FitOption& option : option_table())
-    if (is_step_keyword(option)) take_option<FitSettings>(keywords, option, settings);
+    if (is_write_keyword(option)) take_option<FitSettings>(keywords, option, settings);
   keywords.require_none_left();
-  return settings.step;
+  if (settings.adaptive.chord_errors.size() > 1)
+    refuse("chord_error: several are a file each; take one");
+  check_consistent(settings, keyword_of_name);
+  return settings;
 }
 
 FileReach reach_argument(const std::string& textures) {

@@ -3,11 +3,13 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "attributes.h"
 #include "planish/backend/backend.h"
 #include "planish/core/option.h"
+#include "planish/core/work_limits.h"
 #include "planish/job/job_settings.h"
 #include "work.h"
 
@@ -17,6 +19,7 @@ namespace planish::python {
 struct FitArguments {
   Settings settings;
   int threads = 0;
+  WorkLimits limits;  ///< of fit_file()
   PythonCallbacks callbacks;
   MeshArguments mesh;
 
@@ -27,8 +30,8 @@ struct FitArguments {
 /// for keywords that remain.
 [[nodiscard]] FitArguments fit_arguments(pybind11::kwargs keywords, const char* function);
 
-/// Takes what write() knows. Throws as fit_arguments().
-[[nodiscard]] StepSettings step_arguments(pybind11::kwargs keywords, const char* function);
+/// Takes what write() knows, of a file of one level where that is given. Throws as fit_arguments().
+[[nodiscard]] Settings write_arguments(pybind11::kwargs keywords, std::optional<int> level);
 
 /// What read() is told of files that its own names. Throws as fit_arguments().
 [[nodiscard]] FileReach reach_argument(const std::string& textures);

@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
   return planish::write_stub(argv[1], argv[2],
                              {{"    @FIT_KEYWORDS@", fit_lines()},
                               {"    @FILE_KEYWORDS@", file_lines()},
-                              {"    @STEP_KEYWORDS@", keyword_lines(is_step_keyword)}})
+                              {"    @WRITE_KEYWORDS@", keyword_lines(is_write_keyword)}})
              ? 0
              : 1;
 }

@@ -10,7 +10,7 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/point_bounds.h"
-#include "rasterise.h"
+#include "planish/job/page/rasterise.h"
 
 namespace planish::render {
 namespace {

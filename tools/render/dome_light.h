@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "camera.h"
+#include "planish/job/page/camera.h"
 #include "render_mesh.h"
 
 namespace planish::render {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "camera.h"
+#include "planish/job/page/camera.h"
+#include "planish/job/page/rasterise.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "rasterise.h"
 
 namespace planish::render {
 

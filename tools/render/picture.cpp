@@ -8,11 +8,11 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "colours.h"
 #include "dome_light.h"
 #include "planish/core/parallel.h"
 #include "planish/core/point_bounds.h"
-#include "rasterise.h"
+#include "planish/job/page/colours.h"
+#include "planish/job/page/rasterise.h"
 
 namespace planish::render {
 namespace {

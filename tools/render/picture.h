@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "camera.h"
 #include "overlay.h"
+#include "planish/job/page/camera.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "render_mesh.h"
 

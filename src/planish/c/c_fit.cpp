@@ -13,7 +13,6 @@
 #include "planish/core/refuse.h"
 #include "planish/job/fit_file.h"
 #include "planish/pipeline/verify_cage.h"
-#include "planish/pipeline/write_fitted_surface.h"
 
 namespace planish::c {
 namespace {
@@ -52,9 +51,9 @@ planish_status convergence_status(const FittedMesh& fitted) {
 }
 
 // Of a surface that was written, as STEP where there are figures of that.
-planish_status written_status(const FittedMesh& fitted, const StepFigures* step) {
+planish_status written_status(const FittedMesh& fitted, const std::optional<StepFigures>& step) {
   const planish_status status = convergence_status(fitted);
-  if (status != PLANISH_OK || step == nullptr || step->is_as_asked()) return status;
+  if (status != PLANISH_OK || !step || step->is_as_asked()) return status;
   if (!step->check.is_valid()) {
     note_of_results(
         [&] {
@@ -80,22 +79,21 @@ planish_status written_status(const FittedMesh& fitted, const StepFigures* step)
   return PLANISH_NOT_CONVERGED;
 }
 
+// Here one file is written.
+void require_one_file(const Settings& settings) {
+  if (settings.lods == LodChoice::Msft) return;
+  const bool is_adaptive = settings.adaptive.any();
+  if (std::max(is_adaptive ? 0 : settings.levels.size(), settings.adaptive.chord_errors.size()) > 1)
+    planish::refuse(spelled(is_adaptive ? "chord_errors" : "levels"),
+                    "several are a file each; take one, or {} msft for levels of detail of a glTF",
+                    spelled("lods"));
+}
+
 // With the caller's functions.
 MeshFitOptions mesh_options(const FitSettings& settings, const planish_options& options) {
   MeshFitOptions how = mesh_fit_options(settings);
   how.fit.callbacks = callbacks_of(options);
   return how;
-}
-
-// Without the files of the mesh.
-Kept kept_of(const FitSettings& settings, const planish_options& options) {
-  return {.thread_count = options.thread_count,
-          .precision = solve_precision(settings),
-          .step = settings.step,
-          .z_up = settings.up == UpAxis::Z,
-          .level = settings.levels_by_density ? std::nullopt
-                                              : std::optional(std::ranges::max(settings.levels)),
-          .inputs = {}};
 }
 
 }  // namespace
@@ -116,8 +114,7 @@ planish_status planish_fit_create(const planish_mesh* mesh, const planish_option
     const planish::Settings& settings = mesh_settings(own);
     const planish::MeshFitOptions how = mesh_options(settings, own);
     auto made = std::make_unique<planish_fit>();
-    made->kept = kept_of(settings, own);
-    made->kept.inputs = mesh->inputs;
+    made->kept = {own.thread_count, settings, mesh->inputs};
     const auto backend = made->kept.make_backend();
     made->fitted = planish::fit_mesh(mesh->mesh, "mesh", *backend, how);
     *fit = made.release();
@@ -170,16 +167,16 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
     require(fit, "fit");
     require(path, "path");
     const auto backend = fit->kept.make_backend();
-    planish::StepFigures figures;
     // Other threads may write the fit, too.
     const planish::InputFiles inputs = fit->kept.inputs;
-    planish::write_fitted_surface(path, fit->fitted, "surface", *backend,
-                                  {.level = fit->settled(level),
-                                   .z_up = fit->kept.z_up,
-                                   .step = fit->kept.step,
-                                   .step_figures = &figures,
-                                   .inputs = &inputs});
-    return written_status(fit->fitted, &figures);
+    planish::SurfaceFileOptions how{.settings = fit->kept.settings, .inputs = &inputs};
+    if (level != PLANISH_LEVEL_AUTO) how.settings.adaptive = {};
+    if (!how.settings.levels_by_density || level != PLANISH_LEVEL_AUTO)
+      how.settings.set_levels({fit->settled(level)});
+    require_one_file(how.settings);
+    const planish::WrittenOutput written =
+        planish::write_fitted_surface(path, fit->fitted, *backend, how);
+    return written_status(fit->fitted, written.step);
   });
 }
 
@@ -192,17 +189,19 @@ planish_status planish_fit_file(const char* input, const char* output,
     require(output, "output");
     const planish_options& own = options_of(options);
     const planish::Settings& settings = consistent_settings(own);
-    if (settings.levels.size() > 1 && settings.lods != planish::LodChoice::Msft)
-      planish::refuse(
-          spelled("levels"),
-          "several are a file each; take one, or {} msft for levels of detail of a glTF",
-          spelled("lods"));
-    const auto backend = kept_of(settings, own).make_backend();
-    const planish::FitFileOptions how{
-        .settings = settings, .callbacks = callbacks_of(own), .backend = backend.get()};
+    require_one_file(settings);
+    const auto backend = Kept{own.thread_count, settings, {}}.make_backend();
+    const planish::FitFileOptions how{.settings = settings,
+                                      .cage = own.file("cage"),
+                                      .report = own.file("report"),
+                                      .page = own.file("page"),
+                                      .source = own.file("source"),
+                                      .limits = own.limits,
+                                      .callbacks = callbacks_of(own),
+                                      .backend = backend.get()};
     const planish::FileFit done = planish::fit_file(input, output, how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
-    return written_status(done.fitted, done.step ? &*done.step : nullptr);
+    return written_status(done.fitted, done.step);
   });
 }
 

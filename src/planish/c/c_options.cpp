@@ -1,7 +1,8 @@
 #include <algorithm>
-#include <iterator>
+#include <array>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "planish/c/call.h"
 #include "planish/c/options.h"
@@ -14,13 +15,30 @@
 namespace planish::c {
 namespace {
 
-// Of planish.h alone.
-constexpr std::string_view kThreads = "threads";
+// Files of planish_fit_file() besides its input and output, as jobs of scene files name them.
+constexpr std::array<std::string_view, 4> kFiles{"cage", "page", "report", "source"};
 
-const Option<planish_options>& threads_option() {
-  static const Option<planish_options> option =
-      whole_option({.name = kThreads, .limits = {0, 4096}}, &planish_options::thread_count);
-  return option;
+bool is_file(std::string_view name) { return std::ranges::find(kFiles, name) != kFiles.end(); }
+
+const std::vector<Option<planish_options>>& own_options() {
+  constexpr double kMost = 9007199254740992;  // whole numbers of a double
+  const auto most_of = [](std::string_view name, auto member) {
+    return whole_option({.name = name, .limits = {0, kMost}}, &planish_options::limits, member);
+  };
+  static const std::vector<Option<planish_options>> options{
+      whole_option({.name = "threads", .limits = {0, 4096}}, &planish_options::thread_count),
+      most_of("memory_limit", &WorkLimits::memory_bytes),
+      most_of("point_limit", &WorkLimits::points),
+      most_of("output_limit", &WorkLimits::output_bytes),
+      number_option({.name = "time_limit", .limits = {0, kMost}}, &planish_options::limits,
+                    &WorkLimits::cpu_seconds)};
+  return options;
+}
+
+// Null: the name is none of them.
+const Option<planish_options>* find_own(std::string_view name) {
+  const auto found = std::ranges::find(own_options(), name, &Option<planish_options>::name);
+  return found == own_options().end() ? nullptr : &*found;
 }
 
 Settings default_settings() {
@@ -34,7 +52,7 @@ bool is_served(const OptionInfo& option) {
   return option.kind != OptionKind::Edges && option.kind != OptionKind::Vertices;
 }
 
-// Of all that can be set but threads.
+// Of all that can be set but what is of planish.h alone.
 template <class Visit>
 void for_options(const Visit& visit) {
   for (const FitOption& option : option_table())
@@ -42,30 +60,23 @@ void for_options(const Visit& visit) {
   for (const PointOption& option : point_option_table()) visit(option);
 }
 
-// What meshes in memory take, too: what shapes and solves, and what planish_fit_write() is told.
-// All else is of files and points, and nothing does it but planish_fit_file().
-bool is_of_files(const OptionInfo& option) {
-  constexpr std::string_view kOfMeshes[] = {"up", "levels", "device"};
-  return option.stage != OptionStage::Shape && option.stage != OptionStage::Solve &&
-         option.needs != OptionNeeds::Step &&
-         std::ranges::find(kOfMeshes, option.name) == std::end(kOfMeshes);
-}
-
 [[noreturn]] void refuse_name(std::string_view name) {
   if (find_setting(name) != nullptr)
     planish::refuse(spelled(name),
                     "this interface does not have it; planish run does it, and "
                     "planish_mesh_arrays has it for meshes");
-  std::vector<std::string_view> known{kThreads};
+  std::vector<std::string_view> known;
+  for (const Option<planish_options>& option : own_options()) known.push_back(option.name);
+  known.insert(known.end(), kFiles.begin(), kFiles.end());
   for_options([&](const OptionInfo& option) { known.push_back(option.name); });
   const std::string nearest = did_you_mean(name, known);
   planish::refuse(spelled(visible(name)), "there is no such option here{}",
                   nearest.empty() ? "; planish fit --help lists what the command has" : nearest);
 }
 
-// The row; null for threads.
+// The row; null for what is of planish.h alone.
 const OptionInfo* require_served(std::string_view name) {
-  if (name == kThreads) return nullptr;
+  if (find_own(name) != nullptr || is_file(name)) return nullptr;
   const OptionInfo* const option = find_setting(name);
   if (option == nullptr || !is_served(*option)) refuse_name(name);
   return option;
@@ -97,7 +108,8 @@ void set_texts(planish_options& options) {
       options.texts[option.name] = text_of<FitSettings>(options, option, options.settings);
   for (const PointOption& option : point_option_table())
     options.texts[option.name] = text_of(options, option, options.settings.points);
-  options.texts[kThreads] = threads_option().get(options);
+  for (const Option<planish_options>& option : own_options())
+    options.texts[option.name] = option.get(options);
 }
 
 }  // namespace
@@ -118,8 +130,10 @@ const Settings& mesh_settings(const planish_options& options) {
   if (options.settings.creases.split_normals)
     planish::refuse(spelled("creases"), "normals are a file's; take planish_fit_file()");
   for (const auto& [name, text] : options.given)
-    if (is_of_files(*find_setting(name)))
-      planish::refuse(spelled(name), "is of files; take planish_fit_file()");
+    if (is_of_inputs(*find_setting(name)))
+      planish::refuse(spelled(name), "is of files and points; take planish_fit_file()");
+  for (const auto& [name, path] : options.files)
+    planish::refuse(spelled(name), "is of planish_fit_file()");
   return consistent_settings(options);
 }
 
@@ -163,8 +177,10 @@ planish_status planish_options_set(planish_options* options, const char* name, c
     require(value, "value");
     const planish::OptionInfo* const option = require_served(name);
     planish_options next = *options;
-    if (option == nullptr) {
-      planish::read_option(threads_option(), next, value, spelled(name));
+    if (is_file(name)) {
+      next.files[*std::ranges::find(kFiles, std::string_view(name))] = value;
+    } else if (option == nullptr) {
+      planish::read_option(*find_own(name), next, value, spelled(name));
     } else {
       next.given[option->name] = value;
       next.settings = given_settings(next);
@@ -182,7 +198,9 @@ planish_status planish_options_get(const planish_options* options, const char* n
     require(name, "name");
     require(value, "value");
     (void)require_served(name);
-    *value = options->texts.at(name).c_str();
+    const auto& texts = is_file(name) ? options->files : options->texts;
+    const auto found = texts.find(name);
+    *value = found == texts.end() ? "" : found->second.c_str();
     return PLANISH_OK;
   });
 }

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,11 +11,11 @@
 #include "planish/c/planish.h"
 #include "planish/edit/editor.h"
 #include "planish/files/input_files.h"
+#include "planish/job/job_settings.h"
 #include "planish/limit/limit_surface.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/pipeline/write_fitted_step.h"
 #include "planish/surface/surface_mesh.h"
 
 // What the handles of planish.h hold. Names are C's, so they stand in no namespace.
@@ -54,14 +54,12 @@ struct RiderViews {
 /// What a fit keeps of its options and its mesh, and hands on to what is made of it.
 struct Kept {
   int thread_count = 0;
-  Precision precision = Precision::Float;
-  StepSettings step;
-  bool z_up = false;
-  std::optional<int> level;  ///< in place of PLANISH_LEVEL_AUTO; empty: by the mesh's density
-  InputFiles inputs;         ///< of its mesh
+  Settings settings;
+  InputFiles inputs;  ///< of its mesh
 
   [[nodiscard]] std::unique_ptr<Backend> make_backend() const {
-    return make_cpu_backend({.solve_precision = precision, .thread_count = thread_count});
+    return make_cpu_backend(
+        {.solve_precision = solve_precision(settings), .thread_count = thread_count});
   }
 };
 
@@ -82,7 +80,9 @@ struct planish_fit {
 
   /// Of planish_fit_write() and others; PLANISH_LEVEL_AUTO by options, or by the mesh's density.
   [[nodiscard]] int settled(std::int32_t level) const {
-    return level == PLANISH_LEVEL_AUTO ? kept.level.value_or(fitted.density.level()) : level;
+    if (level != PLANISH_LEVEL_AUTO) return level;
+    return kept.settings.levels_by_density ? fitted.density.level()
+                                           : std::ranges::max(kept.settings.levels);
   }
 
   planish_fit() : whole(std::make_shared<planish::FittedMesh>()), fitted(*whole) {}

@@ -7,6 +7,7 @@
 
 #include "planish/c/planish.h"
 #include "planish/core/callbacks.h"
+#include "planish/core/work_limits.h"
 #include "planish/job/job_settings.h"
 #include "planish/pipeline/found_creases.h"
 
@@ -17,13 +18,20 @@ struct planish_options {
   std::map<std::string_view, std::string> given;  ///< texts, by names of the tables
   std::map<std::string_view, std::string> texts;  ///< for planish_options_get(), of all names
   int thread_count = 0;
+  planish::WorkLimits limits;
   int (*progress)(void* user, const char* step, double fraction) = nullptr;
   void* progress_user = nullptr;
   void (*warning)(void* user, const char* code, const char* message) = nullptr;
   void* warning_user = nullptr;
-  std::optional<planish::FoundCreases> sharp;  ///< for planish_verify(); empty: is looked for
+  std::map<std::string_view, std::string> files;  ///< of planish_fit_file(): paths, by "report"...
+  std::optional<planish::FoundCreases> sharp;     ///< for planish_verify(); empty: is looked for
 
   planish_options();
+  /// The path that is set by that name; empty: none.
+  [[nodiscard]] std::string file(std::string_view name) const {
+    const auto found = files.find(name);
+    return found == files.end() ? std::string() : found->second;
+  }
 };
 
 namespace planish::c {

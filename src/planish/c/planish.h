@@ -121,10 +121,16 @@ planish_status planish_options_create(planish_options** options);
  * fit --help` lists them. The order does not matter; "preset" gives way to what is set besides.
  * PLANISH_INVALID_ARGUMENT for unknown names and for values that the command refuses, too: what was
  * set before stays. Options that contradict each other are refused where they are used, and so are
- * those of files and of points ("compress", "outliers", say) by all but planish_fit_file().
- * - "levels": of planish_fit_file(), and what PLANISH_LEVEL_AUTO stands for. Several are levels of
- *   detail of one glTF, for which "lods" has to be "msft".
+ * those of files and points that are read ("textures", "outliers") by all but planish_fit_file().
+ * - "levels", "chord_errors" and "angle": of files, and what PLANISH_LEVEL_AUTO stands for. Several
+ *   levels are levels of detail of one glTF, for which "lods" has to be "msft".
+ * - "report" (JSON), "page" (HTML), "cage" and "source" (a mesh that the surface is compared with):
+ *   paths of further files of planish_fit_file(), as jobs of scene files name them.
  * - "device": "cpu".
+ * - "memory_limit" (bytes), "point_limit" (of an input), "output_limit" (bytes of all files),
+ *   "time_limit" (seconds of processor time): of planish_fit_file(), for hosts that run the work of
+ *   others, and of this interface alone; 0, the default: none. Work that would need more fails with
+ *   PLANISH_NO_MEMORY, PLANISH_UNWRITABLE_OUTPUT or PLANISH_CANCELLED, and leaves no file.
  * - "threads", which is of this interface alone: how many, the caller's included, work on all that
  *   is done with what is made by the options: 1 to 4096; 0, the default: all cores. */
 planish_status planish_options_set(planish_options* options, const char* name, const char* value);
@@ -188,10 +194,11 @@ planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
  * neighbour. */
 #define PLANISH_LEVEL_AUTO (-1)
 
-/** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL, USD text or STEP, which has
- * no level, by extension. `level`: 0 to 6 splits, or PLANISH_LEVEL_AUTO. PLANISH_NOT_CONVERGED also
- * where STEP does not keep limits that options set. PLANISH_INVALID_ARGUMENT for a file that was
- * read for the mesh. */
+/** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL, USD text, 3D Tiles or STEP,
+ * which has no level, by extension, as the options say of files. `level`: 0 to 6 splits, or
+ * PLANISH_LEVEL_AUTO. PLANISH_NOT_CONVERGED also where STEP does not keep limits that options set.
+ * PLANISH_INVALID_ARGUMENT for a file that was read for the mesh. An existing file is replaced once
+ * the new one is whole. */
 planish_status planish_fit_write(const planish_fit* fit, int32_t level, const char* path);
 void planish_fit_free(planish_fit* fit);
 

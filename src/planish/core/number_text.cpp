@@ -148,6 +148,12 @@ std::string percent(double share) {
   return short_number(100 * share) + " %";
 }
 
+std::string fixed(double number, int decimals) {
+  std::array<char, 400> buffer{};  // the largest double has 309 digits before the point
+  std::snprintf(buffer.data(), buffer.size(), "%.*f", decimals, number);
+  return buffer.data();
+}
+
 std::string byte_size(std::uint64_t bytes) {
   if (bytes < 1024) return std::to_string(bytes) + " B";
   double size = static_cast<double>(bytes);

@@ -32,6 +32,9 @@ namespace planish {
 /// below all stand as such: "under 0.001 %", "over 99.9 %".
 [[nodiscard]] std::string percent(double share);
 
+/// `number` with so many decimals.
+[[nodiscard]] std::string fixed(double number, int decimals);
+
 /// 2202009 -> "2.1 MiB"; below 1 KiB in bytes.
 [[nodiscard]] std::string byte_size(std::uint64_t bytes);
 

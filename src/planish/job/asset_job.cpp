@@ -72,7 +72,8 @@ struct PartLevel {
 };
 
 FittedJob job_of(const AssetJob& work, AssetPart& part) {
-  return {work.job, part.outputs, work.backend, work.context, part.made, part.report, work.staged};
+  return {work.job,  part.outputs,     work.backend, work.context,
+          part.made, part.made.fitted, part.report,  work.staged};
 }
 
 void prepare_part(const AssetJob& work, AssetPart& part) {
@@ -185,6 +186,9 @@ std::list<AssetPart> fit_parts(const AssetJob& work) {
       parts.pop_back();
   }
   require_any(work.asset, parts.size());
+  std::int64_t points = 0;
+  for (const AssetPart& part : parts) points += part.report.input.file_vertices;
+  require_points(work.job, work.file.name, points);
   std::vector<MeshNeed> needs;
   for (const AssetPart& part : parts) needs.push_back({&part.ready, &part.mesh.vertices});
   require_memory_for(needs, work.job.settings, work.outputs);
@@ -312,8 +316,8 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
   GltfOptions common;
   common.name = work.report.input.path;
   common.callbacks = callbacks_for(work.report, work.context);
-  Sha256 digest;
-  common.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
+  WrittenDigest digest(work.job.digests);
+  common.observe = digest.observer();
   if (planned.to_stdout) {
     stdout_bytes = encode_asset(work.asset, surfaces, common);
     written.bytes = stdout_bytes.size();
@@ -387,10 +391,8 @@ void require_any(const GltfAsset& asset, std::size_t count) {
 }
 
 std::optional<std::string> reason_to_merge(const Job& job,
-                                           const std::vector<PlannedOutput>& outputs,
-                                           bool wants_page) {
+                                           const std::vector<PlannedOutput>& outputs) {
   if (job.settings.asset == AssetChoice::Merge || outputs.empty()) return "";
-  if (wants_page) return "a page shows one mesh";
   if (!job.source.empty()) return "a source is compared with one mesh";
   if (job.sampling) return "points are sampled from one mesh";
   if (!job.moves.empty()) return "moves are of one mesh's vertices";
@@ -418,7 +420,7 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
     require_asset_for_lods(outputs);
     return nullptr;
   }
-  const auto reason = reason_to_merge(job, outputs, context.wants_page());
+  const auto reason = reason_to_merge(job, outputs);
   const bool writes_gltf = std::ranges::any_of(outputs, [](const PlannedOutput& output) {
     return info_of(output.format).is_gltf && !info_of(output.format).is_tiles;
   });
@@ -468,8 +470,10 @@ AssetResult run_asset(const AssetJob& work) {
       details.push_back(levels_of(work, parts, fineness));
     write(i, details);
   }
+  std::size_t mesh = 0;
   for (AssetPart& part : parts) {
     const FittedJob job = job_of(work, part);
+    show_mesh(job, mesh++, *part.surface);
     measure_rest(job, *part.surface, surface_options(job));
   }
   for (const WrittenOutput& output : written)

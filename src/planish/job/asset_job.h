@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "planish/files/gltf/asset/gltf_asset.h"
-#include "planish/job/input.h"
-#include "planish/job/job.h"
+#include "planish/job/job_input.h"
 #include "planish/job/staged_files.h"
 
 namespace planish {
@@ -17,8 +16,7 @@ namespace planish {
 /// Why a glTF's scene becomes one mesh: the reason, empty where the settings say so; nothing: it
 /// stays an asset.
 [[nodiscard]] std::optional<std::string> reason_to_merge(const Job& job,
-                                                         const std::vector<PlannedOutput>& outputs,
-                                                         bool wants_page);
+                                                         const std::vector<PlannedOutput>& outputs);
 
 /// For jobs that keep no asset: throws Error{InvalidArgument} where a file is to have several
 /// levels of detail.

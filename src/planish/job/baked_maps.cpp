@@ -23,7 +23,7 @@ BakeFileOptions bake_options(const FittedJob& work) {
 // Where the maps take their normals from.
 JobLevel fine_level(const FittedJob& work, JobSurface& all) {
   check_stop();
-  return all.level(bake_level(work.made.fitted.mesh, work.job.settings.bake));
+  return all.level(bake_level(work.fitted.mesh, work.job.settings.bake));
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ std::unique_ptr<const BakedSurface> baked_surface(const FittedJob& work, JobSurf
     const JobLevel fine = fine_level(work, all);
     BakeFileOptions options = bake_options(work);
     options.double_sided = gltf.double_sided;
-    return std::make_unique<const BakedSurface>(work.made.fitted, low.blocks(), fine.blocks(),
+    return std::make_unique<const BakedSurface>(work.fitted, low.blocks(), fine.blocks(),
                                                 work.made.materials.gltf, options);
   });
 }
@@ -75,7 +75,7 @@ std::unique_ptr<const BakedAssetMesh> baked_mesh(const FittedJob& work, const Gl
   if (work.job.settings.bake == 0) return nullptr;
   return timed(work.report.timing.evaluate, [&] {
     const JobLevel fine = fine_level(work, all);
-    return std::make_unique<const BakedAssetMesh>(asset, mesh, work.made.fitted, low.blocks(),
+    return std::make_unique<const BakedAssetMesh>(asset, mesh, work.fitted, low.blocks(),
                                                   attributes, fine.blocks(), bake_options(work));
   });
 }

@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -23,6 +25,27 @@ class Sha256 {
  private:
   struct Context;
   std::unique_ptr<Context> context_;
+};
+
+/// The digest of a file while it is written, where one is wanted.
+class WrittenDigest {
+ public:
+  explicit WrittenDigest(bool is_wanted) {
+    if (is_wanted) digest_.emplace();
+  }
+  /// For who writes; the digest must stay where it is. Empty: none is wanted.
+  [[nodiscard]] std::function<void(std::span<const std::byte>)> observer() {
+    if (!digest_) return {};
+    return [this](std::span<const std::byte> bytes) { digest_->add(bytes); };
+  }
+  void add(std::span<const std::byte> bytes) {
+    if (digest_) digest_->add(bytes);
+  }
+  /// Empty where none is wanted.
+  [[nodiscard]] std::string finish() { return digest_ ? digest_->finish() : std::string(); }
+
+ private:
+  std::optional<Sha256> digest_;
 };
 
 /// The same of bytes at hand.

@@ -1,5 +1,6 @@
 #include "planish/job/fit_file.h"
 
+#include <algorithm>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -9,8 +10,9 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
-#include "planish/job/job.h"
+#include "planish/job/job_outputs.h"
 #include "planish/job/text.h"
+#include "planish/surface/evaluate.h"
 
 namespace planish {
 namespace {
@@ -26,6 +28,8 @@ Job file_job(const std::filesystem::path& input, const std::filesystem::path& ou
   require_file(output, "output");
   require_file(options.cage, "cage");
   require_file(options.report, "report");
+  require_file(options.page, "page");
+  require_file(options.source, "source");
   Job job;
   job.input = input.string();
   job.name = visible(input.stem());
@@ -36,7 +40,20 @@ Job file_job(const std::filesystem::path& input, const std::filesystem::path& ou
     job.outputs.push_back(
         {.path = options.cage.string(), .kind = OutputKind::Cage, .where = "cage"});
   job.report = options.report.string();
+  job.page = options.page.string();
+  job.source = options.source.string();
+  job.digests = is_reported(job);
+  job.limits = options.limits;
+  job.overwrites = true;
   return job;
+}
+
+// Of the callbacks, which must outlive it.
+JobWatch watch_of(const Callbacks& callbacks) {
+  return {.progress = [&](std::string_view step, double,
+                          double share) { callbacks.report(step, share); },
+          .cancelled = callbacks.cancelled,
+          .warning = [&](const Warning& warning) { callbacks.warn(warning); }};
 }
 
 FileFit file_fit(JobResult&& result) {
@@ -57,26 +74,36 @@ FileFit file_fit(JobResult&& result) {
 
 }  // namespace
 
+WrittenOutput write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
+                                   Backend& backend, const SurfaceFileOptions& options) {
+  require_file(path, "path");
+  std::ranges::for_each(options.settings.levels, require_level);
+  Job job;
+  job.name = job.input = options.name;
+  job.settings = options.settings;
+  job.settings.scheme = fitted.options.scheme;
+  job.settings.tolerance = fitted.options.tolerance;
+  job.outputs = {surface_request(job.settings, path.string(), "path")};
+  job.digests = job.measures = false;
+  PathClaims claims({.overwrite = true});
+  if (options.inputs != nullptr) claims.add_inputs(*options.inputs);
+  const HostScope host(options.callbacks);
+  std::vector<WrittenOutput> written;
+  backend.run_on_host([&] {
+    written = write_fitted(fitted, std::move(job), claims, backend, watch_of(options.callbacks));
+  });
+  options.callbacks.report("write", 1);
+  return std::move(written.front());
+}
+
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options) {
-  Job job = file_job(input, output, options);
-  PathClaims claims({.overwrite = true});
-  claims.add_input(input, {}, job.settings.textures);
-  const std::vector<PlannedOutput> outputs =
-      plan_outputs(job, claims, [](const std::function<void()>& check) { check(); });
-  if (!options.report.empty()) claims.add_report(options.report, "report");
   std::unique_ptr<Backend> own;
   if (options.backend == nullptr)
-    own = make_cpu_backend({.solve_precision = solve_precision(job.settings)});
+    own = make_cpu_backend({.solve_precision = solve_precision(options.settings)});
   Backend& backend = own ? *own : *options.backend;
   const Callbacks& callbacks = options.callbacks;
-  const JobWatch watch{.progress = [&](std::string_view step, double,
-                                       double share) { callbacks.report(step, share); },
-                       .cancelled = callbacks.cancelled,
-                       .warning = [&](const Warning& warning) { callbacks.warn(warning); }};
-  const HostScope host(callbacks);
-  JobResult result;
-  backend.run_on_host([&] { result = run_job(job, outputs, backend, watch); });
+  JobResult result = run(file_job(input, output, options), backend, watch_of(callbacks));
   callbacks.report("write", 1);
   return file_fit(std::move(result));
 }

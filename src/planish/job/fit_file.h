@@ -8,9 +8,11 @@
 
 #include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
+#include "planish/core/work_limits.h"
+#include "planish/files/input_files.h"
 #include "planish/job/job_settings.h"
+#include "planish/job/report.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/pipeline/write_fitted_step.h"
 
 namespace planish {
 
@@ -18,6 +20,9 @@ struct FitFileOptions {
   Settings settings{};             ///< all but `device`; see settings_of()
   std::filesystem::path cage{};    ///< also written; empty: none
   std::filesystem::path report{};  ///< JSON, as --report writes; empty: none
+  std::filesystem::path page{};    ///< HTML, as --page writes; empty: none
+  std::filesystem::path source{};  ///< mesh that the surface is compared with; empty: the input
+  WorkLimits limits{};
   Callbacks callbacks{};
   Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
 };
@@ -42,5 +47,20 @@ struct FileFit {
 /// installed; Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
+
+/// How the surface of a fitted mesh becomes a file.
+struct SurfaceFileOptions {
+  Settings settings{};           ///< those of fineness and of files
+  std::string name = "surface";  ///< of mesh and node in a glTF, of the product in STEP
+  Callbacks callbacks{};
+  /// What was read, of which nothing is written over; null: nothing that is known.
+  const InputFiles* inputs = nullptr;
+};
+
+/// The last step of fit_file() alone, of a mesh that was fitted in memory: the same files, but for
+/// what only an input's file has. Of several levels as files it returns the first. Throws as
+/// fit_file().
+WrittenOutput write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
+                                   Backend& backend, const SurfaceFileOptions& options = {});
 
 }  // namespace planish

@@ -11,9 +11,9 @@
 #include "planish/job/expected_triangles.h"
 #include "planish/job/held_bytes.h"
 #include "planish/job/job_input.h"
-#include "planish/job/job_page.h"
 #include "planish/job/least_step_faces.h"
 #include "planish/job/output_bytes.h"
+#include "planish/job/page/page.h"
 #include "planish/job/text.h"
 #include "planish/pipeline/bake_maps.h"
 #include "planish/pipeline/choose_fit.h"
@@ -215,13 +215,18 @@ std::vector<PlannedOutput> settled_for(const MeshNeed& mesh,
 // With so many levels less, as far as there are any.
 std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& settings,
                          const std::vector<PlannedOutput>& outputs, int less = 0) {
+  // Else a level is measured, and nothing rides on it.
+  const bool writes_levels = std::ranges::any_of(outputs, [](const PlannedOutput& output) {
+    return output.kind == OutputKind::Surface && info_of(output.format).has_fineness() &&
+           !output.fineness.is_adaptive();
+  });
   HeldBytes held(settings);
   for (const MeshNeed& mesh : meshes) {
     const FittedMesh& expected = expected_mesh(mesh);
     std::vector<int> levels = held_levels(settled_for(mesh, outputs));
     for (int& level : levels) level = std::max(0, level - less);
     held.add(RefinedAttributes::of(expected.mesh), expected_counts(mesh), levels,
-             solve_bytes(*mesh.ready, settings, outputs), mesh.vertices);
+             solve_bytes(*mesh.ready, settings, outputs), mesh.vertices, writes_levels);
   }
   return held.peak();
 }

@@ -93,14 +93,14 @@ HeldBytes::HeldBytes(const Settings& settings)
 
 void HeldBytes::add(const RefinedAttributes& attributes, const MeshCounts& counts,
                     const std::vector<int>& held_levels, std::uint64_t solve,
-                    const AssetVertices* rides) {
+                    const AssetVertices* rides, bool ride_on_levels) {
   std::uint64_t kept = solve / kKeptOfSolve;
   if (rides != nullptr) kept += ride_bytes(*rides, settings_, 0, 0, false).given;
   kept_ += kept;
   solve_ = std::max(solve_, solve - solve / kKeptOfSolve);
   for (const int level : held_levels)
     add_surface(attributes, levels_to(counts, settings_.scheme, level),
-                static_cast<std::uint64_t>(counts.corners), rides);
+                static_cast<std::uint64_t>(counts.corners), ride_on_levels ? rides : nullptr);
 }
 
 std::uint64_t HeldBytes::peak() const {

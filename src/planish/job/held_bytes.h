@@ -38,10 +38,10 @@ class HeldBytes {
   explicit HeldBytes(const Settings& settings);
 
   /// `held_levels`: those whose surfaces are held together. `solve`: bytes of the mesh and its
-  /// fits.
+  /// fits. `ride_on_levels`: what rides on the vertices is written with these levels.
   void add(const RefinedAttributes& attributes, const MeshCounts& counts,
            const std::vector<int>& held_levels, std::uint64_t solve,
-           const AssetVertices* rides = nullptr);
+           const AssetVertices* rides = nullptr, bool ride_on_levels = true);
   [[nodiscard]] std::uint64_t peak() const;
 
  private:

@@ -46,14 +46,16 @@ InputFile load_input(const std::string& path, std::optional<FileFormat> format,
   if (const std::string_view foreign = foreign_content(file.bytes); !foreign.empty())
     throw Error(ErrorCode::UnreadableInput, formatted("{}: {}", file.name, foreign));
   file.format = settled_format(file, format);
-  // The digest takes as long as a reader: beside it. Moving the file leaves its bytes in place.
-  file.digest =
-      std::async(kHasThreads ? std::launch::async : std::launch::deferred,
-                 [bytes = std::span<const std::byte>(file.bytes), stop = AdoptedStop::current()] {
-                   const AdoptedStop adopted(stop);
-                   return sha256(bytes);
-                 });
   return file;
+}
+
+void InputFile::take_digest() {
+  // It takes as long as a reader: beside it. Moving the file leaves its bytes in place.
+  digest = std::async(kHasThreads ? std::launch::async : std::launch::deferred,
+                      [all = std::span<const std::byte>(bytes), stop = AdoptedStop::current()] {
+                        const AdoptedStop adopted(stop);
+                        return planish::sha256(all);
+                      });
 }
 
 Input mesh_of(const InputFile& file, const Callbacks& callbacks) {

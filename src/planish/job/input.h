@@ -22,10 +22,14 @@ struct InputFile {
   bool split_normals_crease = false;    ///< as FileBytes has it
   bool is_strict = false;               ///< the same
   FileReach reach = FileReach::Beside;  ///< the same
-  /// Is taken while the bytes are read: last, for its destructor waits for who still reads them.
+  /// Once take_digest() is called. Is taken while the bytes are read: last, for its destructor
+  /// waits for who still reads them.
   std::shared_future<std::string> digest;
 
-  [[nodiscard]] std::string sha256() const { return digest.get(); }
+  /// Has the digest taken, where a report wants it.
+  void take_digest();
+  /// Empty where nobody had it taken.
+  [[nodiscard]] std::string sha256() const { return digest.valid() ? digest.get() : std::string(); }
   /// For readers; this must outlive it.
   [[nodiscard]] FileBytes for_reader() const {
     return {.bytes = bytes,

@@ -1,4 +1,6 @@
 #include "planish/job/job.h"
+#include "planish/core/host_scope.h"
+#include "planish/core/number_text.h"
 #include "planish/core/stop.h"
 
 #include <algorithm>
@@ -16,8 +18,8 @@
 #include "planish/job/job_fit.h"
 #include "planish/job/job_input.h"
 #include "planish/job/job_outputs.h"
-#include "planish/job/job_page.h"
 #include "planish/job/output_levels.h"
+#include "planish/job/page/job_page.h"
 #include "planish/job/point_input.h"
 #include "planish/job/text.h"
 #include "planish/job/timed.h"
@@ -31,10 +33,10 @@ void write_report(const Job& job, const JobReport& report, StagedFiles& staged) 
 }
 
 // The job's own page, as text where it is for stdout.
-std::string write_page(const Job& job, JobReport& report, StagedFiles& staged,
-                       const JobContext& context) {
-  if (job.page.empty() || !context.wants_page()) return "";
-  std::string text = context.watch.page->text(report);
+std::string write_page(const Job& job, JobReport& report, StagedFiles& staged, JobPage* page) {
+  if (page != nullptr) page->take(report);
+  if (job.page.empty()) return "";
+  std::string text = page->text();
   report.page = {job.page, text.size()};
   if (job.page != "-") staged.write(job.page, text);
   return text;
@@ -53,16 +55,8 @@ bool may_be_points(const Job& job) {
   return text.starts_with("ply") && text.find("\nelement face") == std::string_view::npos;
 }
 
-// The steps that the job will tell of.
-std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutput>& outputs) {
-  // Weights by what the steps take; those of a level grow with its points.
-  std::vector<PlannedStep> steps{{"read", 2}};
-  if (job.sampling) steps.push_back({"sample", 4});
-  const bool brings_points = job.sampling || may_be_points(job);
-  if (brings_points) steps.push_back({"points", 80});
-  if (!job.source.empty()) steps.push_back({"read", 2});
-  steps.push_back({"check", 1});
-  steps.push_back({"fit", 8});
+// Weights by what the steps take; those of a level grow with its points.
+void add_steps_of(const std::vector<PlannedOutput>& outputs, std::vector<PlannedStep>& steps) {
   std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
     const bool is_new = std::ranges::find(all, output.fineness) == all.end();
@@ -92,6 +86,18 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
       steps.push_back({"write", 2.5 * std::ldexp(1.0, 2 * output.fineness.level)});
   for (const PlannedOutput& output : outputs)
     if (info_of(output.format).is_brep) steps.push_back({"faces", 60});
+}
+
+// The steps that the job will tell of.
+std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutput>& outputs) {
+  std::vector<PlannedStep> steps{{"read", 2}};
+  if (job.sampling) steps.push_back({"sample", 4});
+  const bool brings_points = job.sampling || may_be_points(job);
+  if (brings_points) steps.push_back({"points", 80});
+  if (!job.source.empty()) steps.push_back({"read", 2});
+  steps.push_back({"check", 1});
+  steps.push_back({"fit", 8});
+  add_steps_of(outputs, steps);
   if (job.settings.scheme == Scheme::DooSabin) {
     if (brings_points) steps.push_back({"distances", 10});
     if (!job.source.empty()) steps.push_back({"distances", 10});
@@ -130,7 +136,9 @@ std::vector<PlannedOutput> plan_outputs(
 JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Backend& backend,
                   const JobWatch& watch) {
   JobProgress progress(watch.progress);
-  const JobContext context{watch, progress};
+  JobPage own_page(job.page_options);
+  JobPage* const page = watch.page != nullptr ? watch.page : job.page.empty() ? nullptr : &own_page;
+  const JobContext context{watch, progress, page};
   JobResult result;
   JobReport& report = result.report;
   report.job = job.name;
@@ -172,7 +180,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     if (was_open) warn_of_unused_settings(job, made, report, context);
     const std::vector<PlannedOutput> written = settled(outputs, made.fitted.density.level());
     stdout_bytes = staged.naming_targets([&] {
-      return write_outputs({job, written, backend, context, made, report, staged});
+      return write_outputs({job, written, backend, context, made, made.fitted, report, staged});
     });
     // A .gltf's numbers are beside it.
     if (file.format != FileFormat::Gltf) warn_of_size(report, file.bytes.size(), context);
@@ -182,16 +190,68 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   report.device_bytes = backend.peak_device_bytes();
   if (watch.details) watch.details(details(report));
   write_report(job, report, staged);
-  const std::string page_text = write_page(job, report, staged, context);
+  const std::string page_text = write_page(job, report, staged, page);
   check_stop();
   const auto write = [&](std::string_view bytes) {
     if (watch.write) watch.write(bytes);
   };
+  if (LimitScope* const limits = LimitScope::current()) limits->add_output(stdout_bytes.size());
   if (!stdout_bytes.empty())
     write({reinterpret_cast<const char*>(stdout_bytes.data()), stdout_bytes.size()});
   staged.commit();
   if (job.report == "-") write(report_json(report));
   if (job.page == "-") write(page_text);
+  return result;
+}
+
+std::vector<WrittenOutput> write_fitted(const FittedMesh& fitted, Job job, PathClaims& claims,
+                                        Backend& backend, const JobWatch& watch) {
+  const std::vector<PlannedOutput> outputs =
+      settled(plan_outputs(job, claims, [](const std::function<void()>& check) { check(); }),
+              fitted.density.level());
+  require_asset_for_lods(outputs);
+  JobProgress progress(watch.progress);
+  std::vector<PlannedStep> steps;
+  add_steps_of(outputs, steps);
+  progress.plan(std::move(steps));
+  const JobContext context{watch, progress};
+  JobReport report;
+  report.label = job.label;
+  report.settings = job.settings;
+  report.fit = fitted.figures();
+  report.input.statistics = statistics(*fitted.fit.prepared);
+  StagedFiles staged(job.overwrites);
+  const JobInput made;
+  (void)staged.naming_targets([&] {
+    return write_outputs({job, outputs, backend, context, made, fitted, report, staged});
+  });
+  check_stop();
+  staged.commit();
+  return std::move(report.outputs);
+}
+
+JobResult run(Job job, Backend& backend, const JobWatch& watch) {
+  PathClaims claims({.overwrite = job.overwrites});
+  const FileReach reach = job.settings.textures;
+  if (job.input != "-") claims.add_input(job.input, job.input_format, reach);
+  if (!job.source.empty()) claims.add_input(job.source, {}, reach);
+  const std::vector<PlannedOutput> outputs =
+      plan_outputs(job, claims, [](const std::function<void()>& check) { check(); });
+  if (!job.report.empty()) claims.add_report(job.report, "report");
+  if (!job.page.empty()) claims.add_page(job.page, "page");
+  const Callbacks host{.cancelled = watch.cancelled};
+  const HostScope scope(host);
+  const LimitScope limits(job.limits);
+  JobResult result;
+  try {
+    backend.run_on_host([&] { result = run_job(job, outputs, backend, watch); });
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::Cancelled || !limits.is_time_over()) throw;
+    throw Error(ErrorCode::Cancelled,
+                named_message(job.label, formatted("took the {} s of processor time that it may; "
+                                                   "take a coarser level or allow more",
+                                                   short_number(job.limits.cpu_seconds))));
+  }
   return result;
 }
 

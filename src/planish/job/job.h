@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
+#include "planish/core/work_limits.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/given_setting.h"
 #include "planish/job/job_progress.h"
@@ -20,7 +22,14 @@
 
 namespace planish {
 
-class JobPage;  // job_page.h
+class JobPage;  // page/job_page.h
+
+/// What a user may say of a page.
+struct PageOptions {
+  std::uint64_t limit_bytes = std::uint64_t{8} << 20;
+  /// Without times and memory the same run gives the same bytes.
+  bool times = true;
+};
 
 /// One piece of work: a mesh or points in, the surface and reports out.
 struct Job {
@@ -41,9 +50,18 @@ struct Job {
   std::vector<std::string> arguments;  ///< argv, for the report
   std::string source;                  ///< mesh that the surface is compared with; empty: the input
   std::string report;                  ///< path, "-" for stdout, empty for none
-  std::string page;                    ///< the same
-  bool overwrites = false;             ///< files that exist
+  std::string page;                    ///< HTML; the same
+  PageOptions page_options{};
+  WorkLimits limits{};
+  bool digests = true;      ///< SHA-256 of what is read and written: for reports
+  bool measures = true;     ///< how good the surface is
+  bool overwrites = false;  ///< files that exist
 };
+
+/// Whether a report or a page of its own is made.
+[[nodiscard]] inline bool is_reported(const Job& job) {
+  return !job.report.empty() || !job.page.empty();
+}
 
 /// A surface by the settings' fineness, with their levels of detail.
 [[nodiscard]] OutputRequest surface_request(const Settings& settings, std::string path,
@@ -64,15 +82,7 @@ struct JobWatch {
   std::function<void(const std::string&)> details{};
   /// Takes what is for stdout: the surface before any file is in place, report and page after.
   std::function<void(std::string_view bytes)> write{};
-  JobPage* page = nullptr;  ///< is shown the surface
-};
-
-/// What a job's steps share.
-struct JobContext {
-  const JobWatch& watch;
-  JobProgress& progress;
-
-  [[nodiscard]] bool wants_page() const { return watch.page != nullptr; }
+  JobPage* page = nullptr;  ///< takes the job's part of a page of several
 };
 
 struct JobResult {
@@ -83,6 +93,9 @@ struct JobResult {
 /// Reads, checks, fits, evaluates the levels, writes, reports. Files appear all together at the
 /// end or, after an error, not at all. Not converging is a result, which the report says.
 /// Throws planish::Error.
+JobResult run(Job job, Backend& backend, const JobWatch& watch = {});
+
+/// The same where all outputs are planned: several jobs claim their files together.
 JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Backend& backend,
                   const JobWatch& watch);
 

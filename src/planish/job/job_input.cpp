@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
 #include "planish/files/formats.h"
 #include "planish/job/point_input.h"
@@ -122,8 +123,16 @@ bool writes_gltf(const Job& job) {
 
 }  // namespace
 
+void require_points(const Job& job, const std::string& name, std::int64_t count) {
+  if (job.limits.points <= 0 || count <= job.limits.points) return;
+  throw Error(ErrorCode::OutOfMemory,
+              formatted("{}: has {}, and {} are allowed; simplify it or allow more", name,
+                        counted(count, "point"), with_separators(job.limits.points)));
+}
+
 InputFile load_job_input(const Job& job, JobReport& report, const JobContext& context) {
   InputFile file = load_input(job.input, job.input_format, callbacks_for(report, context));
+  if (job.digests) file.take_digest();
   file.split_normals_crease = report.settings.creases.split_normals;
   file.is_strict = report.settings.repair == RepairChoice::None;
   file.reach = report.settings.textures;
@@ -139,6 +148,7 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
   report.input.format = name_of(file.format);
   const auto mesher = [&] { return job.mesher ? job.mesher() : require_mesher(); };
   const auto reconstruct = [&](const PointInput& cloud) {
+    require_points(job, input.name, std::ssize(cloud.cloud.points));
     context.progress.update("points", 0);
     reconstruct_points(cloud, mesher(), made, report, callbacks);
   };
@@ -162,6 +172,7 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
                  file.name + ": --creases normals found no edge where normals are split"});
   if (!job.source.empty()) made.source = read_source(job.source, file.reach, callbacks);
   for (const Warning& warning : input.file.warnings) add_warning(report, context, warning);
+  require_points(job, input.name, input.file.mesh.vertex_count());
   report.input.sha256 = file.sha256();
   report.input.dropped = input.file.dropped_element_count;
   report.input.welded = input.file.welded_vertex_count;

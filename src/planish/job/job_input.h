@@ -13,6 +13,15 @@
 
 namespace planish {
 
+/// What a job's steps share.
+struct JobContext {
+  const JobWatch& watch;
+  JobProgress& progress;
+  JobPage* page = nullptr;  ///< that is made, or takes a part of the job
+
+  [[nodiscard]] bool wants_page() const { return page != nullptr; }
+};
+
 /// Says a warning once and keeps it for the report.
 void add_warning(JobReport& report, const JobContext& context, const Warning& warning);
 
@@ -33,6 +42,9 @@ struct JobInput {
 /// Loads the file of a job's input, to be read as the job's settings say. Throws as load_input().
 [[nodiscard]] InputFile load_job_input(const Job& job, JobReport& report,
                                        const JobContext& context);
+
+/// Throws Error{OutOfMemory} where an input has more points than the job's limits allow.
+void require_points(const Job& job, const std::string& name, std::int64_t count);
 
 /// Reads a job's input, meshing points, and its source, and notes in the report what the file is.
 /// Throws planish::Error.

@@ -5,10 +5,10 @@
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/job/baked_maps.h"
 #include "planish/job/further_buffers.h"
-#include "planish/job/job_page.h"
 #include "planish/job/job_surface.h"
 #include "planish/job/measure_surface.h"
 #include "planish/job/output_levels.h"
+#include "planish/job/page/job_page.h"
 #include "planish/job/step_output.h"
 #include "planish/job/surface_output.h"
 #include "planish/job/text.h"
@@ -32,11 +32,11 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
   written_step(work, "write", [&] {
     std::filesystem::path target;
     if (!planned.to_stdout) target = work.staged.stage(planned.path);
-    written = surface != nullptr
-                  ? write_surface_output(planned, target, *surface, options, stdout_bytes)
-                  : write_cage_output(planned, target,
-                                      work.made.cage ? *work.made.cage : work.made.fitted,
-                                      work.made.materials.library, work.report);
+    written =
+        surface != nullptr
+            ? write_surface_output(planned, target, *surface, options, stdout_bytes)
+            : write_cage_output(planned, target, work.made.cage ? *work.made.cage : work.fitted,
+                                work.made.materials.library, work.report, work.job.digests);
     if (planned.to_stdout) return;
     const std::filesystem::path beside = companion_of(target, planned.format);
     if (!beside.empty() && std::filesystem::exists(beside))
@@ -66,61 +66,70 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
     settings.unit = settled_unit(settings.unit, work.report.input.format);
     const LimitSurface* const limit =
         work.job.settings.scheme == Scheme::DooSabin ? &all.limit() : nullptr;
-    written = write_step_output(planned, work.staged.stage(planned.path), limit, work.made.fitted,
+    written = write_step_output(planned, work.staged.stage(planned.path), limit, work.fitted,
                                 settings, options);
   });
   if (!written.step->is_as_asked()) work.report.falls_short = true;
   warn_of_rounding(work.report, work.context, written);
 }
 
+// The deepest level that the page may show; -1: none.
+int page_level_of(const FittedJob& work) {
+  if (!work.context.wants_page()) return -1;
+  return work.context.page->level(work.fitted.mesh, work.job.settings.scheme);
+}
+
 // Whether the page can show a finer level.
-bool show_on_page(const FittedJob& work, const JobSurface& all, JobLevel& surface) {
+bool show_on_page(const FittedJob& work, std::size_t mesh, const JobSurface& all,
+                  JobLevel& surface) {
   return written_step(work, "page", [&] {
-    return work.context.watch.page->show(surface, work.made.fitted, work.job.settings,
-                                         all.doo_sabin());
+    return work.context.page->show(mesh, surface, work.fitted, work.job.settings, all.doo_sabin());
   });
 }
 
-// Level by level, for large meshes: a finer one takes long and may not fit.
-void show_by_level(const FittedJob& work, JobSurface& all, int deepest) {
-  bool may_fit = true;
-  for (int level = 0; level <= deepest && may_fit; ++level) {
-    JobLevel made = timed(work.report.timing.evaluate, [&] { return all.level(level); });
-    may_fit = show_on_page(work, all, made);
-  }
+// Of large meshes a finer level takes long and may not fit: these are shown level by level.
+bool is_shown_by_level(const FittedJob& work) {
+  constexpr std::int32_t kLarge = 1 << 15;
+  return work.fitted.mesh.vertex_count() >= kLarge;
 }
 
 }  // namespace
 
+void show_mesh(const FittedJob& work, std::size_t mesh, JobSurface& all) {
+  const int deepest = page_level_of(work);
+  bool may_fit = true;
+  for (int level = is_shown_by_level(work) ? 0 : deepest; 0 <= level && level <= deepest && may_fit;
+       ++level) {
+    JobLevel made = timed(work.report.timing.evaluate, [&] { return all.level(level); });
+    may_fit = show_on_page(work, mesh, all, made);
+  }
+}
+
 void measure_rest(const FittedJob& work, JobSurface& all, const SurfaceOutputOptions& common) {
+  if (!work.job.measures) return;
   // What cannot be seen on the cage or at level 0.
   const bool asks_for_result =
       !work.outputs.empty() || !work.job.report.empty() || work.context.wants_page();
   const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
   if (asks_for_result && lacks_distances) {
     if (work.job.settings.scheme == Scheme::DooSabin) {
-      timed(work.report.timing.evaluate,
-            [&] { measure_points(work.made, all, work.report, work.context); });
+      timed(work.report.timing.evaluate, [&] { measure_points(work, all); });
     } else {
       (void)measured_level(work, all, kPointDistanceLevel, common);
     }
   }
-  if (asks_for_result && !work.report.surface &&
-      !note_chosen_surface(work.made, work.report, work.context))
+  if (asks_for_result && !work.report.surface && !note_chosen_surface(work))
     (void)measured_level(work, all, 1, common);
   if (work.report.surface && work.made.source && work.job.settings.scheme == Scheme::DooSabin) {
-    timed(work.report.timing.evaluate,
-          [&] { measure_source(work.made, all, work.report, work.context); });
+    timed(work.report.timing.evaluate, [&] { measure_source(work, all); });
   }
   const bool shows_bending = !work.job.report.empty() || work.context.wants_page();
   if (work.report.surface && shows_bending) {
-    timed(work.report.timing.evaluate,
-          [&] { note_bending(work.made, all, work.report, work.context); });
-    timed(work.report.timing.evaluate,
-          [&] { note_texture_slide(work.made, all, work.report, work.context); });
+    timed(work.report.timing.evaluate, [&] { note_bending(work, all); });
+    timed(work.report.timing.evaluate, [&] { note_texture_slide(work, all); });
   }
-  if (work.report.surface && !work.made.fitted.separated_edges.empty())
-    note_sheet_gap(work.made, all.made_doo_sabin(), work.report);
+  if (work.report.surface && !work.fitted.separated_edges.empty())
+    note_sheet_gap(work.fitted, all.made_doo_sabin(), work.report);
 }
 
 std::vector<std::byte> write_outputs(const FittedJob& work) {
@@ -131,13 +140,10 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   for (std::size_t i = 0; i < work.outputs.size(); ++i)
     if (work.outputs[i].kind == OutputKind::Cage)
       write_one(work, work.outputs[i], nullptr, common, written[i], stdout_bytes);
-  JobSurface all(work.made.fitted, work.backend, callbacks_for(work.report, work.context));
-  int page_level = work.context.wants_page() ? work.context.watch.page->level(
-                                                   work.made.fitted.mesh, work.job.settings.scheme)
-                                             : -1;
-  constexpr std::int32_t kLarge = 1 << 15;
-  if (page_level > 0 && work.made.fitted.mesh.vertex_count() >= kLarge) {
-    show_by_level(work, all, page_level);
+  JobSurface all(work.fitted, work.backend, callbacks_for(work.report, work.context));
+  int page_level = page_level_of(work);
+  if (page_level > 0 && is_shown_by_level(work)) {
+    show_mesh(work, 0, all);
     page_level = -1;
   }
   for (const Fineness& fineness : finenesses_of(work.outputs)) {
@@ -155,7 +161,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
       }
     }
     if (!fineness.is_adaptive() && fineness.level == page_level) {
-      (void)show_on_page(work, all, surface);
+      (void)show_on_page(work, 0, all, surface);
       page_level = -1;
     }
   }
@@ -170,7 +176,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   // What is seen on the page is what is measured.
   if (page_level >= 0) {
     JobLevel surface = measured_level(work, all, page_level, common);
-    (void)show_on_page(work, all, surface);
+    (void)show_on_page(work, 0, all, surface);
   }
   measure_rest(work, all, common);
   return stdout_bytes;

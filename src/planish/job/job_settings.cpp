@@ -1,5 +1,8 @@
 #include "planish/job/job_settings.h"
 
+#include <algorithm>
+#include <array>
+
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/pipeline/option_table.h"
@@ -11,6 +14,12 @@ namespace planish {
 const OptionInfo* find_setting(std::string_view name) {
   if (const FitOption* const option = find_option(option_table(), name)) return option;
   return find_option(point_option_table(), name);
+}
+
+bool is_of_inputs(const OptionInfo& option) {
+  constexpr std::array<std::string_view, 3> kOfAssets{"asset", "lods", "textures"};
+  return option.stage == OptionStage::Points ||
+         std::ranges::find(kOfAssets, option.name) != kOfAssets.end();
 }
 
 std::string flag_of_setting(std::string_view name) {

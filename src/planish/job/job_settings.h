@@ -24,6 +24,9 @@ using NamedSetting = std::pair<std::string_view, std::string_view>;
 /// The row of either table; null: there is none.
 [[nodiscard]] const OptionInfo* find_setting(std::string_view name);
 
+/// Whether a row says what becomes of files and points that are read: meshes in memory are none.
+[[nodiscard]] bool is_of_inputs(const OptionInfo& option);
+
 /// "--chord-error" of "chord_errors"; a name that is none as it is.
 [[nodiscard]] std::string flag_of_setting(std::string_view name);
 

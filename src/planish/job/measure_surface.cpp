@@ -35,12 +35,12 @@ std::vector<Triangle> triangles_of(const SurfaceMesh& surface) {
 }
 
 // In the pass that keeps the rows where they are written afterwards.
-SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
+SurfaceQuality quality_of(const FittedJob& work, JobLevel& surface,
                           const std::optional<glm::dvec3>& stored_about,
                           const Callbacks& callbacks) {
-  const PolygonMesh& mesh = made.fitted.mesh;
+  const PolygonMesh& mesh = work.fitted.mesh;
   if (surface.is_whole()) return surface_quality(surface.whole(), mesh);
-  const std::vector<std::uint8_t>& is_beside = made.folds.is_beside;
+  const std::vector<std::uint8_t>& is_beside = work.made.folds.is_beside;
   if (!stored_about) return surface_quality(surface.blocks(), mesh, is_beside, callbacks);
   BlockQuality quality(surface.blocks(), mesh, is_beside);
   surface.keep(*stored_about,
@@ -49,20 +49,21 @@ SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
   return quality.result();
 }
 
-void note_quality(const JobInput& made, JobLevel& surface,
-                  const std::optional<glm::dvec3>& stored_about, JobReport& report,
-                  const Callbacks& callbacks) {
-  MeasuredSurface& measured = report.surface.emplace();
+void note_quality(const FittedJob& work, JobLevel& surface,
+                  const std::optional<glm::dvec3>& stored_about) {
+  const Callbacks callbacks = callbacks_for(work.report, work.context);
+  const std::optional<Input>& source = work.made.source;
+  MeasuredSurface& measured = work.report.surface.emplace();
   measured.level = surface.level();
-  if (!made.source) {
-    measured.quality = quality_of(made, surface, stored_about, callbacks);
+  if (!source) {
+    measured.quality = quality_of(work, surface, stored_about, callbacks);
     return;
   }
   const SourceComparison comparison =
-      compare_with_source(surface.blocks(), made.source->file.mesh, callbacks);
+      compare_with_source(surface.blocks(), source->file.mesh, callbacks);
   measured.quality = comparison.quality;
-  measured.reference = made.source->name;
-  measured.source_distances = relative(comparison.distances, made.fitted.fit.placement.diagonal);
+  measured.reference = source->name;
+  measured.source_distances = relative(comparison.distances, work.fitted.fit.placement.diagonal);
 }
 
 // By closest points, of neighbours one after another and so many at a time that answers take little
@@ -97,87 +98,86 @@ PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSur
   return distances;
 }
 
-void warn_of_folds(const JobInput& made, JobReport& report, const JobContext& context) {
+void warn_of_folds(const FittedJob& work) {
+  JobReport& report = work.report;
   const bool against_source = !report.surface->reference.empty();
-  if (const auto folds = fold_warning(made.fitted, report.surface->quality, against_source))
-    add_warning(report, context, *folds);
+  if (const auto folds = fold_warning(work.fitted, report.surface->quality, against_source))
+    add_warning(report, work.context, *folds);
 }
 
 }  // namespace
 
-void measure_surface(const JobInput& made, JobLevel& surface,
-                     const std::optional<glm::dvec3>& stored_about, JobReport& report,
-                     const JobContext& context) {
+void measure_surface(const FittedJob& work, JobLevel& surface,
+                     const std::optional<glm::dvec3>& stored_about) {
+  JobReport& report = work.report;
   if (surface.level() >= 1 && !report.surface) {
-    note_quality(made, surface, stored_about, report, callbacks_for(report, context));
-    warn_of_folds(made, report, context);
+    note_quality(work, surface, stored_about);
+    warn_of_folds(work);
   }
   if (report.settings.scheme != Scheme::DooSabin && surface.level() >= kPointDistanceLevel &&
-      !made.points.empty() && !report.point_distances) {
+      !work.made.points.empty() && !report.point_distances) {
     const SurfaceMesh& whole = surface.whole();
     report.point_distances =
-        relative(measure_distances(made.points, whole.positions, triangles_of(whole)),
-                 made.fitted.fit.placement.diagonal);
+        relative(measure_distances(work.made.points, whole.positions, triangles_of(whole)),
+                 work.fitted.fit.placement.diagonal);
   }
   if (stored_about && !surface.is_whole() && !surface.is_kept()) surface.keep(*stored_about, {});
 }
 
-void note_texture_slide(const JobInput& made, JobSurface& surface, JobReport& report,
-                        const JobContext& context) {
-  const FittedMesh& fitted = made.fitted;
+void note_texture_slide(const FittedJob& work, JobSurface& surface) {
+  const FittedMesh& fitted = work.fitted;
   if (fitted.mesh.face_uvs.empty()) return;
   JobLevel level = surface.level(kBendingLevel);
-  TextureSlide slide = texture_slide(level.blocks(), fitted.mesh, callbacks_for(report, context));
+  TextureSlide slide =
+      texture_slide(level.blocks(), fitted.mesh, callbacks_for(work.report, work.context));
   slide.largest_distance /= fitted.fit.placement.diagonal;
   slide.rms_distance /= fitted.fit.placement.diagonal;
-  report.surface->texture_slide = slide;
-  if (const auto warning = slide_warning(fitted, slide)) add_warning(report, context, *warning);
+  work.report.surface->texture_slide = slide;
+  if (const auto warning = slide_warning(fitted, slide))
+    add_warning(work.report, work.context, *warning);
 }
 
-void note_sheet_gap(const JobInput& made, const std::shared_ptr<const DooSabinSurface>& surface,
+void note_sheet_gap(const FittedMesh& fitted, const std::shared_ptr<const DooSabinSurface>& surface,
                     JobReport& report) {
-  if (!surface || !report.surface) return;
+  if (!surface) return;
   report.surface->sheet_gap =
-      sheet_gap(LimitSurface(surface), made.fitted.source_vertices, made.fitted.separated_edges) /
-      made.fitted.fit.placement.diagonal;
+      sheet_gap(LimitSurface(surface), fitted.source_vertices, fitted.separated_edges) /
+      fitted.fit.placement.diagonal;
 }
 
-void measure_points(const JobInput& made, JobSurface& surface, JobReport& report,
-                    const JobContext& context) {
-  context.progress.update("distances", 0);
-  report.point_distances =
-      distances_from(made.points, surface.limit(), made.fitted.fit.placement.diagonal, context);
+void measure_points(const FittedJob& work, JobSurface& surface) {
+  work.context.progress.update("distances", 0);
+  work.report.point_distances = distances_from(work.made.points, surface.limit(),
+                                               work.fitted.fit.placement.diagonal, work.context);
 }
 
-void measure_source(const JobInput& made, JobSurface& surface, JobReport& report,
-                    const JobContext& context) {
-  context.progress.update("distances", 0);
-  const UsedMesh source = without_unused_vertices(made.source->file.mesh);
-  report.surface->distances_from_source = distances_from(
-      source.mesh.positions, surface.limit(), made.fitted.fit.placement.diagonal, context);
+void measure_source(const FittedJob& work, JobSurface& surface) {
+  work.context.progress.update("distances", 0);
+  const UsedMesh source = without_unused_vertices(work.made.source->file.mesh);
+  work.report.surface->distances_from_source = distances_from(
+      source.mesh.positions, surface.limit(), work.fitted.fit.placement.diagonal, work.context);
 }
 
-bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {
-  const SurfaceQuality* const measured = made.source ? nullptr : made.fitted.chosen_quality();
+bool note_chosen_surface(const FittedJob& work) {
+  const SurfaceQuality* const measured = work.made.source ? nullptr : work.fitted.chosen_quality();
   if (measured == nullptr) return false;
-  MeasuredSurface& surface = report.surface.emplace();
+  MeasuredSurface& surface = work.report.surface.emplace();
   surface.level = 1;
   surface.quality = *measured;
-  warn_of_folds(made, report, context);
+  warn_of_folds(work);
   return true;
 }
 
-void note_bending(const JobInput& made, JobSurface& surface, JobReport& report,
-                  const JobContext& context) {
-  MeasuredSurface& measured = *report.surface;
+void note_bending(const FittedJob& work, JobSurface& surface) {
+  MeasuredSurface& measured = *work.report.surface;
   if (measured.level == kBendingLevel) return;
-  if (const SurfaceQuality* const known = made.fitted.chosen_quality()) {
+  if (const SurfaceQuality* const known = work.fitted.chosen_quality()) {
     measured.quality.bending = known->bending;
     return;
   }
   JobLevel level = surface.level(kBendingLevel);
   measured.quality.bending =
-      quality_of(made, level, std::nullopt, callbacks_for(report, context)).bending;
+      quality_of(work, level, std::nullopt, callbacks_for(work.report, work.context)).bending;
 }
 
 }  // namespace planish

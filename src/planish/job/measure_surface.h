@@ -4,9 +4,8 @@
 #include <memory>
 #include <optional>
 
-#include "planish/job/job_input.h"
+#include "planish/job/job_outputs.h"
 #include "planish/job/job_surface.h"
-#include "planish/job/report.h"
 
 namespace planish {
 
@@ -19,37 +18,31 @@ inline constexpr int kPointDistanceLevel = 2;
 /// kPointDistanceLevel on with schemes that measure_points() does not know. Nothing of it can be
 /// seen at level 0. Warns "folded-area". `stored_about`: the origin of rows where a file is made of
 /// them next; in the same pass they are kept for it.
-void measure_surface(const JobInput& made, JobLevel& surface,
-                     const std::optional<glm::dvec3>& stored_about, JobReport& report,
-                     const JobContext& context);
+void measure_surface(const FittedJob& work, JobLevel& surface,
+                     const std::optional<glm::dvec3>& stored_about);
 
 /// The distances of a cloud's points to the surface itself, by closest points.
-void measure_points(const JobInput& made, JobSurface& surface, JobReport& report,
-                    const JobContext& context);
+void measure_points(const FittedJob& work, JobSurface& surface);
 
 /// The distances of the source's vertices to the surface itself; the report must have figures of
 /// the surface.
-void measure_source(const JobInput& made, JobSurface& surface, JobReport& report,
-                    const JobContext& context);
+void measure_source(const FittedJob& work, JobSurface& surface);
 
 /// What the choice of the method measured at level 1, as the figures of the surface where no other
 /// level has any; false where there is none, or the source is what counts.
-[[nodiscard]] bool note_chosen_surface(const JobInput& made, JobReport& report,
-                                       const JobContext& context);
+[[nodiscard]] bool note_chosen_surface(const FittedJob& work);
 
 /// Notes the bending of kBendingLevel in place of that of the measured level; the report must have
 /// figures of the surface.
-void note_bending(const JobInput& made, JobSurface& surface, JobReport& report,
-                  const JobContext& context);
+void note_bending(const FittedJob& work, JobSurface& surface);
 
 /// Notes how far the texture slides, and warns "sliding-texture" where that is farther than anybody
 /// would have it; the report must have figures of the surface.
-void note_texture_slide(const JobInput& made, JobSurface& surface, JobReport& report,
-                        const JobContext& context);
+void note_texture_slide(const FittedJob& work, JobSurface& surface);
 
 /// Notes how far sheets that repair separated are from each other on the surface that the report
-/// has figures of. Null: a scheme that has no such figure.
-void note_sheet_gap(const JobInput& made, const std::shared_ptr<const DooSabinSurface>& surface,
+/// has figures of; nothing where there is none: with other schemes.
+void note_sheet_gap(const FittedMesh& fitted, const std::shared_ptr<const DooSabinSurface>& surface,
                     JobReport& report);
 
 }  // namespace planish

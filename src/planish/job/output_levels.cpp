@@ -37,8 +37,8 @@ void add_attributes(const FittedJob& work, const JobSurface& all, JobLevel& surf
                     VertexFields& fields, GltfOptions& options) {
   const FieldChoice& choice = work.job.settings.attributes;
   if (!choice.any()) return;
-  fields = vertex_fields(surface.whole(), work.made.fitted.mesh,
-                         work.made.fitted.fit.placement.diagonal, all.doo_sabin());
+  fields = vertex_fields(surface.whole(), work.fitted.mesh, work.fitted.fit.placement.diagonal,
+                         all.doo_sabin());
   options.fields = named_fields(fields, choice);
   if (!choice.curvature) return;
   options.extras.emplace_back("curvature_from", std::string(name_of(fields.curvature_source)));
@@ -49,7 +49,7 @@ void add_attributes(const FittedJob& work, const JobSurface& all, JobLevel& surf
 SurfaceOutputOptions surface_options(const FittedJob& work) {
   const Job& job = work.job;
   const JobReport& report = work.report;
-  const FittedMesh& fitted = work.made.fitted;
+  const FittedMesh& fitted = work.fitted;
   SurfaceOutputOptions options;
   options.vertices = fitted.mesh.positions;
   options.materials = &work.made.materials.library;
@@ -57,6 +57,7 @@ SurfaceOutputOptions surface_options(const FittedJob& work) {
   options.gltf.callbacks = callbacks_for(work.report, work.context);
   options.diagonal = fitted.fit.placement.diagonal;
   options.tolerance = job.settings.tolerance;
+  options.digests = job.digests;
   options.gltf.compression = job.settings.compression;
   const std::string stem =
       job.input == "-" ? job.name : std::filesystem::path(job.input).stem().string();
@@ -90,9 +91,9 @@ JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
   return timed(work.report.timing.evaluate, [&] {
     work.context.progress.update("level", 0);
     JobLevel made = surface.level(level);
+    if (!work.job.measures) return made;
     work.context.progress.update("measure", 0);
-    measure_surface(work.made, made, stored_about(work, {.level = level}, options), work.report,
-                    work.context);
+    measure_surface(work, made, stored_about(work, {.level = level}, options));
     return made;
   });
 }

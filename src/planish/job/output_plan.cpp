@@ -194,6 +194,18 @@ void PathClaims::add_report(const fs::path& path, std::string_view where) {
   add_output(path, where);
 }
 
+void require_page_path(const fs::path& path, std::string_view where) {
+  if (path == "-" || path.extension() == ".html" || path.extension() == ".htm") return;
+  refuse(where, "{}: a page is an .html file", visible(path));
+}
+
+void PathClaims::add_page(const fs::path& path, std::string_view where) {
+  require_page_path(path, where);
+  if (path == "-" && rules_.stdout_is_terminal)
+    refuse(where, "a page is not written to a terminal; name a file");
+  add_output(path, where);
+}
+
 std::string PathClaims::refusal(const fs::path& path) const {
   const auto found = refusals_.find(resolved(path));
   return found == refusals_.end() ? std::string() : found->second;

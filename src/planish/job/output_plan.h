@@ -86,6 +86,7 @@ class PathClaims {
   /// See InputFiles.
   void add_input(const std::filesystem::path& path, std::optional<FileFormat> format = {},
                  FileReach reach = FileReach::Beside);
+  void add_inputs(const InputFiles& inputs) { inputs_ = inputs; }
   /// "-" claims stdout, which may be a terminal only for text. Throws as above. Only looks, creates
   /// nothing.
   /// `format`: of a surface or cage, with all that goes beside it.
@@ -96,6 +97,8 @@ class PathClaims {
   void add_tile_folder(const std::filesystem::path& folder, std::string_view where);
   /// A report: a path that ends in .json, or "-".
   void add_report(const std::filesystem::path& path, std::string_view where);
+  /// A page: a path that ends in .html or .htm, or "-" where that is no terminal.
+  void add_page(const std::filesystem::path& path, std::string_view where);
 
   /// Why the path would be refused; empty where it would not, or where nothing is only noted.
   [[nodiscard]] std::string refusal(const std::filesystem::path& path) const;
@@ -111,6 +114,9 @@ class PathClaims {
   std::set<std::filesystem::path> outputs_;
   std::map<std::filesystem::path, std::string> refusals_;
 };
+
+/// Refuses a path of a page that is no .html or .htm with Error{InvalidArgument} naming `where`.
+void require_page_path(const std::filesystem::path& path, std::string_view where);
 
 /// The files that a request becomes: NAME.glb, or NAME_LOD0.glb, NAME_LOD1.glb... in the order of
 /// the levels; with lods_in_one NAME.glb alone, from fine to coarse. Claims each. Throws as

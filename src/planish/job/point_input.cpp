@@ -8,7 +8,6 @@
 
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
-#include "planish/core/json.h"
 #include "planish/files/read_file.h"
 #include "planish/files/read_points.h"
 #include "planish/job/input_path.h"

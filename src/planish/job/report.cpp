@@ -223,8 +223,7 @@ OrderedJson to_json(const PointFacts& points) {
   json["origin"] = {points.origin.x, points.origin.y, points.origin.z};
   json["diagonal"] = result.diagonal;
   json["spacing"] = result.spacing;
-  json["noise"] =
-      result.noise < 0 ? OrderedJson() : OrderedJson(result.noise);
+  json["noise"] = result.noise < 0 ? OrderedJson() : OrderedJson(result.noise);
   json["smooth"] = result.smooth_rounds;
   json["tolerance"] = result.tolerance;
   json["vertices"] = facts.vertex_count;
@@ -237,8 +236,7 @@ OrderedJson to_json(const PointFacts& points) {
   json["boundary_loops"] = facts.boundary_loop_count;
   json["loops_filled"] = result.filled_loop_count;
   json["points_left_out"] = result.strayed_count;
-  json["thinned"] =
-      result.sample_count == 0 ? 0 : points.used - result.sample_count;
+  json["thinned"] = result.sample_count == 0 ? 0 : points.used - result.sample_count;
   json["inserted"] = result.inserted_count;
   json["meshings"] = result.meshing_count;
   json["max_point_distance"] = result.distances.max / result.diagonal;

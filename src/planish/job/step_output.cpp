@@ -7,14 +7,13 @@ namespace planish {
 WrittenOutput write_step_output(const PlannedOutput& planned, const std::filesystem::path& target,
                                 const LimitSurface* limit, const FittedMesh& fitted,
                                 const StepSettings& settings, const SurfaceOutputOptions& options) {
-  Sha256 digest;
-  const StepFileOptions step{
-      .settings = settings,
-      .name = options.gltf.name,
-      .shown = planned.path,
-      .materials = options.gltf.materials,
-      .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
-      .callbacks = options.gltf.callbacks};
+  WrittenDigest digest(options.digests);
+  const StepFileOptions step{.settings = settings,
+                             .name = options.gltf.name,
+                             .shown = planned.path,
+                             .materials = options.gltf.materials,
+                             .observe = digest.observer(),
+                             .callbacks = options.gltf.callbacks};
   const StepFigures figures = limit != nullptr ? write_fitted_step(target, fitted, *limit, step)
                                                : write_fitted_step(target, fitted, step);
   WrittenOutput written;

@@ -152,7 +152,8 @@ std::string surface_line(const JobReport& report) {
     text += word_of(kMethodWords, report.fit.method);
   }
   // Why the mesh's own faces stayed is for who reads the whole report.
-  if (report.fit.choice && report.fit.choice->has_other_faces()) text += "; " + report.fit.choice->faces_reason;
+  if (report.fit.choice && report.fit.choice->has_other_faces())
+    text += "; " + report.fit.choice->faces_reason;
   if (!result.converged) text += "; not converged: the error is " + short_number(result.error.max);
   if (!report.surface) return text + "\n";
   if (report.surface->quality.folded_area >= kSoundFoldedArea)
@@ -196,8 +197,9 @@ std::string computing_lines(const JobReport& report) {
   std::string text = formatted("  device      {}, {}\n{}\n", report.device.kind, report.device.name,
                                method_line(report));
   text += chosen_lines(report);
-  text += within_line(report) + "  max error   " + short_number(report.fit.interpolation.error.max) +
-          " of the diagonal (tolerance " + short_number(report.settings.tolerance) + ")\n";
+  text += within_line(report) + "  max error   " +
+          short_number(report.fit.interpolation.error.max) + " of the diagonal (tolerance " +
+          short_number(report.settings.tolerance) + ")\n";
   if (report.surface)
     text += formatted("  surface     {}, {}\n", folds_text(report.surface->quality),
                       normals_text(report));
@@ -237,7 +239,8 @@ std::string density_line(const JobReport& report) {
   return formatted(
       "  level       {}: the mesh is dense, faces of {} of its area turn by less than {} degrees "
       "(--levels 2 is finer)\n",
-      report.fit.density.level(), percent(report.fit.density.even_share), short_number(kEvenDegrees));
+      report.fit.density.level(), percent(report.fit.density.even_share),
+      short_number(kEvenDegrees));
 }
 
 // Of an asset.
@@ -311,12 +314,12 @@ std::string asset_summary(const JobReport& report, bool is_full) {
   text += "\n";
   for (const JobReport& mesh : report.meshes)
     if (is_full)
-      text += formatted(
-          "  {}: {}\n{}", mesh.mesh_name,
-          counts_text(mesh.input.file_vertices, mesh.input.file_faces,
-                      mesh.input.statistics.vertex_count, mesh.input.statistics.face_count,
-                      mesh.fit.joined, mesh.fit.added),
-          surface_line(mesh));
+      text +=
+          formatted("  {}: {}\n{}", mesh.mesh_name,
+                    counts_text(mesh.input.file_vertices, mesh.input.file_faces,
+                                mesh.input.statistics.vertex_count,
+                                mesh.input.statistics.face_count, mesh.fit.joined, mesh.fit.added),
+                    surface_line(mesh));
   return text + dense_meshes_line(report) + output_lines(report);
 }
 

@@ -19,32 +19,22 @@ namespace {
 // Little of what the tolerance leaves to compression is kept for rounding.
 constexpr double kCompressionShare = 0.99;
 
-void note_bytes(WrittenOutput& written, std::span<const std::byte> bytes) {
-  written.bytes = bytes.size();
-  written.sha256 = sha256(bytes);
-}
-
-void note_file(WrittenOutput& written, const std::filesystem::path& file) {
-  const FileDigest digest = digest_of(file);
-  written.bytes = digest.bytes;
-  written.sha256 = digest.sha256;
-}
-
 void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& target,
                    const SurfaceBlocks& surface, const SurfaceOutputOptions& options,
                    WrittenOutput& written, std::vector<std::byte>& stdout_bytes) {
   MeasuredGltf measured;
   measure_gltf(planned, surface, options, measured);
   GltfOptions& gltf = measured.options;
+  WrittenDigest digest(options.digests);
   if (planned.to_stdout) {
     stdout_bytes = encode_glb(surface, gltf);
-    note_bytes(written, stdout_bytes);
+    written.bytes = stdout_bytes.size();
+    digest.add(stdout_bytes);
   } else {
-    Sha256 digest;
-    gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
+    gltf.observe = digest.observer();
     written.bytes = write_gltf(target, surface, gltf).byte_count;
-    written.sha256 = digest.finish();
   }
+  written.sha256 = digest.finish();
   written.as_written_error = measured.distance / options.diagonal;
 }
 
@@ -120,13 +110,13 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
     write_as_gltf(planned, target, surface.blocks(), options, written, stdout_bytes);
     return written;
   }
-  Sha256 digest;
+  WrittenDigest digest(options.digests);
   SurfaceWriteOptions polygons{
       .header = {},
       .fields = options.gltf.fields,
       .is_z_up = options.gltf.z_up,
       .materials = {options.materials, planned.path.parent_path(), options.gltf.materials},
-      .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
+      .observe = digest.observer(),
       .callbacks = options.gltf.callbacks};
   for (const auto& [key, value] : options.gltf.extras) {
     if (key == "curvature_from")
@@ -142,7 +132,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
 WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesystem::path& target,
                                  const DooSabinSurface& surface, const Settings& settings,
                                  const SurfaceOutputOptions& options) {
-  Sha256 digest;
+  WrittenDigest digest(options.digests);
   TilesOptions tiles{.level = planned.fineness.level,
                      .tile_vertices = settings.tile_vertices,
                      .skirts = settings.skirts,
@@ -150,7 +140,7 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
                      .points = options.given,
                      .gltf = options.gltf};
   tiles.gltf.position_error = kCompressionShare * options.tolerance * options.diagonal;
-  tiles.gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
+  tiles.gltf.observe = digest.observer();
   const TilesFile file = write_tiles(target, surface, tiles);
   WrittenOutput written;
   written.path = planned.path.string();
@@ -174,7 +164,7 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
 
 WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
                                 const FittedMesh& whole, const MaterialLibrary& materials,
-                                const JobReport& report) {
+                                const JobReport& report, bool digests) {
   Settings settings = report.settings;
   settle(settings, whole);
   const PolygonMesh& input = whole.mesh;
@@ -196,7 +186,13 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
     if (size == 4) ++written.quads;
     if (size == 3) ++written.triangles;
   }
-  note_file(written, target);
+  if (digests) {
+    const FileDigest digest = digest_of(target);
+    written.bytes = digest.bytes;
+    written.sha256 = digest.sha256;
+  } else {
+    written.bytes = std::filesystem::file_size(target);
+  }
   const std::vector<glm::dvec3> limit =
       fitted.fair ? limit_positions(input, state_of(cage, *fitted.fair), settings.sharp())
                   : limit_positions(cage, {settings.scheme, settings.weights, settings.sharp()});

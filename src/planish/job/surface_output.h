@@ -18,6 +18,7 @@ struct SurfaceOutputOptions {
   std::span<const glm::dvec3> vertices;        ///< the input's
   std::span<const glm::dvec3> given;           ///< what the surface passes through in their place
   double diagonal = 1.0;                       ///< that errors are relative to
+  bool digests = true;                         ///< of what is written
   double tolerance = 0;                        ///< relative, that compression keeps
   const MaterialLibrary* materials = nullptr;  ///< of the input
   bool may_be_scaled = true;                   ///< whether nodes may carry the grid of compression
@@ -57,6 +58,6 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
                                               const std::filesystem::path& target,
                                               const FittedMesh& whole,
                                               const MaterialLibrary& materials,
-                                              const JobReport& report);
+                                              const JobReport& report, bool digests);
 
 }  // namespace planish

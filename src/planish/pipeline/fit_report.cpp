@@ -99,8 +99,7 @@ Json solve_json(const FitFigures& fit) {
   json["method"] = word_of(kMethodWords, fit.method);
   json["choice"] = choice_json(fit.choice);
   json["scheme"] = word_of(kSchemeWords, fit.scheme);
-  json["weights"] =
-      where(fit.scheme == Scheme::DooSabin, word_of(kWeightsWords, fit.weights));
+  json["weights"] = where(fit.scheme == Scheme::DooSabin, word_of(kWeightsWords, fit.weights));
   json["solver"] = where(iterates, word_of(kSolverWords, fit.solver));
   json["boundary"] = word_of(kBoundaryWords, fit.boundary);
   json["creases"] = fit.creases;

@@ -17,7 +17,7 @@
 #include "planish/job/fit_file.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/baked_gltf.h"
-#include "planish/pipeline/fitted_level.h"
+#include "support/fitted_level.h"
 
 namespace planish {
 namespace {
@@ -81,20 +81,20 @@ void write_baked(const std::filesystem::path& folder) {
   constexpr int kSize = 64;
   std::list<AssetMesh> meshes;
   std::list<FittedMesh> fitted;
-  std::list<FittedLevel> levels;
+  std::list<test::FittedLevel> levels;
   std::list<AssetAttributes> attributes;
   std::list<BakedAssetMesh> baked;
   std::vector<AssetSurface> surfaces;
   for (const std::int64_t number : asset.surfaces()) {
     const AssetMesh& mesh = meshes.emplace_back(asset.read(number, true));
     const FittedMesh& fit = fitted.emplace_back(fit_mesh(mesh.file.mesh, mesh.name, *backend, how));
-    const FittedLevel& low = levels.emplace_back(fitted_level(fit, *backend, {.level = 0}));
-    const FittedLevel fine = fitted_level(fit, *backend, {.level = bake_level(fit.mesh, kSize)});
+    const test::FittedLevel& low = levels.emplace_back(fit, *backend, 0);
+    const test::FittedLevel fine(fit, *backend, bake_level(fit.mesh, kSize));
     AssetSurface& surface = surfaces.emplace_back(
-        AssetSurface{.mesh = number, .surface = low.blocks.get(), .vertices = &mesh.vertices});
-    attributes.emplace_back(mesh, fit, *low.blocks, *backend, Callbacks{}).add_to(surface.options);
+        AssetSurface{.mesh = number, .surface = &low.blocks(), .vertices = &mesh.vertices});
+    attributes.emplace_back(mesh, fit, low.blocks(), *backend, Callbacks{}).add_to(surface.options);
     baked
-        .emplace_back(asset, mesh, fit, *low.blocks, attributes.back(), *fine.blocks,
+        .emplace_back(asset, mesh, fit, low.blocks(), attributes.back(), fine.blocks(),
                       BakeFileOptions{.size = kSize, .name = mesh.name, .callbacks = {}})
         .add_to(surface);
   }
@@ -102,14 +102,14 @@ void write_baked(const std::filesystem::path& folder) {
     (void)write_asset(folder / name, folder, asset, surfaces, {});
   PolygonMesh mesh = asset.read(0).file.mesh;
   const FittedMesh fit = fit_mesh(mesh, "mesh", *backend, how);
-  const FittedLevel low = fitted_level(fit, *backend, {.level = 0});
-  const FittedLevel fine = fitted_level(fit, *backend, {.level = bake_level(fit.mesh, kSize)});
-  const BakedSurface alone(fit, *low.blocks, *fine.blocks, {},
+  const test::FittedLevel low(fit, *backend, 0);
+  const test::FittedLevel fine(fit, *backend, bake_level(fit.mesh, kSize));
+  const BakedSurface alone(fit, low.blocks(), fine.blocks(), {},
                            {.size = kSize, .name = "mesh", .callbacks = {}});
   GltfOptions options;
   alone.add_to(options);
-  write_gltf(folder / "tangents_baked_alone.glb", *low.blocks, options);
-  write_gltf(folder / "baked alone.gltf", *low.blocks, options);
+  write_gltf(folder / "tangents_baked_alone.glb", low.blocks(), options);
+  write_gltf(folder / "baked alone.gltf", low.blocks(), options);
 }
 
 void write_samples(const std::filesystem::path& folder) {

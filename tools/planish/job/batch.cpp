@@ -1,5 +1,4 @@
 #include "job/batch.h"
-#include "page/page_job.h"
 #include "planish/core/counted.h"
 #include "planish/core/number_text.h"
 
@@ -18,6 +17,7 @@
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
 #include "planish/job/build_info.h"
+#include "planish/job/page/job_page.h"
 #include "planish/job/report_json.h"
 #include "planish/job/staged_files.h"
 #include "planish/job/text.h"
@@ -58,19 +58,20 @@ JobOutcome failed(const PlannedJob& planned, Console& console, ExitCode exit_cod
 JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, Console& console,
                    JobDisplay& display, const BatchOptions& options) {
   try {
-    ShownJob shown(planned.job.name, options.page);
-    const bool wants_page = options.wants_page || !planned.job.page.empty();
+    JobPage page(options.page);
     Job job = planned.job;
+    job.page_options = options.page;
+    job.digests = options.wants_report || options.wants_page || is_reported(job);
     job.arguments = options.arguments;
     job.mesher = require_counted_mesher;
     JobReport report = run_job(job, planned.outputs, backends.get(planned),
-                               watch_of(console, display, wants_page ? &shown : nullptr))
+                               watch_of(console, display, options.wants_page ? &page : nullptr))
                            .report;
     console.clear_status();
     console.debug(summary(report, true));
     JobOutcome outcome{
         .report = {}, .exit_code = exit_code_of(report), .message = {}, .page_jobs = {}};
-    if (options.wants_page) outcome.page_jobs.push_back(std::move(shown).with(report));
+    if (options.wants_page) outcome.page_jobs = std::move(page).jobs();
     outcome.report = std::move(report);
     return outcome;
   } catch (const std::exception&) {
@@ -93,7 +94,8 @@ std::string fit_time(const JobTiming& timing) {
 // Of a glTF that stays an asset: the largest error of its meshes.
 std::vector<std::string> row_of_asset(const JobReport& report) {
   double error = 0;
-  for (const JobReport& mesh : report.meshes) error = std::max(error, mesh.fit.interpolation.error.max);
+  for (const JobReport& mesh : report.meshes)
+    error = std::max(error, mesh.fit.interpolation.error.max);
   return {report.job,
           "-",
           with_separators(report.input.file_vertices),
@@ -223,8 +225,8 @@ std::string method_of(const JobReport& report) {
     return std::string(report.settings.scheme == Scheme::DooSabin
                            ? word_of(kMethodWords, report.fit.method)
                            : word_of(kSchemeWords, report.settings.scheme));
-  const auto fair =
-      std::ranges::count(report.meshes, InterpolationMethod::Fair, [](const JobReport& mesh) { return mesh.fit.method; });
+  const auto fair = std::ranges::count(report.meshes, InterpolationMethod::Fair,
+                                       [](const JobReport& mesh) { return mesh.fit.method; });
   return formatted("{} of {} fair", fair, std::ssize(report.meshes));
 }
 
@@ -298,13 +300,15 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
   std::vector<PageJob> page_jobs;
   for (JobOutcome& outcome : outcomes)
     std::ranges::move(outcome.page_jobs, std::back_inserter(page_jobs));
-  const std::string text = make_page(page_jobs, options, std::filesystem::current_path());
+  const std::string all = counted(std::ssize(outcomes), "job");
+  const bool has_meshes = page_jobs.size() > outcomes.size();
+  const std::string text = make_page(page_jobs, options, std::filesystem::current_path(), all,
+                                     has_meshes ? "mesh" : "job");
   if (path == "-") return write_stdout(text);
   StagedFiles staged(overwrites);
   staged.write(path, text);
   staged.commit();
-  console.info(formatted("{}: {}, page of {}", visible(path), byte_size(text.size()),
-                         counted(static_cast<std::int64_t>(page_jobs.size()), "job")));
+  console.info(formatted("{}: {}, page of {}", visible(path), byte_size(text.size()), all));
 }
 
 nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,

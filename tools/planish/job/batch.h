@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "devices.h"
-#include "page/page.h"
 #include "planish/job/job.h"
+#include "planish/job/page/page.h"
 #include "terminal/exit_codes.h"
 #include "terminal/faults.h"
 #include "terminal/progress.h"
@@ -30,7 +30,8 @@ struct BatchOptions {
   ProgressMode progress = ProgressMode::None;
   std::vector<std::string> arguments;  ///< argv, for the reports
   PageOptions page;
-  bool wants_page = false;  ///< one of all jobs
+  bool wants_page = false;    ///< one of all jobs
+  bool wants_report = false;  ///< the same
 };
 
 /// What became of a job.

@@ -214,7 +214,7 @@ std::string describe(const PlannedJob& planned, const DeviceDescription& device,
   file.reach = planned.job.settings.textures;
   if (holds_points_only(file.format))
     return describe_points(planned, points_of(file), device, claims, page_bytes);
-  if (!reason_to_merge(planned.job, planned.outputs, page_bytes > 0))
+  if (!reason_to_merge(planned.job, planned.outputs))
     if (const auto asset = asset_of(file.for_reader(), file.format))
       return describe_asset(planned, file, *asset, device, claims);
   require_asset_for_lods(planned.outputs);

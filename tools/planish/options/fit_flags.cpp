@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 
 #include "options/input_list.h"
-#include "page/page_job.h"
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"

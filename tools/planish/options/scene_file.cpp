@@ -11,7 +11,6 @@
 #include "options/scene_settings.h"
 #include "options/scene_values.h"
 #include "options/strict_json.h"
-#include "page/page_job.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/nearest.h"

@@ -1,8 +1,6 @@
 #include "terminal/table.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 #include "planish/core/assert.h"
 
@@ -41,12 +39,6 @@ std::string Table::text() const {
     text += '\n';
   }
   return text;
-}
-
-std::string fixed(double number, int decimals) {
-  std::array<char, 400> buffer{};  // the largest double has 309 digits before the point
-  std::snprintf(buffer.data(), buffer.size(), "%.*f", decimals, number);
-  return buffer.data();
 }
 
 }  // namespace planish::command

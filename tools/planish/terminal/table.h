@@ -28,7 +28,4 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// `number` with so many decimals.
-[[nodiscard]] std::string fixed(double number, int decimals);
-
 }  // namespace planish::command

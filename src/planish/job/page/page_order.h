@@ -7,7 +7,7 @@
 #include "planish/surface/level_faces.h"
 #include "planish/surface/surface_mesh.h"
 
-namespace planish::command {
+namespace planish {
 
 /// One split of a page's surface: what its new vertices lie between, in their order.
 struct PageSplit {
@@ -39,4 +39,4 @@ struct PageOrder {
 /// seams are where sharp edges are else.
 [[nodiscard]] PageOrder texture_order(const SurfaceMesh& surface, const PolygonMesh& mesh);
 
-}  // namespace planish::command
+}  // namespace planish

@@ -1,4 +1,4 @@
-#include "page/page_still.h"
+#include "planish/job/page/page_still.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,12 @@
 #include "planish/core/parallel.h"
 #include "planish/core/point_bounds.h"
 #include "planish/files/image/png.h"
-#include "render/camera.h"
-#include "render/colours.h"
-#include "render/rasterise.h"
+#include "planish/job/page/camera.h"
+#include "planish/job/page/colours.h"
+#include "planish/job/page/page.h"
+#include "planish/job/page/rasterise.h"
 
-namespace planish::command {
+namespace planish {
 
 namespace {
 
@@ -125,4 +126,4 @@ std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up) {
   return png_of(kStillWidth, 4, pixels);
 }
 
-}  // namespace planish::command
+}  // namespace planish

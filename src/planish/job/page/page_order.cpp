@@ -1,4 +1,4 @@
-#include "page/page_order.h"
+#include "planish/job/page/page_order.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include "planish/core/assert.h"
 #include "planish/mesh/hole_flags.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 std::uint64_t edge_hash(std::int32_t a, std::int32_t b) {
@@ -187,4 +187,4 @@ PageOrder texture_order(const SurfaceMesh& surface, const PolygonMesh& mesh) {
   return page_order(charts, mesh);
 }
 
-}  // namespace planish::command
+}  // namespace planish

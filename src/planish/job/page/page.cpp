@@ -1,4 +1,4 @@
-#include "page/page.h"
+#include "planish/job/page/page.h"
 #include "planish/core/counted.h"
 #include "planish/core/number_text.h"
 
@@ -6,17 +6,17 @@
 #include <map>
 #include <span>
 
-#include "page/page_coding.h"
-#include "page/page_section.h"
-#include "page/page_text.h"
 #include "page_files.h"
 #include "planish/core/assert.h"
 #include "planish/core/formatted.h"
 #include "planish/core/version.h"
 #include "planish/job/digest.h"
+#include "planish/job/page/page_coding.h"
+#include "planish/job/page/page_section.h"
+#include "planish/job/page/page_text.h"
 #include "planish/job/text.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -131,12 +131,12 @@ void number_names(std::vector<Json>& reports) {
   }
 }
 
-std::string status_of(std::span<const PageJob> jobs) {
+std::string status_of(std::span<const PageJob> jobs, std::string_view kind) {
   const auto bad = std::ranges::count_if(jobs, [](const PageJob& job) {
     return !job.failure.empty() || !job.report["solve"]["converged"].get<bool>();
   });
   if (bad > 0)
-    return formatted("{} of {}{}", bad, counted(static_cast<std::int64_t>(jobs.size()), "job"),
+    return formatted("{} of {}{}", bad, counted(std::ssize(jobs), kind),
                      bad == 1 ? " has failed or not converged" : " have failed or not converged");
   return jobs.size() > 1 ? "all converged" : "";
 }
@@ -161,7 +161,8 @@ std::string_view page_script() { return kPageScript; }
 std::string_view page_style() { return kPageStyle; }
 
 std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
-                      const std::filesystem::path& folder) {
+                      const std::filesystem::path& folder, const std::string& title,
+                      std::string_view kind) {
   std::vector<Json> reports;
   for (const PageJob& job : jobs)
     reports.push_back(job.failure.empty() ? shown_report(job, options, folder) : Json());
@@ -190,12 +191,14 @@ std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
     places["style"] = kPageStyle;
     places["script"] = kPageScript;
     const bool alone = jobs.size() == 1;
-    places["title"] = alone ? html_text(reports[0].is_null() ? jobs[0].name
-                                                             : reports[0]["job"].get<std::string>())
-                            : counted(static_cast<std::int64_t>(jobs.size()), "job");
+    places["title"] = alone           ? html_text(reports[0].is_null() ? jobs[0].name
+                                                                       : reports[0]["job"].get<std::string>())
+                      : title.empty() ? counted(std::ssize(jobs), kind)
+                                      : html_text(title);
+    places["kind"] = kind;
     places["overview"] = alone ? "hidden" : "";
     places["time"] = options.times ? "<th scope=\"col\">time" : "";
-    places["status"] = status_of(jobs);
+    places["status"] = status_of(jobs, kind);
     places["tool"] = "planish " PLANISH_VERSION;
     return filled(kPageForm, places);
   };
@@ -206,4 +209,4 @@ std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
   return page_with(levels);
 }
 
-}  // namespace planish::command
+}  // namespace planish

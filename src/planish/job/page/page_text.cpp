@@ -1,4 +1,4 @@
-#include "page/page_text.h"
+#include "planish/job/page/page_text.h"
 #include "planish/core/counted.h"
 
 #include <array>
@@ -9,11 +9,11 @@
 #include "planish/core/visible_text.h"
 #include "planish/job/text.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 template <class... Arguments>
-std::string printed(const char* format, Arguments... arguments) {
+std::string as_printed(const char* format, Arguments... arguments) {
   std::array<char, 32> buffer{};
   std::snprintf(buffer.data(), buffer.size(), format, arguments...);
   return buffer.data();
@@ -35,7 +35,7 @@ std::string escaped(std::string_view text) {
 
 std::string visible_text(std::string_view text) {
   return with_escapes(text, [](std::uint32_t point) {
-    return printed(point > 0xFFFF ? "\\u{%x}" : "\\u%04x", static_cast<unsigned>(point));
+    return as_printed(point > 0xFFFF ? "\\u{%x}" : "\\u%04x", static_cast<unsigned>(point));
   });
 }
 
@@ -72,7 +72,7 @@ std::string script_json(const nlohmann::ordered_json& value) {
   for (const char c : value.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace)) {
     // Within JSON these stand in strings only.
     if (c == '<' || c == '>' || c == '&') {
-      out += printed("\\u%04x", static_cast<unsigned>(c));
+      out += as_printed("\\u%04x", static_cast<unsigned>(c));
     } else {
       out += c;
     }
@@ -105,4 +105,4 @@ std::string figure(const nlohmann::ordered_json& number) {
   return number.is_number() ? figure(number.get<double>()) : "not finite";
 }
 
-}  // namespace planish::command
+}  // namespace planish

@@ -4,7 +4,7 @@
 
 #include "planish/core/json.h"
 
-namespace planish::command {
+namespace planish {
 
 // Pictures of a report's figures as SVG that needs no script and prints. `id` makes the names of
 // their parts unlike those of other jobs.
@@ -17,4 +17,4 @@ namespace planish::command {
 /// The steps of a run as one bar, named below it. `timing`: timing_ms of a report.
 [[nodiscard]] std::string timing_bar(const nlohmann::ordered_json& timing, const std::string& id);
 
-}  // namespace planish::command
+}  // namespace planish

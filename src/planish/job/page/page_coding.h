@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "page/page_order.h"
 #include "planish/core/json.h"
+#include "planish/job/page/page_order.h"
 
-namespace planish::command {
+namespace planish {
 
 /// Numbers on their way into a page: whole numbers less what is expected of them, by bytes of equal
 /// weight, deflated. Nothing but subtraction and a table is needed to read it, see viewer/data.js.
@@ -43,4 +43,4 @@ class PageCoder {
 /// Bytes in base64, padded.
 [[nodiscard]] std::string base64_text(std::span<const std::uint8_t> bytes);
 
-}  // namespace planish::command
+}  // namespace planish

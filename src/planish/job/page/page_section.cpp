@@ -1,14 +1,14 @@
-#include "page/page_section.h"
+#include "planish/job/page/page_section.h"
 #include "planish/core/counted.h"
 #include "planish/core/number_text.h"
 
-#include "page/page_plot.h"
-#include "page/page_still.h"
-#include "page/page_text.h"
 #include "planish/core/formatted.h"
+#include "planish/job/page/page.h"
+#include "planish/job/page/page_plot.h"
+#include "planish/job/page/page_text.h"
 #include "planish/job/text.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -252,4 +252,4 @@ std::string job_label(const Json& report) {
   return name == method ? name : name + ", " + method;
 }
 
-}  // namespace planish::command
+}  // namespace planish

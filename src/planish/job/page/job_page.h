@@ -1,16 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "page/page.h"
 #include "planish/job/job_settings.h"
-#include "planish/pipeline/fit.h"
+#include "planish/job/job_surface.h"
+#include "planish/job/page/page.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/surface_mesh.h"
 
-namespace planish::command {
+namespace planish {
 
 /// The level that a page shows of a mesh: the deepest, up to kPageLevel, whose vertices may fit
 /// into the limit; -1 where even the mesh's own do not.
@@ -34,35 +35,30 @@ struct PagePayloadInput {
                                                      const Settings& settings,
                                                      const PageOptions& options);
 
-/// What pages show of one job.
-class ShownJob final : public JobPage {
+/// What a page shows of one job: its mesh, or those of an asset in their order.
+class JobPage {
  public:
-  ShownJob(std::string name, const PageOptions& options) : options_(options) {
-    job_.name = std::move(name);
-  }
+  explicit JobPage(const PageOptions& options) : options_(options) {}
 
-  [[nodiscard]] int level(const PolygonMesh& mesh, Scheme scheme) const override {
+  /// The deepest level that it can show of a mesh; -1: not even its own vertices.
+  [[nodiscard]] int level(const PolygonMesh& mesh, Scheme scheme) const {
     return page_level(mesh, scheme, options_);
   }
-  bool show(JobLevel& surface, const FittedMesh& fitted, const Settings& settings,
-            const DooSabinSurface* exact) override;
-  [[nodiscard]] std::string text(const JobReport& report) override;
-  /// For a page of several jobs.
-  [[nodiscard]] PageJob with(const JobReport& report) &&;
+  /// Takes what it draws of a level, in place of a coarser one. Returns whether a finer one may be
+  /// shown, too. `exact`: what the level was taken from; null with other schemes than Doo-Sabin.
+  bool show(std::size_t mesh, JobLevel& surface, const FittedMesh& fitted, const Settings& settings,
+            const DooSabinSurface* exact);
+  /// Once the report is complete but for the page.
+  void take(const JobReport& report);
+  /// A page of this job alone.
+  [[nodiscard]] std::string text() const;
+  /// Its part of a page of several, where meshes are called after the asset, too.
+  [[nodiscard]] std::vector<PageJob> jobs() &&;
 
  private:
   PageOptions options_;
-  PageJob job_;
+  std::vector<PageJob> meshes_;
+  std::string asset_;  ///< that has several
 };
 
-/// "8M", "500K", "2G" or bytes. Throws Error{InvalidArgument} naming `where`.
-[[nodiscard]] std::uint64_t parse_page_limit(std::string_view value, std::string_view where);
-
-/// The options as flags give them; an empty limit is the default.
-[[nodiscard]] PageOptions page_options(const std::string& limit, bool no_times);
-
-/// Refuses a path that is no .html or .htm, and "-" where stdout is a terminal, with
-/// Error{InvalidArgument} naming `where`.
-void require_page_path(const std::string& path, std::string_view where);
-
-}  // namespace planish::command
+}  // namespace planish

@@ -1,4 +1,4 @@
-#include "page/page_coding.h"
+#include "planish/job/page/page_coding.h"
 
 #include <zlib.h>
 
@@ -8,7 +8,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 std::uint64_t zigzag(std::int64_t difference) {
@@ -140,4 +140,4 @@ std::string base64_text(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-}  // namespace planish::command
+}  // namespace planish

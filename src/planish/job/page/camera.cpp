@@ -1,4 +1,4 @@
-#include "camera.h"
+#include "planish/job/page/camera.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "page/page_order.h"
 #include "planish/core/json.h"
+#include "planish/job/page/page_order.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/surface_mesh.h"
 
-namespace planish::command {
+namespace planish {
 
 /// How a map is coloured.
 enum class FieldKind { Amount, Signed, Share };
@@ -79,4 +79,4 @@ struct PagePayload {
 
 [[nodiscard]] PagePayload encode_scene(const PageScene& scene, int level);
 
-}  // namespace planish::command
+}  // namespace planish

@@ -1,16 +1,16 @@
-#include "page/page_plot.h"
+#include "planish/job/page/page_plot.h"
 #include "planish/core/counted.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
-#include "page/page_text.h"
 #include "planish/core/formatted.h"
+#include "planish/core/number_text.h"
+#include "planish/job/page/page_text.h"
 #include "planish/job/text.h"
-#include "terminal/table.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -167,4 +167,4 @@ std::string timing_bar(const Json& timing, const std::string& id) {
       at(kBarHeight), id, id, words, bar, list, duration(timing["total"].get<double>()));
 }
 
-}  // namespace planish::command
+}  // namespace planish

@@ -1,5 +1,5 @@
 // Based on: Pineda, "A parallel algorithm for polygon rasterization", 1988.
-#include "rasterise.h"
+#include "planish/job/page/rasterise.h"
 
 #include <algorithm>
 #include <cmath>

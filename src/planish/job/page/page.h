@@ -4,20 +4,19 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "page/page_scene.h"
 #include "planish/core/json.h"
-#include "planish/job/job_page.h"
+#include "planish/job/job.h"
+#include "planish/job/page/page_scene.h"
 
-namespace planish::command {
+namespace planish {
 
-/// What a user may say of a page.
-struct PageOptions {
-  std::uint64_t limit_bytes = std::uint64_t{8} << 20;
-  /// Without times and memory the same run gives the same bytes.
-  bool times = true;
-};
+/// The deepest level that a page shows.
+inline constexpr int kPageLevel = 2;
+/// Of a page's picture.
+inline constexpr int kStillWidth = 720, kStillHeight = 480;
 
 /// One job on a page.
 struct PageJob {
@@ -34,11 +33,13 @@ struct PageJob {
 /// figures: where the scenes are too large the largest is shown a level coarser, and at last not at
 /// all; the page says so. Paths below `folder` (absolute) are written relative to it. The same jobs
 /// and options give the same bytes.
+/// `kind`: what they are where they are no jobs: meshes of an asset.
 [[nodiscard]] std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
-                                    const std::filesystem::path& folder);
+                                    const std::filesystem::path& folder,
+                                    const std::string& title = {}, std::string_view kind = "job");
 
 /// Script and style as they stand in every page.
 [[nodiscard]] std::string_view page_script();
 [[nodiscard]] std::string_view page_style();
 
-}  // namespace planish::command
+}  // namespace planish

@@ -4,7 +4,7 @@
 
 #include "planish/core/json.h"
 
-namespace planish::command {
+namespace planish {
 
 // The parts of a page that need no script, all of them from a job's JSON report: nothing on a page
 // can differ from it.
@@ -28,4 +28,4 @@ namespace planish::command {
 /// What a job is called where it is compared with others: its name and method.
 [[nodiscard]] std::string job_label(const nlohmann::ordered_json& report);
 
-}  // namespace planish::command
+}  // namespace planish

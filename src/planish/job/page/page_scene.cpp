@@ -1,4 +1,4 @@
-#include "page/page_scene.h"
+#include "planish/job/page/page_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,14 @@
 #include <string>
 #include <utility>
 
-#include "page/page_coding.h"
 #include "planish/core/point_bounds.h"
 #include "planish/files/shared/finite_numbers.h"
+#include "planish/job/page/page_coding.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/triangulate.h"
 #include "planish/surface/vertex_fields.h"
 
-namespace planish::command {
+namespace planish {
 namespace {
 
 /// A page stores positions on a grid of so many steps along each side of their box.
@@ -354,4 +354,4 @@ PagePayload encode_scene(const PageScene& scene, int level) {
   return payload;
 }
 
-}  // namespace planish::command
+}  // namespace planish

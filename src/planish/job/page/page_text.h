@@ -5,28 +5,28 @@
 
 #include "planish/core/json.h"
 
-namespace planish::command {
+namespace planish {
 
 // Everything that a page shows came from outside: names of files, jobs and devices, messages that
 // quote them. What follows is all that stands between them and the page.
 
 /// Text in which everything can be seen: control characters, marks that are invisible or turn the
-/// direction of writing, and code points that are none stand as \u202e, bytes that are no UTF-8 as
-/// \xff. Valid UTF-8. A line end is a control character like the others.
+/// direction of writing, and code points that are none stand as `u202e` behind a backslash, bytes
+/// that are no UTF-8 as `xff`. Valid UTF-8. A line end is a control character like the others.
 [[nodiscard]] std::string visible_text(std::string_view text);
 
 /// visible_text() with & < > " ' ` as character references: for element content and quoted
 /// attributes.
 [[nodiscard]] std::string html_text(std::string_view text);
 
-/// The same line by line, for <pre>: line ends stay.
+/// The same line by line, for preformatted text: line ends stay.
 [[nodiscard]] std::string html_lines(std::string_view text);
 
 /// Every string in a JSON value made visible, keys too.
 [[nodiscard]] nlohmann::ordered_json visible_json(const nlohmann::ordered_json& value);
 
-/// JSON for the inside of a script element: ASCII, with < > & as \u003c, so that nothing in it can
-/// end the element.
+/// JSON for the inside of a script element: ASCII, with < > & as their escapes, so that nothing in
+/// it can end the element.
 [[nodiscard]] std::string script_json(const nlohmann::ordered_json& value);
 
 /// A word of a command as a POSIX shell needs it written.
@@ -37,4 +37,4 @@ namespace planish::command {
 /// Of a report's number, which is null where it is not finite.
 [[nodiscard]] std::string figure(const nlohmann::ordered_json& number);
 
-}  // namespace planish::command
+}  // namespace planish
