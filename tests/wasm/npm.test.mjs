@@ -2,6 +2,7 @@
 // PLANISH_NPM: the folder that tools/wasm makes.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
+import { createHash } from 'node:crypto';
 import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -203,11 +204,18 @@ test('a glTF keeps all that is no triangle, with levels of detail', () => {
   refused(() => planish.fitFile(given.subarray(0, 99), 'cube.glb'), 'UNREADABLE_INPUT', /^cube.glb/);
 });
 
+test('a file comes with its report and its page', () => {
+  const made = planish.fitFile(planish.fit(cube).glb(0), 'chair.glb', { compress: 'meshopt', report: true, page: true });
+  assert.equal(made.report.outputs[0].sha256, createHash('sha256').update(made.bytes).digest('hex'));
+  assert.match(made.page, /class="payload"/);
+  assert.equal(planish.fitFile(scene('goblet.obj'), 'goblet.obj', { levels: 0 }).page, undefined);
+});
+
 test('errors say what, where and which', () => {
   const bytes = (text) => new TextEncoder().encode(text);
   refused(() => planish.fit({ positions: [0, 0, 0, 1, 0, 0], faces: [[0, 1, 7]] }), 'UNUSABLE_MESH', /face 0 names vertex 7 of 2/);
   refused(() => planish.fit(cube, { maxIteration: 1 }), 'INVALID_ARGUMENT', /did you mean max_iterations\?/);
-  refused(() => planish.fit(cube, { chordErrors: [0.1] }), 'INVALID_ARGUMENT', /chord_errors: is of files/);
+  refused(() => planish.fit(cube, { outliers: 'off' }), 'INVALID_ARGUMENT', /outliers: is of files and points/);
   refused(() => planish.fit(cube, { tolerance: -1 }), 'INVALID_ARGUMENT', /tolerance.*1e-6/);
   refused(() => planish.fit(cube, { interpolation: 'best' }), 'INVALID_ARGUMENT', /interpolation: "best" is not one of auto/);
   refused(() => planish.fit(cube, { speed: 1 }), 'INVALID_ARGUMENT', /options.speed: there is no such option here/);

@@ -75,23 +75,29 @@ class Planish {
   }
 
   /** A file's bytes become another's, as `planish fit` makes them: of a glTF all that is no triangle comes along.
-   * `output` tells the format by its ending; of `lods` "msft" several `levels` are levels of detail in one glTF. */
-  fitFile(bytes, name, { output = 'surface.glb', ...options } = {}) {
+   * `output` tells the format by its ending; of `lods` "msft" several `levels` are levels of detail in one glTF.
+   * With `report` the result has what was done, with `page` HTML to look at. */
+  fitFile(bytes, name, { output = 'surface.glb', report = false, page = false, ...options } = {}) {
     const module = this.#module;
     const [several] = /\.(gltf|json)$/i.exec(output) ?? [];
     if (several) refuse(`output: a ${several} has files beside it; take .glb`);
     const from = pathIn('/in', name), to = pathIn('/out', output), warnings = [];
+    const wanted = { ...(report && { report: '/out/report.json' }), ...(page && { page: '/out/page.html' }) };
+    const text = (path) => module.FS.readFile(path, { encoding: 'utf8' });
     module.FS.writeFile(from, bytes);
     try {
       const info = new Memory(module).use((memory) => {
-        const told = new FitOptions(memory, options, warnings);
+        const told = new FitOptions(memory, { ...options, ...wanted }, warnings);
         const at = memory.struct('fit_info', {});
         const status = module._planish_fit_file(memory.text(from), memory.text(to), told.pointer, at);
         told.end();
         check(module, status, from, name);
         return infoOf(module, memory.read('fit_info', at));
       });
-      return { bytes: module.FS.readFile(to), info, warnings };
+      return {
+        bytes: module.FS.readFile(to), info, warnings,
+        ...(report && { report: JSON.parse(text(wanted.report)) }), ...(page && { page: text(wanted.page) }),
+      };
     } finally {
       module.FS.unlink(from);
       removeAll(module, '/out');
