@@ -7,8 +7,8 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
 #include "page/page_reader.h"
+#include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/vertex_fields.h"
 #include "support/expect_error.h"
