@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/json.h"
 #include "planish/files/mesh_file.h"
+#include "planish/job/fit_file.h"
 #include "support/expect_error.h"
 #include "support/files_below.h"
 #include "support/meshes.h"
@@ -64,6 +67,13 @@ TEST_F(Run, TakesNoDigestWhereNoneIsWanted) {
   const JobResult result = run(job_, *backend_);
   EXPECT_EQ(result.report.input.sha256, "");
   EXPECT_EQ(result.report.outputs.front().sha256, "");
+}
+
+TEST_F(Run, CallsTheSurfaceOfAFittedMeshAsItIsTold) {
+  const FittedMesh fitted = fit_mesh(cube(), "cube", *backend_);
+  (void)write_fitted_surface(folder_ / "a.gltf", fitted, *backend_, {.name = "part.v2"});
+  std::ifstream file(folder_ / "a.gltf");
+  EXPECT_EQ(nlohmann::json::parse(file)["meshes"][0]["name"], "part.v2");
 }
 
 TEST_F(Run, ClaimsEveryFileBeforeItWorks) {

@@ -79,7 +79,8 @@ WrittenOutput write_fitted_surface(const std::filesystem::path& path, const Fitt
   require_file(path, "path");
   std::ranges::for_each(options.settings.levels, require_level);
   Job job;
-  job.name = job.input = options.name;
+  job.name = options.name;
+  job.input = "-";  // no file, whose stem would be the name
   job.settings = options.settings;
   job.settings.scheme = fitted.options.scheme;
   job.settings.tolerance = fitted.options.tolerance;
