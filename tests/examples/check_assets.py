@@ -1,55 +1,26 @@
 """A glTF of two meshes becomes a compressed GLB with its page and report, by the examples of the doors' README files: the
 same bytes whatever the door. Arguments: the command, and a program a door, with ',' between its words."""
 
-import base64
 import hashlib
 import json
-import math
 import struct
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-
-def ring(radius, sides=12, corners=8):
-    """Places and triangles of a torus."""
-    places, triangles = [], []
-    for i in range(sides):
-        for j in range(corners):
-            a, b = 2 * math.pi * i / sides, 2 * math.pi * j / corners
-            across = radius + 0.3 * math.cos(b)
-            places.append((across * math.cos(a), 0.3 * math.sin(b), across * math.sin(a)))
-            one, other = j, (j + 1) % corners
-            here, there = i * corners, (i + 1) % sides * corners
-            triangles += [(here + one, here + other, there + one), (there + one, here + other, there + other)]
-    return places, triangles
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "doors"))
+import inputs  # noqa: E402
 
 
 def asset():
-    """Two rings in a glTF, its numbers within."""
-    document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": [], "meshes": [],
-                "accessors": [], "bufferViews": []}
-    numbers = b""
-    for mesh, radius in enumerate((1.0, 1.5)):
-        places, triangles = ring(radius)
-        for values, form, kind in ((places, "<3f", 5126), (triangles, "<3H", 5123)):
-            piece = b"".join(struct.pack(form, *value) for value in values)
-            view = {"buffer": 0, "byteOffset": len(numbers), "byteLength": len(piece)}
-            accessor = {"bufferView": len(document["bufferViews"]), "componentType": kind}
-            if kind == 5126:
-                accessor |= {"count": len(values), "type": "VEC3", "min": [min(axis) for axis in zip(*values)],
-                             "max": [max(axis) for axis in zip(*values)]}
-            else:
-                accessor |= {"count": 3 * len(values), "type": "SCALAR"}
-            document["bufferViews"].append(view)
-            document["accessors"].append(accessor)
-            numbers += piece
-        primitive = {"attributes": {"POSITION": 2 * mesh}, "indices": 2 * mesh + 1}
-        document["meshes"].append({"name": f"ring {mesh}", "primitives": [primitive]})
-        document["nodes"].append({"name": f"node {mesh}", "mesh": mesh, "translation": [4.0 * mesh, 0, 0]})
-    uri = "data:application/octet-stream;base64," + base64.b64encode(numbers).decode()
-    document["buffers"] = [{"byteLength": len(numbers), "uri": uri}]
+    """A glTF of two meshes, under a node each."""
+    document = json.loads(inputs.asset())
+    [mesh] = document["meshes"]
+    document["meshes"] = [mesh | {"name": f"sheet {number}"} for number in (0, 1)]
+    document["nodes"] = [{"name": f"node {number}", "mesh": number, "translation": [4.0 * number, 0, 0]}
+                         for number in (0, 1)]
+    document["scenes"] = [{"nodes": [0, 1]}]
     return json.dumps(document)
 
 
@@ -65,11 +36,11 @@ def run(program, folder):
     assert {"node 0", "node 1"} <= {node.get("name") for node in document["nodes"]}, document["nodes"]
     page = (folder / "smooth.html").read_text()
     assert page.count('class="payload"') == 2, "a view of each mesh"
-    assert "chair: 2 meshes" in page and "ring 0" in page and "ring 1" in page
+    assert "chair: 2 meshes" in page and "sheet 0" in page and "sheet 1" in page
     report = json.loads((folder / "smooth.json").read_text())
     digest = hashlib.sha256(glb).hexdigest()
     assert report["outputs"][0]["sha256"] == digest
-    assert [mesh["asset"]["name"] for mesh in report["meshes"]] == ["ring 0", "ring 1"]
+    assert [mesh["asset"]["name"] for mesh in report["meshes"]] == ["sheet 0", "sheet 1"]
     return digest
 
 
@@ -85,7 +56,7 @@ def main():
         subprocess.run(both, cwd=folder, check=True, stdout=subprocess.DEVNULL)
         page = (folder / "both.html").read_text()
         assert page.count('class="payload"') == 4 and "<title>2 jobs" in page
-        assert all(f"{name}: ring {mesh}" in page for name in ("chair", "bench") for mesh in (0, 1))
+        assert all(f"{name}: sheet {mesh}" in page for name in ("chair", "bench") for mesh in (0, 1))
         for number, program in enumerate(doors):
             found = run(program, folder / str(number))
             assert found == wanted, (program, found, wanted)
