@@ -42,10 +42,10 @@ FileFormat output_format(const std::string& path) {
 }
 
 // A PLY may be one of a mesh: its vertices are points all the same.
-PointInput read_cloud(const std::string& path, std::optional<FileFormat> format,
+PointInput read_cloud(const std::string& path, std::optional<FileFormat> format, bool has_report,
                       const Callbacks& callbacks) {
   InputFile file = load_input(path, format, callbacks);
-  file.take_digest();
+  if (has_report) file.take_digest();
   return points_of(file, callbacks);
 }
 
@@ -128,7 +128,8 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
     warnings.push_back(warning);
     console.warning(named_message(input_name(flags.input), warning.message));
   };
-  const PointInput input = read_cloud(flags.input, input_format_of(flags), options.callbacks);
+  const PointInput input =
+      read_cloud(flags.input, input_format_of(flags), !flags.report.empty(), options.callbacks);
   progress.update("points", 0);
   const Reconstruction result = reconstruct_input(input, require_counted_mesher(), options);
   StagedFiles staged(flags.force);

@@ -110,6 +110,7 @@ void set_texts(planish_options& options) {
     options.texts[option.name] = text_of(options, option, options.settings.points);
   for (const Option<planish_options>& option : own_options())
     options.texts[option.name] = option.get(options);
+  for (const std::string_view name : kFiles) options.texts[name] = options.file(name);
 }
 
 }  // namespace
@@ -198,9 +199,7 @@ planish_status planish_options_get(const planish_options* options, const char* n
     require(name, "name");
     require(value, "value");
     (void)require_served(name);
-    const auto& texts = is_file(name) ? options->files : options->texts;
-    const auto found = texts.find(name);
-    *value = found == texts.end() ? "" : found->second.c_str();
+    *value = options->texts.at(name).c_str();
     return PLANISH_OK;
   });
 }

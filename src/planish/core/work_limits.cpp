@@ -22,8 +22,6 @@ std::int64_t processor_nanoseconds() {
 LimitScope::LimitScope(const WorkLimits& limits)
     : limits_(limits), stop_(is_over_, this), began_(processor_nanoseconds()) {}
 
-LimitScope::~LimitScope() = default;
-
 LimitScope* LimitScope::current() {
   const StopScope* const scope = AdoptedStop::current();
   return scope != nullptr ? scope->limits_ : nullptr;

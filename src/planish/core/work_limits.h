@@ -23,7 +23,6 @@ struct WorkLimits {
 class LimitScope final : HostWatch {
  public:
   explicit LimitScope(const WorkLimits& limits);
-  ~LimitScope();
 
   [[nodiscard]] const WorkLimits& limits() const { return limits_; }
   /// Whether the work was stopped since its time is over.

@@ -336,10 +336,7 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
 }
 
 void add_timing(const JobTiming& from, JobTiming& to) {
-  for (double JobTiming::*const part :
-       {&JobTiming::read, &JobTiming::check, &JobTiming::topology, &JobTiming::stencils,
-        &JobTiming::upload, &JobTiming::solve, &JobTiming::choose, &JobTiming::evaluate})
-    to.*part += from.*part;
+  for (const auto& [name, step] : kTimedSteps) to.*step += from.*step;
 }
 
 // One mesh is the job; of several the job has sums.

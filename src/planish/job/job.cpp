@@ -57,14 +57,7 @@ bool may_be_points(const Job& job) {
 
 // Weights by what the steps take; those of a level grow with its points.
 void add_steps_of(const std::vector<PlannedOutput>& outputs, std::vector<PlannedStep>& steps) {
-  std::vector<Fineness> all;
-  for (const PlannedOutput& output : outputs) {
-    const bool is_new = std::ranges::find(all, output.fineness) == all.end();
-    if (output.kind == OutputKind::Surface && is_new && output.coarser.empty() &&
-        info_of(output.format).has_fineness())
-      all.push_back(output.fineness);
-  }
-  for (const Fineness& fineness : all) {
+  for (const Fineness& fineness : finenesses_of(outputs)) {
     const double points = std::ldexp(1.0, 2 * fineness.level);
     steps.push_back({"level", points});
     for (const PlannedOutput& output : outputs)

@@ -137,11 +137,10 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
 }
 
 OrderedJson timing_json(const JobTiming& timing) {
-  return {{"read", timing.read},         {"check", timing.check},
-          {"topology", timing.topology}, {"stencils", timing.stencils},
-          {"upload", timing.upload},     {"solve", timing.solve},
-          {"choose", timing.choose},     {"evaluate", timing.evaluate},
-          {"write", timing.write},       {"total", timing.total}};
+  OrderedJson json;
+  for (const auto& [name, step] : kTimedSteps) json[name] = timing.*step;
+  json["total"] = timing.total;
+  return json;
 }
 
 OrderedJson device_json(const DeviceDescription& device) {

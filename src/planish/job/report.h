@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planish/backend/backend.h"
@@ -108,6 +109,14 @@ struct JobTiming {
          evaluate = 0, write = 0;
   double total = 0;
 };
+
+/// The parts of JobTiming::total by their names, in the order of the work.
+inline constexpr std::pair<const char*, double JobTiming::*> kTimedSteps[] = {
+    {"read", &JobTiming::read},         {"check", &JobTiming::check},
+    {"topology", &JobTiming::topology}, {"stencils", &JobTiming::stencils},
+    {"upload", &JobTiming::upload},     {"solve", &JobTiming::solve},
+    {"choose", &JobTiming::choose},     {"evaluate", &JobTiming::evaluate},
+    {"write", &JobTiming::write}};
 
 /// What a job did; the source of its JSON report, its summary and its table row.
 struct JobReport {

@@ -25,14 +25,10 @@ std::string shape_of(const MeshStatistics& statistics) {
 
 std::string timing_line(const JobTiming& timing) {
   std::string line = duration(timing.total) + " (";
-  const std::pair<const char*, double> parts[] = {
-      {"read", timing.read},         {"check", timing.check},       {"topology", timing.topology},
-      {"stencils", timing.stencils}, {"upload", timing.upload},     {"solve", timing.solve},
-      {"choose", timing.choose},     {"evaluate", timing.evaluate}, {"write", timing.write}};
   const char* separator = "";
-  for (const auto& [name, milliseconds] : parts) {
-    if (milliseconds < 0.05) continue;
-    line += separator + std::string(name) + " " + duration(milliseconds);
+  for (const auto& [name, step] : kTimedSteps) {
+    if (timing.*step < 0.05) continue;
+    line += separator + std::string(name) + " " + duration(timing.*step);
     separator = ", ";
   }
   return line + ")";

@@ -80,9 +80,7 @@ void JobPage::take(const JobReport& report) {
     mesh.outputs = report.outputs;
     mesh.host_peak_bytes = report.host_peak_bytes;
     mesh.device_bytes = report.device_bytes;
-    const JobTiming& parts = mesh.timing;
-    mesh.timing.total = parts.read + parts.check + parts.topology + parts.stencils + parts.upload +
-                        parts.solve + parts.choose + parts.evaluate + parts.write;
+    for (const auto& [name, step] : kTimedSteps) mesh.timing.total += mesh.timing.*step;
     meshes_[i].report = to_json(mesh);
   }
 }
