@@ -1,6 +1,6 @@
-// Two applications that own their device, by nothing but the installed package: README's, whose
-// positions are checked against the CPU, and a renderer (frames.cpp), whose pixels are. What the
-// validation layer says, if it is there, fails either.
+// Two applications that own their device, by nothing but the installed package: that of
+// src/planish/vulkan/README.md, whose positions are checked against the CPU, and a renderer
+// (frames.cpp), whose pixels are. What the validation layer says, if it is there, fails either.
 #include <planish/planish.h>
 #include <planish/vulkan/vulkan_backend.h>
 

@@ -1,4 +1,4 @@
-// The whole way from a file to a file, as README shows it.
+// The whole way from a file to a file, as src/planish/job/README.md shows it.
 // README begins
 #include <planish/planish.h>
 
