@@ -226,7 +226,7 @@ struct FirstStepParameters {
   // From an instance to the next: points of the state, given points.
   uint instance_points;
   uint instance_rows;
-  float own, beside, mean, turn;  // FaceSumRule of doosabin/face_rule.h
+  float own, beside, mean, turn;  // FaceSumRule of doosabin/subdivision.h
   // Where the words are that name the instance of each work group in y; kNone: all instances.
   uint first_listed;
 };

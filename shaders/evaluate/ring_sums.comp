@@ -1,4 +1,4 @@
-// Sums of large rings behind the state of level 1, a work group a ring; see patches/ring_sums.h,
+// Sums of large rings behind the state of level 1, a work group a ring; see patches/patch_mesh.h,
 // whose twin this is. Like the other points they are offsets from a given vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require

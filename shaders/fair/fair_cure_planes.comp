@@ -1,5 +1,5 @@
 // How the plane of every new perpendicular polygon leans, where that is not chosen yet, and how far its
-// points may lie from the vertex; at curves that alone. tilted_normal() of fair/smallest_cap.h,
+// points may lie from the vertex; at curves that alone. tilted_normal() of fair/perpendicular_polygon.h,
 // lean_towards(), perpendicular_size().
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -88,7 +88,7 @@ PLANISH_SHARED_CONSTANT kLateShift = 8u;
 PLANISH_SHARED_CONSTANT kReversed = 0x10000u;
 PLANISH_SHARED_CONSTANT kCureShift = 24u;
 
-// The lean of a cured polygon's plane that is not chosen yet: kNoLean of fair/plane_lean.h as a
+// The lean of a cured polygon's plane that is not chosen yet: kNoLean of fair/fair_topology.h as a
 // float.
 PLANISH_SHARED_CONSTANT kNoLeanBits = 0x4e800000u;
 

@@ -1,4 +1,4 @@
-#include "planish/backend/cpu_backend.h"
+#include "planish/solve/backend.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "planish/stencil/stencil_builder.h"
+#include "planish/solve/stencil_builder.h"
 
 namespace planish {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/backend/packed_rows.h"
+#include "planish/solve/packed_rows.h"
 
 #include <gtest/gtest.h>
 

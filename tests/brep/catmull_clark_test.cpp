@@ -6,8 +6,8 @@
 #include "brep/far_surface.h"
 #include "brep/step_cases.h"
 #include "brep/step_checks.h"
-#include "planish/brep/catmull_clark_splines.h"
 #include "planish/brep/quad_layout.h"
+#include "planish/brep/subdivision_splines.h"
 #include "support/expect_error.h"
 
 namespace planish::test {

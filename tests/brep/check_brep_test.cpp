@@ -1,5 +1,5 @@
 // Whether shells are valid, told of what was damaged by hand.
-#include "planish/brep/check_brep.h"
+#include "planish/brep/brep.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "brep/step_cases.h"
-#include "planish/brep/catmull_clark_splines.h"
+#include "planish/brep/subdivision_splines.h"
 #include "planish/pipeline/write_fitted_step.h"
 
 namespace planish::test {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "planish/mesh/mesh_topology.h"
-#include "planish/stencil/refiner.h"
+#include "planish/solve/refiner.h"
 
 namespace planish::test {
 

@@ -28,8 +28,8 @@ TEST(OpenCascade, ReadsWhatIsWritten) {
 #include <string>
 
 #include "limit/limit_case.h"
-#include "planish/brep/catmull_clark_splines.h"
-#include "planish/brep/make_brep.h"
+#include "planish/brep/brep.h"
+#include "planish/brep/subdivision_splines.h"
 #include "planish/brep/write_step.h"
 
 namespace planish::test {

@@ -8,7 +8,7 @@
 
 #include "brep/step_file.h"
 #include "limit/limit_case.h"
-#include "planish/brep/make_brep.h"
+#include "planish/brep/brep.h"
 #include "planish/brep/write_step.h"
 
 namespace planish::test {

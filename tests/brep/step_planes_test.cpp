@@ -7,8 +7,8 @@
 
 #include "brep/step_cases.h"
 #include "brep/step_checks.h"
-#include "planish/brep/catmull_clark_splines.h"
-#include "planish/limit/surface_queries.h"
+#include "planish/brep/subdivision_splines.h"
+#include "planish/queries/surface_queries.h"
 #include "support/expect_error.h"
 #include "support/temporary_folder.h"
 

@@ -3,8 +3,8 @@
 
 #include "brep/step_cases.h"
 #include "brep/step_checks.h"
-#include "planish/limit/surface_queries.h"
 #include "planish/pipeline/write_fitted_step.h"
+#include "planish/queries/surface_queries.h"
 
 namespace planish::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/job/cage_header.h"
+#include "planish/job/job_text.h"
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,6 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "planish/core/error.h"
-#include "terminal/devices_text.h"
 
 namespace planish::command {
 namespace {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "planish/job/digest.h"
-#include "planish/job/plain_sha256.h"
 
 namespace planish::command {
 namespace {

@@ -10,9 +10,9 @@
 #include <sstream>
 
 #include "cli/needs.h"
-#include "planish/core/counted.h"
+#include "planish/core/words.h"
 #include "planish/job/forecast.h"
-#include "planish/job/text.h"
+#include "planish/job/job_text.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
 

@@ -1,5 +1,5 @@
 // Buffers of a .gltf behind the first: put in place with it, and removed with it.
-#include "planish/job/further_buffers.h"
+#include "planish/job/staged_files.h"
 
 #include <gtest/gtest.h>
 

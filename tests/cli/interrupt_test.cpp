@@ -7,7 +7,7 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "planish/core/error.h"
-#include "terminal/exit_codes.h"
+#include "terminal.h"
 
 namespace planish::test {
 namespace {

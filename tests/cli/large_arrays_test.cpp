@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "memory/large_arrays.h"
+#include "large_arrays.h"
 #include "support/temporary_folder.h"
 
 // The C library's, but without O_TMPFILE; the linker takes this one.

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cli/needs.h"
-#include "memory/large_arrays.h"
+#include "large_arrays.h"
 #include "planish/surface/memory_need.h"
 
 namespace planish::test {

@@ -6,10 +6,10 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/job/job_input.h"
-#include "planish/job/measure_surface.h"
+#include "planish/job/job_outputs.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish::test {

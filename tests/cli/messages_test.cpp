@@ -11,7 +11,7 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "planish/core/error.h"
-#include "terminal/faults.h"
+#include "terminal.h"
 
 namespace planish::test {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "options/page_flags.h"
+#include "commands.h"
 #include "planish/core/error.h"
-#include "planish/job/page/job_page.h"
+#include "planish/job/page/page.h"
 
 namespace planish::test {
 namespace {

@@ -14,13 +14,12 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "files/gltf/glb_bytes.h"
-#include "job/sample_surface.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/json.h"
 #include "planish/files/mesh_file.h"
-#include "planish/files/read_points.h"
-#include "planish/limit/surface_queries.h"
 #include "planish/pipeline/fit.h"
+#include "planish/queries/surface_queries.h"
+#include "planish/solve/backend.h"
+#include "scene_file.h"
 #include "support/meshes.h"
 
 namespace planish::test {

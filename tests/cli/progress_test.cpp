@@ -1,4 +1,4 @@
-#include "terminal/progress.h"
+#include "terminal.h"
 
 #include <gmock/gmock.h>
 

@@ -11,13 +11,13 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/digest.h"
-#include "planish/job/report_json.h"
+#include "planish/job/job_text.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/surface/quality_sum.h"
 
 namespace planish::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "options/scene_file.h"
+#include "scene_file.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,6 @@
 #include "planish/core/json.h"
 #include "planish/files/formats.h"
 #include "planish/job/input.h"
-#include "planish/job/point_input.h"
 
 namespace planish::command {
 namespace {

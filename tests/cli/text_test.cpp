@@ -1,13 +1,12 @@
-#include "planish/job/text.h"
-#include "planish/core/counted.h"
-#include "planish/core/number_text.h"
+#include "planish/core/error.h"
+#include "planish/core/words.h"
+#include "planish/job/job_text.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "planish/core/nearest.h"
-#include "terminal/table.h"
+#include "terminal.h"
 
 namespace planish::command {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/subdivision.h"
 #include "support/meshes.h"
 
 namespace planish::test {

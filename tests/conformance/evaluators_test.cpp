@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 
 #include "conformance/catalogue.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/limit_masks.h"
-#include "planish/stencil/far_tables.h"
+#include "planish/solve/backend.h"
+#include "planish/solve/far_tables.h"
 #include "support/doo_sabin_tables.h"
 #include "support/random_meshes.h"
 

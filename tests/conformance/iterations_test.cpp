@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 
 #include "conformance/catalogue.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish::test {

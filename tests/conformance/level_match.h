@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "planish/surface/surface_mesh.h"
+#include "planish/surface/surface_blocks.h"
 #include "support/quad_split_oracle.h"
 
 namespace planish::test {

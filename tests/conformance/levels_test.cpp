@@ -6,7 +6,7 @@
 
 #include "conformance/catalogue.h"
 #include "conformance/level_match.h"
-#include "planish/backend/cpu_backend.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/b_spline_oracle.h"
 #include "support/doo_sabin_tables.h"

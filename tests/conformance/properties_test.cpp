@@ -8,9 +8,9 @@
 #include <glm/mat3x3.hpp>
 
 #include "conformance/catalogue.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/doo_sabin_tables.h"
 #include "support/random_meshes.h"

@@ -9,9 +9,9 @@
 
 #include "conformance/catalogue.h"
 #include "conformance/level_match.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish::test {

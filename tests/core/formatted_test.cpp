@@ -1,4 +1,4 @@
-#include "planish/core/formatted.h"
+#include "planish/core/error.h"
 
 #include <gtest/gtest.h>
 

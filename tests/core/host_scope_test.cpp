@@ -1,4 +1,4 @@
-#include "planish/core/host_scope.h"
+#include "planish/core/callbacks.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>

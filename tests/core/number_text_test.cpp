@@ -1,4 +1,4 @@
-#include "planish/core/number_text.h"
+#include "planish/core/error.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "planish/core/error.h"
-#include "planish/core/rename_file.h"
 
 namespace planish {
 namespace {

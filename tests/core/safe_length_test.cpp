@@ -1,4 +1,4 @@
-#include "planish/core/safe_length.h"
+#include "planish/core/vectors.h"
 
 #include <gtest/gtest.h>
 

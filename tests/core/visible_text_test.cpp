@@ -1,5 +1,5 @@
-#include "planish/core/visible_text.h"
 #include "planish/core/error.h"
+#include "planish/core/words.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "planish/distributed/fair_cage.h"
+#include "planish/distributed/write_cage.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "distributed/rank_runs.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {

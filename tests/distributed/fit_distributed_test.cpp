@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "distributed/rank_runs.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {

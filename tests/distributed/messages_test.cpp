@@ -1,12 +1,12 @@
-#include "planish/distributed/messages.h"
+#include "planish/distributed/ranks.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
 #include "distributed/rank_runs.h"
-#include "planish/distributed/vertex_order.h"
-#include "planish/files/tiles/curve_order.h"
+#include "planish/distributed/mesh_part.h"
+#include "planish/files/tiles/tile.h"
 #include "support/meshes.h"
 
 namespace planish::test {

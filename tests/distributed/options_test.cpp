@@ -6,10 +6,9 @@
 #include <map>
 
 #include "commands.h"
-#include "mpi_flags.h"
-#include "mpi_options.h"
-#include "options/scene_file.h"
+#include "mpi_job.h"
 #include "planish/core/json.h"
+#include "scene_file.h"
 
 namespace planish::test {
 namespace {

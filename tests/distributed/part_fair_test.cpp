@@ -6,11 +6,11 @@
 
 #include "distributed/rank_runs.h"
 #include "fair/cure_meshes.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/doosabin/sharp_features.h"
+#include "planish/doosabin/subdivision.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

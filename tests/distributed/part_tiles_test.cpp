@@ -7,15 +7,14 @@
 #include <memory>
 
 #include "distributed/rank_runs.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/distributed/block_records.h"
 #include "planish/distributed/fit_distributed.h"
-#include "planish/distributed/sub_mesh.h"
+#include "planish/distributed/mesh_part.h"
 #include "planish/fair/fair_net.h"
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/folded_edges.h"
+#include "planish/measure/figures.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/surface/block_quality.h"
+#include "planish/solve/backend.h"
 #include "support/files_below.h"
 #include "support/random_meshes.h"
 

@@ -4,7 +4,7 @@
 #include <petscksp.h>
 
 #include "distributed/rank_runs.h"
-#include "planish/backend/chebyshev.h"
+#include "planish/solve/iteration.h"
 
 namespace planish::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/distributed/rank_progress.h"
+#include "planish/distributed/ranks.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "distributed/rank_runs.h"
-#include "planish/distributed/rank_watch.h"
 
 namespace planish::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "planish/distributed/fit_distributed.h"
-#include "planish/distributed/messages.h"
+#include "planish/distributed/ranks.h"
 #include "planish/files/formats.h"
 #include "planish/mesh/polygon_mesh.h"
 

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "distributed/rank_runs.h"
-#include "planish/distributed/range_file.h"
-#include "planish/distributed/record_chains.h"
 #include "planish/files/mesh_file.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"

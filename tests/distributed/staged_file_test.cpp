@@ -1,4 +1,4 @@
-#include "planish/distributed/staged_file.h"
+#include "planish/distributed/write_cage.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "distributed/rank_runs.h"
-#include "planish/distributed/staged_tileset.h"
+#include "planish/distributed/part_tiles.h"
 #include "support/expect_error.h"
 
 namespace planish::test {

@@ -1,4 +1,4 @@
-#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/subdivision.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "planish/core/error.h"
-#include "planish/stencil/stencil_builder.h"
+#include "planish/solve/stencil_builder.h"
 #include "support/meshes.h"
 
 namespace planish {

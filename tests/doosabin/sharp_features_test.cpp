@@ -1,4 +1,4 @@
-#include "planish/doosabin/sharp_features.h"
+#include "planish/doosabin/subdivision.h"
 
 #include <gtest/gtest.h>
 

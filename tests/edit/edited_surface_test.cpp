@@ -1,4 +1,4 @@
-#include "planish/edit/edited_surface.h"
+#include "planish/edit/editor_impl.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "edit/edit_case.h"
 #include "planish/core/error.h"
-#include "planish/mesh/placement.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/surface_blocks.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

@@ -1,10 +1,10 @@
 // Whether all rows are solved is decided before any is: by how far moves are expected to reach.
-#include "planish/edit/local_solve.h"
+#include "planish/edit/editor_impl.h"
 
 #include <gtest/gtest.h>
 
 #include "edit/edit_case.h"
-#include "planish/doosabin/sharp_features.h"
+#include "planish/doosabin/subdivision.h"
 
 namespace planish::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/fair/best_view.h"
+#include "planish/fair/perpendicular_polygon.h"
 
 #include <gtest/gtest.h>
 

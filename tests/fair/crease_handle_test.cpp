@@ -1,4 +1,4 @@
-#include "planish/fair/crease_handle.h"
+#include "planish/fair/vertex_polygon.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fair/fair_case.h"
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/fair_topology.h"
 
 namespace planish::test {
 namespace {

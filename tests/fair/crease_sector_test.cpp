@@ -1,4 +1,4 @@
-#include "planish/fair/crease_sector.h"
+#include "planish/fair/vertex_polygon.h"
 
 #include <gtest/gtest.h>
 

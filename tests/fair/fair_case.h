@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "conformance/catalogue.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/fair/fair_net.h"
 #include "planish/fair/fair_topology.h"
-#include "planish/mesh/placement.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/solve/backend.h"
 #include "support/delaunay_sphere.h"
 #include "support/doo_sabin_tables.h"
 

@@ -9,8 +9,8 @@
 #include "fair/cure_meshes.h"
 #include "fair/fair_case.h"
 #include "planish/doosabin/vertex_ring.h"
-#include "planish/fair/plane_places.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/mesh/face_geometry.h"
 #include "support/delaunay_sphere.h"
 #include "support/random_meshes.h"
 

@@ -8,8 +8,6 @@
 #include "fair/fair_case.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/vertex_ring.h"
-#include "planish/fair/corner_offsets.h"
-#include "planish/fair/masked_iteration.h"
 
 namespace planish::test {
 namespace {

@@ -10,11 +10,9 @@
 
 #include "fair/cure_meshes.h"
 #include "fair/fair_case.h"
-#include "planish/fair/cured_nets.h"
-#include "planish/fair/net_samples.h"
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/mend/repair.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/convex_faces.h"
 #include "support/meshes.h"
 
 namespace planish::test {

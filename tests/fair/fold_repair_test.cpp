@@ -1,11 +1,11 @@
-#include "planish/fair/fold_repair.h"
+#include "planish/fair/fold_cure.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
 #include "fair/fair_case.h"
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/fair_topology.h"
 #include "support/meshes.h"
 
 namespace planish::test {

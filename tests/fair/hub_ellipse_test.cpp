@@ -1,4 +1,4 @@
-#include "planish/fair/hub_ellipse.h"
+#include "planish/fair/fold_cure.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include "fair/fair_case.h"
-#include "planish/fair/limit_normal.h"
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/fair_topology.h"
 
 namespace planish::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/fair/least_bending.h"
+#include "planish/fair/bending.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "planish/mesh/placement.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

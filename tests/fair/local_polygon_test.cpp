@@ -1,4 +1,4 @@
-#include "planish/fair/local_polygon.h"
+#include "planish/fair/vertex_polygon.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,6 @@
 #include <limits>
 #include <numbers>
 #include <random>
-
-#include "planish/fair/balanced_weights.h"
 
 namespace planish::test {
 namespace {

@@ -1,6 +1,6 @@
 #include "planish/fair/perpendicular_polygon.h"
 
-#include "planish/fair/balanced_weights.h"
+#include "planish/fair/vertex_polygon.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,8 @@
 #include <random>
 
 #include "fair/fair_case.h"
-#include "planish/fair/net_samples.h"
-#include "planish/fair/perpendicular_curve.h"
-#include "planish/fair/smallest_cap.h"
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/fair/fold_cure.h"
 #include "support/meshes.h"
 
 namespace planish::test {

@@ -1,4 +1,4 @@
-#include "planish/fair/polish.h"
+#include "planish/fair/bending.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "conformance/catalogue.h"
 #include "fair/bending_oracle.h"
 #include "fair/fair_case.h"
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/fair_topology.h"
 #include "support/delaunay_sphere.h"
 #include "support/random_meshes.h"
 

@@ -1,4 +1,4 @@
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/fair_topology.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "features/shapes.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

@@ -1,11 +1,11 @@
-#include "planish/features/kept_planes.h"
+#include "planish/features/find_features.h"
 
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 
 #include "features/shapes.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

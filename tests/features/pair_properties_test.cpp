@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/mesh/pair_triangles.h"
+#include "planish/quads/pair_triangles.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <random>
 
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
 #include "support/cone.h"
 #include "support/meshes.h"
 

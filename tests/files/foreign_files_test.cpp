@@ -11,7 +11,6 @@
 
 #include "files/file_of.h"
 #include "planish/files/mesh_file.h"
-#include "planish/files/read_points.h"
 #include "support/byte_strings.h"
 #include "support/expect_error.h"
 

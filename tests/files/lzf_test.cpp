@@ -1,4 +1,4 @@
-#include "planish/files/pcd/lzf.h"
+#include "planish/files/readers.h"
 
 #include <gtest/gtest.h>
 

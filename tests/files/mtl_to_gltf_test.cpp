@@ -1,12 +1,11 @@
 // Materials of an OBJ in a glTF.
-#include "planish/files/gltf/mtl_to_gltf.h"
+#include "planish/files/materials.h"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
 #include "files/gltf/asset_sample.h"
-#include "planish/files/gltf/gltf_to_mtl.h"
 #include "support/temporary_folder.h"
 
 namespace planish {

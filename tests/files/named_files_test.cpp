@@ -15,9 +15,8 @@
 #include <thread>
 
 #include "files/gltf/asset_sample.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/file_materials.h"
-#include "planish/files/input_files.h"
+#include "planish/core/words.h"
+#include "planish/files/materials.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
 #include "support/expect_error.h"

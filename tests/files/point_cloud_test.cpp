@@ -1,6 +1,5 @@
-#include "planish/mesh/point_cloud.h"
 #include "planish/files/mesh_file.h"
-#include "planish/files/read_points.h"
+#include "planish/mesh/polygon_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planish/files/las/read_las.h"
+#include "planish/files/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "files/file_of.h"
 #include "planish/core/parallel.h"
-#include "planish/files/read_points.h"
+#include "planish/files/mesh_file.h"
 #include "support/byte_strings.h"
 #include "support/expect_error.h"
 

@@ -1,4 +1,4 @@
-#include "planish/files/off/read_off.h"
+#include "planish/files/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planish/files/pcd/read_pcd.h"
+#include "planish/files/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planish/files/stl/read_stl.h"
+#include "planish/files/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-#include "planish/files/xyz/read_xyz.h"
 #include "planish/files/formats.h"
+#include "planish/files/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

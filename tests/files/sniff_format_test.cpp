@@ -1,4 +1,4 @@
-#include "planish/files/sniff_format.h"
+#include "planish/files/read_file.h"
 
 #include <gtest/gtest.h>
 

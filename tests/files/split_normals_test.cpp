@@ -1,5 +1,5 @@
 // Shapes whose sharp edges are known, in the three formats that have normals.
-#include "planish/files/shared/split_normals.h"
+#include "planish/files/shared/weld.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,11 +10,8 @@
 
 #include "files/file_of.h"
 #include "planish/core/error.h"
-#include "planish/files/off/read_off.h"
-#include "planish/files/pcd/read_pcd.h"
 #include "planish/files/ply/read_ply.h"
-#include "planish/files/stl/read_stl.h"
-#include "planish/files/xyz/read_xyz.h"
+#include "planish/files/readers.h"
 #include "support/byte_strings.h"
 
 namespace planish {

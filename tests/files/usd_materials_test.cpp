@@ -1,5 +1,5 @@
 // Materials of a glTF or an MTL in USD.
-#include "planish/files/usda/usd_materials.h"
+#include "planish/files/materials.h"
 
 #include <gmock/gmock.h>
 

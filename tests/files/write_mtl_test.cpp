@@ -1,4 +1,4 @@
-#include "planish/files/obj/write_mtl.h"
+#include "planish/files/obj/material_library.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

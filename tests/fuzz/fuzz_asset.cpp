@@ -4,10 +4,8 @@
 
 #include "fuzz/fuzz_read.h"
 #include "planish/core/json.h"
-#include "planish/files/gltf/asset/asset_contents.h"
-#include "planish/files/gltf/gltf_materials.h"
-#include "planish/files/gltf/mtl_to_gltf.h"
-#include "planish/files/usda/usd_materials.h"
+#include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/materials.h"
 #include "planish/mesh/check.h"
 #include "support/temporary_folder.h"
 

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "fuzz/fuzz_read.h"
-#include "options/scene_file.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
-#include "planish/core/visible_text.h"
+#include "planish/core/words.h"
 #include "planish/files/mesh_file.h"
-#include "planish/job/cage_header.h"
-#include "planish/job/page/page_text.h"
+#include "planish/job/job_text.h"
+#include "planish/job/page/page.h"
+#include "scene_file.h"
 
 namespace planish::test {
 

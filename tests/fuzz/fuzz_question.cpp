@@ -5,15 +5,15 @@
 
 #include "fuzz/fuzz_command.h"
 #include "fuzz/fuzz_read.h"
-#include "job/inspection.h"
-#include "job/questions.h"
+#include "inspect_command.h"
 #include "limit/limit_case.h"
 #include "planish/core/json.h"
-#include "planish/core/safe_length.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/read_points.h"
-#include "planish/files/sniff_format.h"
-#include "planish/job/report_json.h"
+#include "planish/core/vectors.h"
+#include "planish/core/words.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/read_file.h"
+#include "planish/job/job_text.h"
+#include "query_command.h"
 
 namespace planish::test {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "fuzz/fuzz_read.h"
-#include "planish/files/gltf/gltf_document.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/read_file.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/interpolate/progressive.h"
+#include "planish/solve/progressive.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/limit_masks.h"
-#include "planish/mesh/placement.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 
 namespace planish {

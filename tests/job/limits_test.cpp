@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/fit_file.h"
+#include "planish/solve/backend.h"
 #include "support/expect_error.h"
 #include "support/files_below.h"
 #include "support/meshes.h"

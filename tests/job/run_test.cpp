@@ -5,10 +5,10 @@
 
 #include <fstream>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/json.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/fit_file.h"
+#include "planish/solve/backend.h"
 #include "support/expect_error.h"
 #include "support/files_below.h"
 #include "support/meshes.h"

@@ -1,4 +1,4 @@
-#include "planish/limit/adaptive_tessellation.h"
+#include "planish/adaptive/adaptive_tessellation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,10 +13,9 @@
 
 #include "limit/long_run.h"
 #include "limit/tessellation_error.h"
+#include "planish/adaptive/adaptive_blocks.h"
+#include "planish/adaptive/adaptive_cells.h"
 #include "planish/files/mesh_file.h"
-#include "planish/limit/cell_bound.h"
-#include "planish/limit/fewest_cells.h"
-#include "planish/limit/limit_attributes.h"
 #include "support/expect_error.h"
 
 namespace planish::test {

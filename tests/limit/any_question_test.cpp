@@ -9,7 +9,7 @@
 #include "limit/long_run.h"
 #include "planish/core/error.h"
 #include "planish/files/mesh_file.h"
-#include "planish/limit/surface_queries.h"
+#include "planish/queries/surface_queries.h"
 
 namespace planish::test {
 namespace {

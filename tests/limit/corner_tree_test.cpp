@@ -1,5 +1,5 @@
 // A tree whose corners have moved, against one made anew and against unions one by one.
-#include "planish/limit/corner_tree.h"
+#include "planish/queries/surface_queries.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "planish/limit/grid_triangles.h"
+#include "planish/adaptive/adaptive_faces.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 #include <random>
 
 #include "limit/limit_case.h"
-#include "planish/limit/adaptive_rows.h"
 
 namespace planish::test {
 namespace {

@@ -4,9 +4,9 @@
 #include <random>
 
 #include "conformance/catalogue.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/limit/limit_surface.h"
 #include "planish/pipeline/fit.h"
+#include "planish/queries/limit_surface.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/surface_blocks.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

@@ -1,4 +1,4 @@
-#include "planish/limit/limit_surface.h"
+#include "planish/queries/limit_surface.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

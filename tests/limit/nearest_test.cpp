@@ -8,8 +8,8 @@
 
 #include "limit/limit_case.h"
 #include "limit/long_run.h"
-#include "planish/limit/surface_queries.h"
 #include "planish/pipeline/fit.h"
+#include "planish/queries/surface_queries.h"
 #include "support/expect_error.h"
 
 namespace planish::test {

@@ -5,7 +5,7 @@
 
 #include "limit/limit_case.h"
 #include "limit/long_run.h"
-#include "planish/limit/surface_queries.h"
+#include "planish/queries/surface_queries.h"
 
 namespace planish::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/limit/sheet_gap.h"
+#include "planish/measure/figures.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <memory>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/mesh/repair.h"
+#include "planish/mend/repair.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 
 namespace planish {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "limit/tessellation_error.h"
-#include "planish/limit/surface_queries.h"
+#include "planish/queries/surface_queries.h"
 
 namespace planish::test {
 namespace {

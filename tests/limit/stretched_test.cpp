@@ -5,9 +5,9 @@
 #include <string>
 
 #include "limit/limit_case.h"
-#include "planish/limit/closest_point.h"
-#include "planish/limit/surface_queries.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/queries/closest_point.h"
+#include "planish/queries/surface_queries.h"
 
 namespace planish::test {
 namespace {

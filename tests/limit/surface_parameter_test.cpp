@@ -1,5 +1,5 @@
 // Parameters of faces are OpenSubdiv's.
-#include "planish/mesh/surface_parameter.h"
+#include "planish/mesh/mesh_topology.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "limit/limit_case.h"
-#include "planish/limit/surface_queries.h"
-#include "planish/reconstruct/triangle_tree.h"
+#include "planish/queries/surface_queries.h"
+#include "planish/reconstruct/spatial_search.h"
 
 namespace planish::test {
 

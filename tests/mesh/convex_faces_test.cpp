@@ -1,4 +1,4 @@
-#include "planish/mesh/convex_faces.h"
+#include "planish/mend/repair.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <numbers>
 #include <utility>
 
-#include "make_scenes/random_mesh.h"
+#include "make_scenes/shapes.h"
 #include "planish/core/work.h"
-#include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/face_geometry.h"
 
 namespace planish {
 namespace {

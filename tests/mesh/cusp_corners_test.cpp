@@ -1,4 +1,4 @@
-#include "planish/mesh/cusp_corners.h"
+#include "planish/mend/faults.h"
 
 #include <gtest/gtest.h>
 

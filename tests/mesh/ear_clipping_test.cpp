@@ -1,4 +1,4 @@
-#include "planish/mesh/ear_clipping.h"
+#include "planish/mesh/face_geometry.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "planish/mesh/even_parts.h"
+#include "planish/mend/faults.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "planish/core/work.h"
-#include "planish/mesh/plane.h"
+#include "planish/mesh/face_geometry.h"
 #include "support/outlines.h"
 
 namespace planish::test {

@@ -1,4 +1,4 @@
-#include "planish/mesh/flat_triangles.h"
+#include "planish/mend/faults.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "mesh/test_meshes.h"
-#include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/face_geometry.h"
 #include "planish/mesh/sound_topology.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/mesh/folded_edges.h"
+#include "planish/mesh/mesh_parts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planish/mesh/merged_meshes.h"
+#include "planish/mesh/mesh_parts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planish/mesh/mirrored_charts.h"
+#include "planish/mend/faults.h"
 
 #include <gmock/gmock.h>
 

@@ -14,7 +14,7 @@
 
 #include "make_scenes/shapes.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/pair_triangles.h"
+#include "planish/quads/pair_triangles.h"
 #include "support/cut_quads.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/mesh/pair_triangles.h"
+#include "planish/quads/pair_triangles.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "planish/mesh/check.h"
-#include "planish/reconstruct/simplify.h"
+#include "planish/reconstruct/reconstruct.h"
 #include "reconstruct/test_clouds.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/mesh/placement.h"
+#include "planish/mesh/polygon_mesh.h"
 
 #include <gtest/gtest.h>
 

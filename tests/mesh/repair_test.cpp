@@ -1,4 +1,4 @@
-#include "planish/mesh/repair.h"
+#include "planish/mend/repair.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
-#include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/face_geometry.h"
 
 namespace planish {
 namespace {

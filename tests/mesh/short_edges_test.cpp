@@ -1,4 +1,4 @@
-#include "planish/mesh/short_edges.h"
+#include "planish/mend/faults.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

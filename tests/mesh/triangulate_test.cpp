@@ -1,4 +1,4 @@
-#include "planish/mesh/triangulate.h"
+#include "planish/mesh/face_geometry.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

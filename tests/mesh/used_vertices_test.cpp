@@ -1,4 +1,4 @@
-#include "planish/mesh/used_vertices.h"
+#include "planish/mesh/mesh_parts.h"
 
 #include <gtest/gtest.h>
 

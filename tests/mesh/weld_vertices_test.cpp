@@ -1,4 +1,4 @@
-#include "planish/mesh/weld_vertices.h"
+#include "planish/mend/repair.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,7 @@
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/placement.h"
-#include "planish/mesh/repair.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 namespace {

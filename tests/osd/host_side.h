@@ -2,7 +2,7 @@
 
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/device/context.h"
-#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/driver.h"
 
 namespace planish::testing {
 

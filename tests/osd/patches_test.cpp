@@ -7,7 +7,7 @@
 #include "osd/fixture.h"
 #include "osd/host_side.h"
 #include "planish/osd/vk_compute_evaluator.h"
-#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/driver.h"
 #include "vulkan/pretended_driver.h"
 
 namespace planish::testing {

@@ -12,7 +12,7 @@
 #include "osd/host_side.h"
 #include "planish/core/error.h"
 #include "planish/osd/vk_compute_evaluator.h"
-#include "planish/stencil/far_tables.h"
+#include "planish/solve/far_tables.h"
 #include "vulkan/pretended_driver.h"
 
 namespace planish::testing {

@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 
 #include "page/page_reader.h"
-#include "planish/backend/cpu_backend.h"
+#include "planish/measure/vertex_fields.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/vertex_fields.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 

@@ -9,10 +9,9 @@
 #include <set>
 
 #include "page/page_reader.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/job/page/page_coding.h"
-#include "planish/job/page/page_text.h"
-#include "planish/job/report_json.h"
+#include "planish/job/job_text.h"
+#include "planish/job/page/page_scene.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 

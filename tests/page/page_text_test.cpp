@@ -1,4 +1,4 @@
-#include "planish/job/page/page_text.h"
+#include "planish/job/page/page.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 #include <random>
 
 #include "patches/patch_oracle.h"
-#include "planish/patches/first_step.h"
-#include "planish/patches/patch_templates.h"
+#include "planish/patches/doo_sabin_step.h"
+#include "planish/patches/patch_plan.h"
 
 namespace planish::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "planish/patches/patch_numbering.h"
+#include "planish/patches/patch_plan.h"
 
 #include <gtest/gtest.h>
 

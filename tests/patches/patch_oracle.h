@@ -7,9 +7,9 @@
 
 #include "conformance/catalogue.h"
 #include "planish/files/mesh_file.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/mesh/mesh_topology.h"
-#include "planish/mesh/placement.h"
-#include "planish/mesh/used_vertices.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_mesh.h"
 #include "support/doo_sabin_tables.h"
 #include "support/meshes.h"

@@ -8,7 +8,7 @@
 
 #include "patches/patch_oracle.h"
 #include "planish/core/parallel.h"
-#include "planish/patches/first_step.h"
+#include "planish/patches/doo_sabin_step.h"
 
 namespace planish::test {
 namespace {

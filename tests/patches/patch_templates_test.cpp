@@ -1,5 +1,5 @@
 // Every sample of every corner, as each corner sees it, against the chain of stencil tables.
-#include "planish/patches/patch_templates.h"
+#include "planish/patches/patch_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,6 @@
 
 #include "patches/patch_oracle.h"
 #include "planish/patches/face_kernel.h"
-#include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
 
 namespace planish::test {

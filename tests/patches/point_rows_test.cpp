@@ -1,4 +1,4 @@
-#include "planish/patches/point_rows.h"
+#include "planish/patches/patch_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <numeric>
 #include <vector>
 
-#include "planish/mesh/placement.h"
-#include "planish/patches/first_step.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/patches/doo_sabin_step.h"
 #include "planish/patches/patch_surface.h"
 #include "support/meshes.h"
 

@@ -1,6 +1,6 @@
 // Large rings by their sums: against the same patches by all their points, which have been held to
 // the tables.
-#include "planish/patches/ring_sums.h"
+#include "planish/patches/patch_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 
 #include "patches/patch_oracle.h"
 #include "planish/core/work.h"
-#include "planish/patches/first_step.h"
+#include "planish/patches/doo_sabin_step.h"
 #include "planish/patches/patch_form.h"
-#include "planish/patches/patch_templates.h"
+#include "planish/patches/patch_plan.h"
 
 namespace planish::test {
 namespace {

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/parallel.h"
-#include "planish/core/stop.h"
 
 namespace planish {
 namespace {

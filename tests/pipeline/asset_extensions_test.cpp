@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pipeline/asset_fixture.h"
-#include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/asset/gltf_asset.h"
 
 namespace planish::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "pipeline/asset_fixture.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/asset_attributes.h"
+#include "planish/solve/backend.h"
 #include "support/fitted_level.h"
 
 namespace planish::test {

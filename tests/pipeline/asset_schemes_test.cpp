@@ -3,10 +3,10 @@
 #include <glm/geometric.hpp>
 
 #include "pipeline/asset_fixture.h"
-#include "planish/backend/cpu_backend.h"
+#include "planish/adaptive/adaptive_blocks.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
-#include "planish/limit/adaptive_blocks.h"
 #include "planish/pipeline/asset_attributes.h"
+#include "planish/solve/backend.h"
 #include "support/expect_error.h"
 
 namespace planish::test {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "files/gltf/parsed_gltf.h"
-#include "planish/files/image/read_image.h"
+#include "planish/files/images.h"
 
 namespace planish::test {
 

@@ -11,17 +11,16 @@
 #include <utility>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
 #include "planish/job/fit_file.h"
-#include "planish/pipeline/found_creases.h"
-#include "planish/pipeline/tessellate_fit.h"
+#include "planish/measure/figures.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
-#include "planish/surface/block_quality.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
 #include "support/cut_quads.h"

@@ -13,10 +13,10 @@
 #include <span>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/fair/fair_builder.h"
-#include "planish/mesh/merged_meshes.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/solve/backend.h"
 #include "support/cut_quads.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"

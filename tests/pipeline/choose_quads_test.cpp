@@ -1,6 +1,6 @@
 // Whether triangles are joined to quads: where they look like halves of some, and the surface is
 // better for it.
-#include "planish/pipeline/choose_fit.h"
+#include "planish/pipeline/fit_steps.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
-#include "planish/mesh/merged_meshes.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
 #include "planish/surface/evaluate.h"

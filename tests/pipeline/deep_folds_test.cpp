@@ -1,11 +1,11 @@
-#include "planish/pipeline/deep_folds.h"
+#include "planish/pipeline/fit_steps.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/fair/fold_cure.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

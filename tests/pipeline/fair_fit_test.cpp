@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "fair/cure_meshes.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
-#include "planish/fair/hub_ellipse.h"
-#include "planish/mesh/area_vector.h"
-#include "planish/mesh/repair.h"
+#include "planish/fair/fold_cure.h"
+#include "planish/mend/repair.h"
+#include "planish/mesh/face_geometry.h"
 #include "planish/pipeline/fit.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/solve/backend.h"
+#include "planish/surface/quality_sum.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

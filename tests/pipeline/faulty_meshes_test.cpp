@@ -4,10 +4,10 @@
 #include <array>
 #include <functional>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/limit/surface_queries.h"
-#include "planish/mesh/merged_meshes.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/planish.h"
+#include "planish/queries/surface_queries.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "support/expect_error.h"
 #include "support/faulty_meshes.h"

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <tuple>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/mesh/even_parts.h"
+#include "planish/mend/faults.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/solve/backend.h"
+#include "planish/surface/quality_sum.h"
 #include "support/outlines.h"
 
 namespace planish::test {

@@ -11,11 +11,10 @@
 #include <sstream>
 
 #include "files/gltf/asset_sample.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/core/number_text.h"
-#include "planish/files/file_materials.h"
-#include "planish/files/input_files.h"
+#include "planish/core/error.h"
+#include "planish/files/materials.h"
 #include "planish/files/mesh_file.h"
+#include "planish/solve/backend.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/temporary_folder.h"

@@ -10,8 +10,7 @@
 #include <limits>
 
 #include "planish/mesh/sound_topology.h"
-#include "planish/pipeline/make_ready.h"
-#include "planish/pipeline/tessellate_fit.h"
+#include "planish/pipeline/fit_steps.h"
 #include "planish/pipeline/verify_cage.h"
 #include "support/cone.h"
 #include "support/meshes.h"

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
-#include "planish/patches/ring_sums.h"
+#include "planish/patches/patch_mesh.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"

@@ -1,4 +1,4 @@
-#include "planish/pipeline/found_creases.h"
+#include "planish/pipeline/fit_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/solve/backend.h"
+#include "planish/surface/quality_sum.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

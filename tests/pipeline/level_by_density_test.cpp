@@ -1,5 +1,5 @@
 // How dense a mesh is: level 1 is enough where its own faces show the surface.
-#include "planish/mesh/mesh_density.h"
+#include "planish/mesh/statistics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "planish/files/mesh_file.h"
 #include "planish/job/fit_file.h"
-#include "planish/mesh/merged_meshes.h"
+#include "planish/mesh/mesh_parts.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
 #include "support/temporary_folder.h"

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/gltf/gltf_tangents.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/fit_file.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "support/failing_memory.h"
 #include "support/meshes.h"

@@ -8,12 +8,12 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
 #include "planish/pipeline/fit.h"
-#include "planish/primal/primal_split.h"
+#include "planish/primal/primal_stencils.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/surface/quality_sum.h"
 #include "support/primal_meshes.h"
 #include "support/random_meshes.h"
 

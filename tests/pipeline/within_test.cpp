@@ -4,10 +4,10 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "planish/backend/cpu_backend.h"
+#include "planish/measure/figures.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
-#include "planish/surface/block_quality.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/mesh/folded_edges.h"
+#include "planish/measure/figures.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/surface/block_quality.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 
 namespace planish::test {

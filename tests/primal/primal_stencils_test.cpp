@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "planish/primal/vertex_star.h"
 #include "support/explicit_primal.h"
 #include "support/primal_meshes.h"
 

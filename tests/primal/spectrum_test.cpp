@@ -1,5 +1,5 @@
 // What the iterations rely on, against dense linear algebra.
-#include "planish/primal/spectrum.h"
+#include "planish/primal/primal_stencils.h"
 
 #include <gtest/gtest.h>
 

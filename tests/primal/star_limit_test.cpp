@@ -1,4 +1,4 @@
-#include "planish/primal/star_limit.h"
+#include "planish/primal/primal_stencils.h"
 
 #include <gtest/gtest.h>
 

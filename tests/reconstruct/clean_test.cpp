@@ -1,4 +1,4 @@
-#include "planish/reconstruct/clean.h"
+#include "planish/reconstruct/reconstruct.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planish/reconstruct/coarse_mesh.h"
+#include "planish/reconstruct/reconstruct_steps.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "planish/mesh/point_cloud.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/reconstruct/cgal/advancing_front.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "reconstruct/test_clouds.h"

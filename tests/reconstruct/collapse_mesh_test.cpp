@@ -1,4 +1,4 @@
-#include "planish/reconstruct/collapse_mesh.h"
+#include "planish/reconstruct/simplify_state.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"

@@ -1,4 +1,4 @@
-#include "planish/reconstruct/fill_hole.h"
+#include "planish/reconstruct/reconstruct_steps.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planish/reconstruct/flip_pass.h"
+#include "planish/reconstruct/simplify_state.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,9 @@
-#include "planish/reconstruct/move_pass.h"
+#include "planish/reconstruct/simplify_state.h"
 
 #include <gtest/gtest.h>
 
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
-#include "planish/reconstruct/collapse_pass.h"
 #include "reconstruct/simplify_states.h"
 
 namespace planish {

@@ -1,11 +1,11 @@
-#include "planish/reconstruct/open_bridges.h"
+#include "planish/reconstruct/reconstruct_steps.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "planish/reconstruct/repair_triangles.h"
+#include "planish/reconstruct/reconstruct.h"
 #include "reconstruct/test_clouds.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/spatial_search.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "planish/reconstruct/ordered_tree.h"
-#include "planish/reconstruct/packed_normal.h"
-#include "planish/reconstruct/thin_points.h"
+#include "planish/reconstruct/point_tree.h"
+#include "planish/reconstruct/reconstruct_steps.h"
+#include "planish/reconstruct/simplify_state.h"
 #include "reconstruct/test_clouds.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/reconstruct/repair_triangles.h"
+#include "planish/reconstruct/reconstruct.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "planish/mesh/check.h"
+#include "planish/mesh/edge_groups.h"
 #include "planish/mesh/statistics.h"
-#include "planish/mesh/triangle_edges.h"
 #include "reconstruct/test_clouds.h"
 #include "support/expect_error.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "planish/reconstruct/reconstruct_steps.h"
 #include "planish/reconstruct/simplify_state.h"
-#include "planish/reconstruct/witnesses.h"
 #include "reconstruct/test_clouds.h"
 
 namespace planish::test {

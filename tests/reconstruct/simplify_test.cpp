@@ -1,4 +1,4 @@
-#include "planish/reconstruct/simplify.h"
+#include "planish/reconstruct/reconstruct.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <set>
 
 #include "planish/mesh/check.h"
+#include "planish/mesh/edge_groups.h"
 #include "planish/mesh/statistics.h"
-#include "planish/mesh/triangle_edges.h"
 #include "reconstruct/test_clouds.h"
 #include "support/expect_error.h"
 

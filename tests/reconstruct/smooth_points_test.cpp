@@ -1,4 +1,4 @@
-#include "planish/reconstruct/smooth_points.h"
+#include "planish/reconstruct/reconstruct_steps.h"
 
 #include <gtest/gtest.h>
 

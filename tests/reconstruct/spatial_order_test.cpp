@@ -1,4 +1,4 @@
-#include "planish/reconstruct/spatial_order.h"
+#include "planish/reconstruct/point_tree.h"
 
 #include <gtest/gtest.h>
 

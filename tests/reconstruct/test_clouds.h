@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/mesh/triangles.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish::test {
 

@@ -1,4 +1,4 @@
-#include "planish/reconstruct/triangle_tree.h"
+#include "planish/reconstruct/spatial_search.h"
 
 #include <gtest/gtest.h>
 

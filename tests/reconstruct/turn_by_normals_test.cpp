@@ -1,4 +1,4 @@
-#include "planish/reconstruct/turn_by_normals.h"
+#include "planish/reconstruct/reconstruct_steps.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "planish/mesh/point_cloud.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "reconstruct/test_clouds.h"
 

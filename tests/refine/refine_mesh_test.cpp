@@ -14,7 +14,7 @@
 
 #include "make_scenes/shapes.h"
 #include "planish/mesh/check.h"
-#include "planish/refine/vertex_jets.h"
+#include "planish/refine/guess_surface.h"
 #include "support/cut_quads.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "files/gltf/glb_bytes.h"
+#include "picture.h"
 #include "planish/core/error.h"
-#include "render_mesh.h"
 #include "support/expect_error.h"
 
 namespace planish::render {

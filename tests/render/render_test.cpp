@@ -8,14 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "dome_light.h"
-#include "overlay.h"
 #include "picture.h"
 #include "planish/files/gltf/write_gltf.h"
-#include "planish/job/page/camera.h"
-#include "planish/job/page/colours.h"
-#include "planish/job/page/rasterise.h"
-#include "render_mesh.h"
+#include "planish/job/page/render.h"
 
 namespace planish::render {
 namespace {

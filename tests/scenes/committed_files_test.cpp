@@ -7,8 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "make_scenes/rocker_arm.h"
-#include "make_scenes/scan.h"
+#include "make_scenes/models.h"
 #include "make_scenes/scene_list.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/check.h"

@@ -10,10 +10,10 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one_mesh.h"
 #include "support/temporary_folder.h"

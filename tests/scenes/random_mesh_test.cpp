@@ -1,4 +1,4 @@
-#include "make_scenes/random_mesh.h"
+#include "make_scenes/shapes.h"
 
 #include <gtest/gtest.h>
 

@@ -8,12 +8,12 @@
 
 #include "make_scenes/scene_list.h"
 #include "make_scenes/shapes.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/check.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/surface/quality_sum.h"
 #include "scenes/topology.h"
 
 namespace planish::shapes {

@@ -1,4 +1,4 @@
-#include "make_scenes/surface_nets.h"
+#include "make_scenes/implicit.h"
 
 #include <gtest/gtest.h>
 

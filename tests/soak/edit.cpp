@@ -12,9 +12,9 @@
 #include <random>
 #include <string>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/limit/surface_queries.h"
 #include "planish/pipeline/fit.h"
+#include "planish/queries/surface_queries.h"
+#include "planish/solve/backend.h"
 #include "soak/soak.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

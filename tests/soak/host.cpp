@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "planish/core/error.h"
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/device/driver.h"
 #include "planish/vulkan/device/own_device.h"
-#include "planish/vulkan/device/result.h"
-#include "planish/vulkan/device/submitter.h"
 #include "planish/vulkan/vulkan_backend.h"
 #include "soak/soak.h"
 #include "support/environment_variable.h"

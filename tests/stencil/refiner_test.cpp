@@ -1,4 +1,4 @@
-#include "planish/stencil/refiner.h"
+#include "planish/solve/refiner.h"
 
 #include <gtest/gtest.h>
 #include <opensubdiv/far/topologyLevel.h>

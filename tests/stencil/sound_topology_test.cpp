@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "planish/mesh/prepared_mesh.h"
+#include "planish/mesh/mesh_topology.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

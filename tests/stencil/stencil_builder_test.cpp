@@ -1,4 +1,4 @@
-#include "planish/stencil/stencil_builder.h"
+#include "planish/solve/stencil_builder.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>

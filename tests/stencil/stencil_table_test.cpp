@@ -1,4 +1,4 @@
-#include "planish/stencil/far_tables.h"
+#include "planish/solve/far_tables.h"
 
 #include <gtest/gtest.h>
 #include <opensubdiv/osd/cpuEvaluator.h>

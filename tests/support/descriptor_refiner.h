@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/refiner.h"
+#include "planish/solve/refiner.h"
 
 namespace planish::test {
 

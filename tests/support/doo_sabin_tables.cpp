@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <array>
 
-#include "planish/core/assert.h"
-#include "planish/doosabin/first_step_table.h"
-#include "planish/doosabin/sector_rules.h"
+#include "planish/core/guards.h"
+#include "planish/doosabin/vertex_ring.h"
 
 namespace planish::test {
 

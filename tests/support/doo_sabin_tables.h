@@ -6,10 +6,9 @@
 
 #include "planish/doosabin/subdivision.h"
 #include "planish/doosabin/vertex_ring.h"
-#include "planish/patches/patch_numbering.h"
-#include "planish/stencil/sector_rows.h"
-#include "planish/stencil/stencil_builder.h"
-#include "planish/stencil/stencil_table.h"
+#include "planish/patches/patch_plan.h"
+#include "planish/solve/stencil_builder.h"
+#include "planish/solve/stencil_table.h"
 #include "support/quad_split.h"
 
 // Doo-Sabin surfaces as a chain of stencil tables from control points down to the limit points of a

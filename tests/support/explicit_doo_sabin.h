@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/subdivision.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish::test {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planish/job/job_surface.h"
+#include "planish/job/job_outputs.h"
 
 namespace planish::test {
 

@@ -1,7 +1,7 @@
 #include "support/quad_split.h"
 
-#include "planish/core/assert.h"
-#include "planish/stencil/refiner.h"
+#include "planish/core/guards.h"
+#include "planish/solve/refiner.h"
 
 namespace planish::test {
 

@@ -9,7 +9,7 @@
 
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/level_counts.h"
+#include "planish/solve/stencil_table.h"
 
 namespace planish::test {
 

@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/doosabin/face_rule.h"
-#include "planish/doosabin/sharp_features.h"
+#include "planish/doosabin/subdivision.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish::test {

@@ -1,4 +1,4 @@
-#include "planish/surface/attributes.h"
+#include "planish/surface/level_faces.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "planish/backend/cpu_backend.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/surface/quality_sum.h"
 #include "support/meshes.h"
 
 namespace planish {

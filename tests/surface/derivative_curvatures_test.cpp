@@ -1,4 +1,4 @@
-#include "planish/surface/derivative_curvatures.h"
+#include "planish/measure/figures.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "planish/measure/vertex_fields.h"
 #include "planish/surface/surface_blocks.h"
-#include "planish/surface/vertex_fields.h"
 #include "support/meshes.h"
 
 namespace planish {

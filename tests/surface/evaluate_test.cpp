@@ -4,8 +4,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/surface/face_range_blocks.h"
+#include "planish/surface/mesh_blocks.h"
 
 #include <gtest/gtest.h>
 

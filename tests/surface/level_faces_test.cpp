@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 

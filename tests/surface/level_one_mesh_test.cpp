@@ -8,10 +8,10 @@
 #include <random>
 #include <set>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
-#include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "surface/level_one_states.h"
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "planish/surface/doo_sabin_surface.h"
-#include "planish/surface/level_one.h"
+#include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

@@ -1,12 +1,12 @@
-#include "planish/surface/level_one.h"
+#include "planish/surface/evaluate.h"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one_mesh.h"
 #include "surface/level_one_states.h"

@@ -1,4 +1,4 @@
-#include "planish/surface/level_one_uvs.h"
+#include "planish/surface/level_one_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "planish/surface/normal_curvatures.h"
+#include "planish/measure/vertex_fields.h"
 
 #include <gtest/gtest.h>
 

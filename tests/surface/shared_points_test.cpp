@@ -1,4 +1,4 @@
-#include "planish/surface/shared_points.h"
+#include "planish/surface/doo_sabin_blocks.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
-#include "planish/surface/block_quality.h"
+#include "planish/measure/figures.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
 #include "support/meshes.h"

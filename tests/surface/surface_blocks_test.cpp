@@ -9,9 +9,9 @@
 #include <set>
 
 #include "conformance/catalogue.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/quad_cut.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
 #include "support/meshes.h"

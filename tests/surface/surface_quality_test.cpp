@@ -1,4 +1,4 @@
-#include "planish/surface/surface_quality.h"
+#include "planish/surface/quality_sum.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/mesh/area_vector.h"
-#include "planish/mesh/folded_edges.h"
-#include "planish/surface/block_quality.h"
+#include "planish/measure/figures.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "support/cone.h"

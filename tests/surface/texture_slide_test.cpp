@@ -1,11 +1,11 @@
-#include "planish/surface/texture_slide.h"
+#include "planish/measure/vertex_fields.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-#include "planish/surface/surface_mesh.h"
+#include "planish/surface/surface_blocks.h"
 #include "support/meshes.h"
 
 namespace planish {

@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "planish/backend/cpu_backend.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_faces.h"
 #include "support/meshes.h"

@@ -1,14 +1,14 @@
-#include "planish/surface/vertex_fields.h"
+#include "planish/measure/vertex_fields.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/surface/quality_sum.h"
 #include "support/meshes.h"
 
 namespace planish {

@@ -1,4 +1,4 @@
-#include "planish/files/tiles/curve_order.h"
+#include "planish/files/tiles/tile.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>

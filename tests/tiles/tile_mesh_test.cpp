@@ -1,4 +1,4 @@
-#include "planish/files/tiles/tile_mesh.h"
+#include "planish/files/tiles/tile.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,6 @@
 #include <random>
 #include <set>
 
-#include "planish/files/tiles/curve_order.h"
-#include "planish/files/tiles/local_numbers.h"
-#include "planish/files/tiles/write_tile.h"
 #include "planish/surface/doo_sabin_blocks.h"
 #include "support/random_meshes.h"
 

@@ -1,4 +1,4 @@
-#include "viewer/animation.h"
+#include "viewer/scene.h"
 
 #include <gtest/gtest.h>
 

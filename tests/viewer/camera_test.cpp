@@ -1,4 +1,4 @@
-#include "viewer/camera.h"
+#include "viewer/scene.h"
 
 #include <gtest/gtest.h>
 

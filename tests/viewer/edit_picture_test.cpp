@@ -7,14 +7,14 @@
 #include <glm/geometric.hpp>
 #include <iterator>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
-#include "viewer/edit_hand.h"
+#include "viewer/edit_session.h"
 #include "viewer/fixture.h"
-#include "viewer/run_script.h"
+#include "viewer/headless.h"
 
 namespace planish::testing {
 namespace {

@@ -11,8 +11,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
-#include "viewer/edit_hand.h"
-#include "viewer/edit_script.h"
+#include "viewer/headless.h"
 
 namespace planish::testing {
 namespace {

@@ -9,8 +9,8 @@
 #include "planish/mesh/mesh_topology.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
-#include "viewer/cage_edges.h"
 #include "viewer/fixture.h"
+#include "viewer/renderer.h"
 #include "viewer/scene.h"
 
 namespace planish::testing {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "viewer/headless.h"
 #include "vulkan/fixture.h"

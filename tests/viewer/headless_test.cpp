@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 #include "viewer/fixture.h"
 #include "viewer/scene.h"

@@ -1,4 +1,4 @@
-#include "viewer/nearest_given.h"
+#include "viewer/renderer.h"
 
 #include <gmock/gmock.h>
 

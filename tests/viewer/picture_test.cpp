@@ -10,13 +10,13 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/job/page/rasterise.h"
+#include "planish/job/page/render.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 #include "viewer/fixture.h"
-#include "viewer/legend.h"
+#include "viewer/overlay.h"
 
 namespace planish::testing {
 namespace {

@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "generated/rays.comp.spv.h"
-#include "planish/limit/surface_queries.h"
 #include "planish/osd/vk_vertex_buffer.h"
+#include "planish/queries/surface_queries.h"
 #include "support/random_meshes.h"
+#include "viewer/device.h"
 #include "viewer/fixture.h"
-#include "viewer/handles.h"
-#include "viewer/resources.h"
 #include "vulkan/places_fixture.h"
 
 namespace planish::testing {

@@ -5,9 +5,8 @@
 #include <memory>
 #include <span>
 
-#include "viewer/frame.h"
+#include "viewer/device.h"
 #include "viewer/renderer.h"
-#include "viewer/targets.h"
 
 namespace planish::testing {
 

@@ -24,9 +24,8 @@
 #include "planish/files/mesh_file.h"
 #include "support/environment_variable.h"
 #include "support/meshes.h"
-#include "viewer/edit_hand.h"
+#include "viewer/edit_session.h"
 #include "viewer/fixture.h"
-#include "viewer/swapchain.h"
 #include "viewer/x11_user.h"
 
 namespace planish::testing {

@@ -2,10 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "planish/vulkan/device/buffer.h"
+#include "planish/vulkan/device/bindings.h"
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/device/own_device.h"
-#include "planish/vulkan/device/submitter.h"
 #include "support/environment_variable.h"
 #include "vulkan/fixture.h"
 

@@ -9,10 +9,8 @@
 
 #include "fair/fair_case.h"
 #include "planish/surface/evaluate.h"
-#include "planish/vulkan/backend/vulkan_fair.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
-#include "planish/vulkan/backend/vulkan_solve.h"
-#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/driver.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

@@ -9,8 +9,8 @@
 #include <limits>
 #include <random>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/edit/editor.h"
+#include "planish/solve/backend.h"
 #include "planish/vulkan/device/commands.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

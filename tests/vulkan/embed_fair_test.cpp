@@ -8,8 +8,8 @@
 #include <glm/vec4.hpp>
 
 #include "fair/cure_meshes.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "shaders/fair/shared_fair.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"

@@ -9,8 +9,7 @@
 #include <memory>
 
 #include "planish/vulkan/backend/vulkan_machine.h"
-#include "planish/vulkan/backend/vulkan_solve.h"
-#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/driver.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "planish/mesh/merged_meshes.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/vulkan/device/commands.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/driver.h"
 #include "support/meshes.h"
 #include "vulkan/embedding_fixture.h"
 #include "vulkan/pretended_memory.h"

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <thread>
 
-#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/driver.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"

@@ -10,9 +10,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/mesh/triangulate.h"
+#include "planish/mesh/face_geometry.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/surface_blocks.h"
 #include "support/meshes.h"

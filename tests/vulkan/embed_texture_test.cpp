@@ -12,12 +12,12 @@
 #include <glm/vec4.hpp>
 #include <string>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
-#include "planish/limit/limit_surface.h"
+#include "planish/queries/limit_surface.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/vulkan/host/surface_records.h"
+#include "planish/vulkan/host/system.h"
 #include "support/temporary_folder.h"
 #include "vulkan/embedding_fixture.h"
 #include "vulkan/textured_meshes.h"

@@ -7,10 +7,10 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
-#include "planish/pipeline/bend_least.h"
 #include "planish/pipeline/fit.h"
+#include "planish/pipeline/fit_steps.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"

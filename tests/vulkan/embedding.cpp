@@ -5,11 +5,11 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/fair/fair_net.h"
-#include "planish/mesh/placement.h"
-#include "planish/mesh/used_vertices.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish::testing {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/vulkan/device/buffer.h"
-#include "planish/vulkan/device/submitter.h"
+#include "planish/vulkan/device/bindings.h"
+#include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/embed.h"
 
 namespace planish::testing {

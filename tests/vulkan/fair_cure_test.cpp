@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 
 #include "fair/cure_meshes.h"
+#include "planish/fair/fair_topology.h"
 #include "planish/fair/fold_cure.h"
-#include "planish/fair/plane_lean.h"
-#include "planish/fair/smallest_cap.h"
+#include "planish/fair/perpendicular_polygon.h"
 #include "vulkan/fair_machine.h"
 
 namespace planish::testing {

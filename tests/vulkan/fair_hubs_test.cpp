@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "planish/fair/fair_net.h"
-#include "planish/surface/level_one.h"
+#include "planish/surface/evaluate.h"
 #include "vulkan/fair_machine.h"
 
 namespace planish::testing {

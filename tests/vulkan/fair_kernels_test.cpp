@@ -7,15 +7,9 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "planish/fair/bending_rows.h"
-#include "planish/fair/corner_offsets.h"
-#include "planish/fair/crease_handle.h"
-#include "planish/fair/crease_sector.h"
-#include "planish/fair/fold_repair.h"
-#include "planish/fair/masked_iteration.h"
-#include "planish/fair/polish.h"
-#include "planish/fair/tensor_share.h"
-#include "planish/fair/vertex_frame.h"
+#include "planish/fair/bending.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/fair/fold_cure.h"
 #include "planish/fair/vertex_polygon.h"
 #include "vulkan/fair_machine.h"
 

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "planish/fair/fair_builder.h"
-#include "planish/fair/plane_places.h"
+#include "planish/fair/fair_topology.h"
 #include "planish/pipeline/fit.h"
-#include "planish/surface/level_one.h"
+#include "planish/surface/evaluate.h"
 #include "support/delaunay_sphere.h"
 #include "vulkan/fair_machine.h"
 

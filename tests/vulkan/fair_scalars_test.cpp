@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "planish/vulkan/device/buffer.h"
+#include "planish/vulkan/device/bindings.h"
 #include "planish/vulkan/device/commands.h"
 #include "vulkan/fair_machine.h"
 

@@ -9,11 +9,11 @@
 #include <string>
 
 #include "files/gltf/glb_bytes.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/gltf/write_gltf.h"
-#include "planish/limit/limit_surface.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
 #include "planish/pipeline/fit.h"
+#include "planish/queries/limit_surface.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/vulkan/embed.h"
 #include "support/expect_error.h"

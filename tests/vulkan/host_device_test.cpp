@@ -8,9 +8,9 @@
 #include <future>
 #include <vector>
 
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/device/driver.h"
 #include "planish/vulkan/device/own_device.h"
-#include "planish/vulkan/device/result.h"
-#include "planish/vulkan/device/submitter.h"
 #include "planish/vulkan/solve/gpu_solve.h"
 #include "support/expect_error.h"
 #include "vulkan/fixture.h"

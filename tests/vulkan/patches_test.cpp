@@ -10,16 +10,15 @@
 #include <numbers>
 #include <optional>
 
-#include "planish/backend/cpu_backend.h"
-#include "planish/mesh/placement.h"
-#include "planish/patches/first_step.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/patches/doo_sabin_step.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/device/commands.h"
-#include "planish/vulkan/evaluate/gpu_first_step.h"
-#include "planish/vulkan/evaluate/gpu_ring_sums.h"
-#include "planish/vulkan/evaluate/state_owners.h"
-#include "planish/vulkan/host/surface_records.h"
+#include "planish/vulkan/evaluate/gpu_patches.h"
+#include "planish/vulkan/evaluate/patch_tables.h"
+#include "planish/vulkan/host/system.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"

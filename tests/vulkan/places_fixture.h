@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "planish/limit/limit_surface.h"
+#include "planish/queries/limit_surface.h"
 #include "vulkan/embedding_fixture.h"
 #include "vulkan/random_kinds.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "planish/vulkan/device/functions.h"
+#include "planish/vulkan/device/driver.h"
 
 // All functions that a program is given.
 #define PRETENDED_OTHERS(X)          \

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/vulkan/device/functions.h"
+#include "planish/vulkan/device/driver.h"
 #include "vulkan/pretended_notes.h"
 
 namespace planish::testing {

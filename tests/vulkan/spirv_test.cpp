@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "planish/vulkan/device/functions.h"
-#include "planish/vulkan/device/kernels.h"
+#include "planish/vulkan/device/bindings.h"
+#include "planish/vulkan/device/driver.h"
 
 namespace planish::testing {
 namespace {

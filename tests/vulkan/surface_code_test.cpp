@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "generated/surface_samples.spv.h"
-#include "planish/vulkan/host/surface_records.h"
+#include "planish/vulkan/host/system.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/places_fixture.h"

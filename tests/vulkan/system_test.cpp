@@ -7,10 +7,9 @@
 #include <string_view>
 #include <tuple>
 
-#include "planish/backend/chebyshev.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/backend/initial_residual.h"
 #include "planish/core/error.h"
+#include "planish/solve/backend.h"
+#include "planish/solve/iteration.h"
 #include "planish/surface/evaluate.h"
 #include "planish/vulkan/embed.h"
 #include "support/meshes.h"

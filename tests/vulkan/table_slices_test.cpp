@@ -1,4 +1,4 @@
-#include "planish/vulkan/tables/table_slices.h"
+#include "planish/vulkan/tables/device_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "planish/stencil/stencil_table.h"
+#include "planish/solve/stencil_table.h"
 
 namespace planish::testing {
 

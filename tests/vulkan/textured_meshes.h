@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
+#include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

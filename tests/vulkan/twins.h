@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "planish/backend/backend.h"
-#include "planish/stencil/stencil_table.h"
+#include "planish/solve/backend.h"
+#include "planish/solve/stencil_table.h"
 
 /// The kernels again, on the CPU, in the same float arithmetic in the same order.
 namespace planish::testing::twin {

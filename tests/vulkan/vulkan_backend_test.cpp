@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/limit_masks.h"
+#include "planish/solve/backend.h"
 #include "support/meshes.h"
 #include "vulkan/fixture.h"
 #include "vulkan/tables.h"

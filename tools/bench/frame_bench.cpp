@@ -1,26 +1,219 @@
-// What a frame of a host costs: points that move, a solve from where the last one ended, vertices.
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "bench/benchmarks.h"
-#include "bench/device_clock.h"
-#include "bench/device_frame.h"
-#include "bench/device_trace.h"
-#include "bench/moving_torus.h"
-#include "bench/refusal.h"
-#include "planish/core/formatted.h"
+#include "bench/traced_device.h"
+#include "planish/core/error.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/patches/patch_plan.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/device/commands.h"
-#include "planish/vulkan/device/fenced_commands.h"
-#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/driver.h"
+#include "planish/vulkan/embed.h"
+#include "planish/vulkan/tables/device_table.h"
+#include "planish/vulkan/vulkan_backend.h"
+#include "support/doo_sabin_tables.h"
 
 namespace planish::bench {
+namespace {
+
+// What corner patches replaced in a host's frame: stencil tables on the device that take control
+// points from level to level, and to limit points and normals in a host's layout. Tables and
+// control points outlive it.
+class TableEvaluation {
+ public:
+  // `limit` was made with derivatives and a target stride of at least the layout's; `refinement`
+  // has a step at least.
+  TableEvaluation(vulkan::Context& context, std::span<const vulkan::DeviceTable> refinement,
+                  const vulkan::DeviceTable& limit, VkBuffer control_points,
+                  const vulkan::VertexLayout& layout);
+
+  void record(VkCommandBuffer commands) const noexcept;
+
+ private:
+  vulkan::Context& context_;
+  const vulkan::DeviceTable& limit_;
+  vulkan::VertexLayout layout_;
+  std::vector<vulkan::Buffer> states_;
+  std::vector<vulkan::StencilPass> refinement_;
+  std::vector<std::uint32_t> first_targets_;  // per slice of the limit table
+  vulkan::DescriptorSets sets_;               // per slice of the limit table
+};
+
+}  // namespace
+
+using namespace vulkan;
 
 namespace {
 
-using namespace vulkan;
+constexpr std::uint32_t kWrittenFloats = 3;
+
+// The host's vertices as far as they are written.
+FloatElements written_elements(const VertexLayout& layout) {
+  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
+  return {layout.buffer, layout.offset / sizeof(float),
+          static_cast<std::uint32_t>(last / sizeof(float)) + kWrittenFloats,
+          static_cast<std::uint32_t>(layout.stride / sizeof(float))};
+}
+
+TableEvaluation::TableEvaluation(Context& context, std::span<const DeviceTable> refinement,
+                                 const DeviceTable& limit, VkBuffer control_points,
+                                 const VertexLayout& layout)
+    : context_(context), limit_(limit), layout_(layout) {
+  constexpr std::uint32_t kFloats = shared::kPointFloats;
+  VkBuffer source = control_points;
+  states_.reserve(refinement.size());
+  for (const DeviceTable& table : refinement) {
+    const Buffer& target = states_.emplace_back(
+        context, std::uint64_t(table.row_count()) * kFloats * sizeof(float), MemoryUse::Device);
+    refinement_.push_back({context,
+                           table,
+                           {source, 0, 3, kFloats},
+                           {target.handle(), 0, 3, kFloats},
+                           {0, table.row_count()}});
+    source = target.handle();
+  }
+  std::vector<BoundKernel> bound;
+  for (const DeviceTable::Slice& slice : limit.slices()) {
+    const ElementWindow window =
+        element_window(written_elements(layout), slice.rows.first_row, slice.rows.row_count);
+    first_targets_.push_back(window.shift +
+                             static_cast<std::uint32_t>(layout.position_offset / sizeof(float)));
+    bound.push_back({Kernel::ApplyLimit,
+                     {whole(slice.entries), whole(slice.chunks),
+                      point_range(states_.back(), slice.rows.first_source, slice.rows.source_count),
+                      window.range, whole(slice.derivatives)}});
+  }
+  sets_ = DescriptorSets(context, bound);
+}
+
+void TableEvaluation::record(VkCommandBuffer commands) const noexcept {
+  for (const StencilPass& pass : refinement_) {
+    pass.record(commands);
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+  for (std::size_t i = 0; i < limit_.slices().size(); ++i) {
+    shared::TableParameters parameters = limit_.parameters(i);
+    parameters.first_target = first_targets_[i];
+    parameters.target_stride = layout_.stride / sizeof(float);
+    parameters.normal_offset =
+        layout_.normal_offset / sizeof(float) - layout_.position_offset / sizeof(float);
+    limit_.record_dispatch(commands, Kernel::ApplyLimit, sets_[i], i, parameters);
+    // Windows of neighbouring slices share their edge.
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+}
+
+// The second half of a host's frame: from displaced points to vertices on the device.
+
+std::string megabytes(std::uint64_t bytes) {
+  return formatted("{}.{} MB", (bytes + 50'000) / 100'000 / 10, (bytes + 50'000) / 100'000 % 10);
+}
+
+// The same surface from the same control points by tables.
+struct FrameTables {
+  FrameTables(VulkanMachine& machine, const PolygonMesh& mesh, const DeviceFrame& frame,
+              const Buffer& vertices) {
+    test::QuadSplit split(mesh);
+    split.refine(kFrameLevel);
+    const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
+    const test::SubdivisionChain subdivision(split, features, Weights::DooSabin);
+    const auto add = [&](const StencilTable& table) {
+      refinement.emplace_back(machine.context, table.view(), DeviceTableOptions{});
+      machine.upload_table(refinement.back(), table.view());
+    };
+    for (int l = 1; l <= kFrameLevel; ++l) add(step_table(subdivision, l));
+    const PatchMesh patches(split.topology(), features);
+    const test::LimitRows limits(subdivision, kFrameLevel);
+    const StencilTable table =
+        limit_table(subdivision, limits, limits.in_order_of(PatchNumbering(patches, kFrameLevel)));
+    DeviceTableOptions options;
+    options.has_derivatives = true;
+    options.target_stride = kFrameVertexBytes;
+    limit.emplace(machine.context, table.view(), options);
+    machine.upload_table(*limit, table.view());
+    evaluation.emplace(machine.context, refinement, *limit, frame.solve.control_points(),
+                       VertexLayout{vertices.handle()});
+  }
+
+  [[nodiscard]] std::uint64_t device_bytes() const {
+    std::uint64_t bytes = 0;
+    const auto add = [&](const DeviceTable& table) {
+      for (const DeviceTable::Slice& slice : table.slices())
+        bytes += slice.entries.size() + slice.chunks.size() + slice.derivatives.size();
+    };
+    for (const DeviceTable& table : refinement) add(table);
+    add(*limit);
+    return bytes;
+  }
+
+  std::vector<DeviceTable> refinement;
+  std::optional<DeviceTable> limit;
+  std::optional<TableEvaluation> evaluation;
+};
+
+// Not normals: those of the tables lose digits to points far from the origin.
+std::vector<glm::dvec3> positions_of(VulkanMachine& machine, const Buffer& vertices) {
+  std::vector<glm::dvec3> result;
+  machine.submitter.download({vertices.handle(), 0, vertices.size()},
+                             [&](std::uint64_t, std::span<const std::byte> piece) {
+                               for (std::size_t at = 0; at < piece.size();
+                                    at += kFrameVertexBytes) {
+                                 glm::vec3 value;
+                                 std::memcpy(&value, &piece[at], sizeof value);
+                                 result.emplace_back(value);
+                               }
+                             });
+  return result;
+}
+
+}  // namespace
+
+std::vector<Row> bench_evaluate(const Options& options) {
+  const auto owned = traced_machine(options);
+  if (!owned) return {};
+  VulkanMachine& machine = *owned;
+  const PolygonMesh mesh = torus_grid(options.quad_count);
+  const DeviceFrame frame(machine, mesh, {.level = kFrameLevel});
+  machine.submitter.run(
+      [&](VkCommandBuffer commands) { frame.solve.record_solve(commands, {.iterations = 8}); });
+  const Buffer by_tables(machine.context, frame.vertices.size(), MemoryUse::Device);
+  const FrameTables tables(machine, mesh, frame, by_tables);
+  const auto evaluate_patches = [&] {
+    machine.submitter.run([&](VkCommandBuffer commands) { frame.solve.record_evaluate(commands); });
+  };
+  const auto evaluate_tables = [&] {
+    machine.submitter.run([&](VkCommandBuffer commands) { tables.evaluation->record(commands); });
+  };
+  evaluate_patches();
+  evaluate_tables();
+  require_agreement("patches", positions_of(machine, frame.vertices),
+                    positions_of(machine, by_tables));
+
+  Group group;
+  group.name = "evaluate";
+  group.size =
+      formatted("{} quads, {} vertices; vulkan on {}; tables {}, System's whole {}",
+                mesh.face_count(), frame.system.vertex_count(), machine.device.capabilities().name,
+                megabytes(tables.device_bytes()), megabytes(frame.tables.device_bytes()));
+  group.baseline = "planish-tables";
+  group.peers.push_back({"planish-tables", evaluate_tables});
+  group.peers.push_back({"planish-patches", evaluate_patches});
+  return run_group(group, options.repetitions);
+}
+
+namespace {
+
+// What a frame of a host costs: points that move, a solve from where the last one ended, vertices.
 
 constexpr double kFrameTolerance = 1e-5;  // of the diagonal
 constexpr double kFrameWithin = 1e-3;     // of the diagonal
@@ -250,6 +443,255 @@ std::vector<Row> bench_frame(const Options& options) {
           refusal(error, "frame", formatted("{} points", mesh.vertex_count()), "warm-frame"));
     }
   }
+  return rows;
+}
+
+namespace {
+
+// Many small meshes in one command buffer against one large mesh.
+
+constexpr std::int32_t kMeshes = 64;
+constexpr SolveParameters kSteps{.iterations = 16, .measures_last = true};
+constexpr std::uint32_t kBytesOfVertex = 24;
+
+// Instances of one mesh, each with points and vertices of its own: Solves of `each` instances.
+struct Instances {
+  Instances(VulkanMachine& machine, const PolygonMesh& mesh, std::int32_t count,
+            std::int32_t each = 1)
+      : system(mesh, {.level = 1}), device(machine.context, system) {
+    Buffer staging(machine.context, device.upload_bytes(), MemoryUse::Upload);
+    device.write_upload(system, staging.mapped().first(device.upload_bytes()));
+    staging.flush();
+    machine.submitter.run(
+        [&](VkCommandBuffer commands) { device.record_upload(commands, staging.handle(), 0); });
+    std::vector<glm::vec3> rounded;
+    for (std::int32_t i = 0; i < each; ++i)
+      rounded.insert(rounded.end(), mesh.positions.begin(), mesh.positions.end());
+    for (std::int32_t i = 0; i < count; ++i) {
+      const Buffer& given = points.emplace_back(machine.context, rounded.size() * sizeof(glm::vec3),
+                                                MemoryUse::Device);
+      machine.submitter.upload(whole(given), std::as_bytes(std::span(rounded)));
+      const Buffer& target = vertices.emplace_back(
+          machine.context, std::uint64_t(each) * system.vertex_count() * kBytesOfVertex,
+          MemoryUse::Device);
+      solves.push_back(std::make_unique<vulkan::Solve>(
+          machine.context, device,
+          SolveOptions{.given = {given.handle()},
+                       .vertices = {target.handle()},
+                       .instances = static_cast<std::uint32_t>(each)}));
+      solve_calls.push_back({solves.back().get(), kSteps});
+      evaluate_calls.push_back({solves.back().get(), {}});
+    }
+  }
+
+  System system;
+  DeviceSystem device;
+  std::vector<Buffer> points, vertices;
+  std::vector<std::unique_ptr<vulkan::Solve>> solves;
+  std::vector<SolveCall> solve_calls;
+  std::vector<EvaluateCall> evaluate_calls;
+};
+
+// `count` of the mesh side by side, as one.
+PolygonMesh side_by_side(const PolygonMesh& mesh, std::int32_t count) {
+  std::vector<PolygonMesh> meshes(static_cast<std::size_t>(count), mesh);
+  for (std::int32_t i = 0; i < count; ++i)
+    for (glm::dvec3& p : meshes[i].positions) p.x += 3 * i;
+  return merged_meshes(meshes).mesh;
+}
+
+void add_peers(Group& group, const std::string& name, VulkanMachine& machine,
+               const std::shared_ptr<Instances>& instances) {
+  const auto add = [&](const std::string& what, auto record) {
+    group.peers.push_back({what, [&machine, instances, record] {
+                             machine.submitter.run(
+                                 [&](VkCommandBuffer commands) { record(commands, *instances); });
+                           }});
+  };
+  add("solve-" + name, [](VkCommandBuffer commands, const Instances& all) {
+    record_solves(commands, all.solve_calls);
+  });
+  add("evaluate-" + name, [](VkCommandBuffer commands, const Instances& all) {
+    record_evaluates(commands, all.evaluate_calls);
+  });
+  if (instances->solves.size() == 1) return;
+  add("solve-" + name + "-apart", [](VkCommandBuffer commands, const Instances& all) {
+    for (const SolveCall& call : all.solve_calls)
+      call.solve->record_solve(commands, call.parameters);
+  });
+}
+
+}  // namespace
+
+std::vector<Row> bench_many(const Options& options) {
+  if (list_vulkan_devices().best < 0) return {};
+  VulkanMachine machine({.wanted = options.device}, {});
+  // 128,000 points by default, as many as the small ones together.
+  // Tori of 4 x 4 quads at least.
+  const std::int32_t large = std::max(options.quad_count * 16 / 125, 16 * kMeshes);
+  const auto one = std::make_shared<Instances>(machine, torus_grid(large), 1);
+  const PolygonMesh small = torus_grid(large / kMeshes);
+  const auto many = std::make_shared<Instances>(machine, small, kMeshes);
+  const auto instances = std::make_shared<Instances>(machine, small, 1, kMeshes);
+  // One System whose mesh has as many components.
+  const auto merged = std::make_shared<Instances>(machine, side_by_side(small, kMeshes), 1);
+  // So small that what a dispatch costs is all.
+  const auto tiny = std::make_shared<Instances>(machine, torus_grid(16), kMeshes);
+
+  Group group;
+  group.name = "many";
+  const auto points = [](const Instances& all) {
+    return formatted("{} of {}", all.solves.size(), all.system.given_count());
+  };
+  group.size = formatted("{} points, {}, {}; {} steps; vulkan on {}", points(*one), points(*many),
+                         points(*tiny), kSteps.iterations, machine.device.capabilities().name);
+  group.baseline = "solve-one";
+  add_peers(group, "one", machine, one);
+  add_peers(group, "merged", machine, merged);
+  add_peers(group, "instances", machine, instances);
+  add_peers(group, "many", machine, many);
+  add_peers(group, "tiny", machine, tiny);
+  return run_group(group, options.repetitions);
+}
+
+namespace {
+
+// A host of one mesh. Each run moves the listed vertices there, the next one back.
+class DeviceEdits {
+ public:
+  DeviceEdits(VulkanMachine& machine, const PolygonMesh& mesh)
+      : machine_(machine),
+        rest_(mesh.positions.begin(), mesh.positions.end()),
+        system_(mesh),
+        tables_(machine.context, system_, {.max_vertex_stride = 24, .takes_edits = true}),
+        points_(machine.context, rest_.size() * sizeof(glm::vec3), MemoryUse::Upload),
+        vertices_(machine.context, std::uint64_t(tables_.vertex_count()) * 24, MemoryUse::Device),
+        moves_(machine.context, (rest_.size() + 1) * sizeof(std::uint32_t), MemoryUse::Upload),
+        report_(machine.context, sizeof(GpuStatus) + sizeof(EditReach), MemoryUse::Download),
+        solve_(machine.context, tables_,
+               {.given = {points_.handle()},
+                .vertices = {vertices_.handle()},
+                .moved = {moves_.handle(), 0, static_cast<std::uint32_t>(rest_.size())}}),
+        stop_error_(static_cast<float>(system_.tolerance() / 8)) {
+    Buffer staging(machine.context, tables_.upload_bytes(), MemoryUse::Upload);
+    tables_.write_upload(system_, staging.mapped().first(tables_.upload_bytes()));
+    staging.flush();
+    machine.submitter.run(
+        [&](VkCommandBuffer commands) { tables_.record_upload(commands, staging.handle(), 0); });
+    std::memcpy(points_.mapped().data(), rest_.data(), rest_.size() * sizeof(glm::vec3));
+    points_.flush();
+    solve_all(false);
+  }
+
+  void list(std::vector<std::int32_t> vertices) { listed_ = std::move(vertices); }
+  void edit() {
+    move_listed();
+    const auto count = static_cast<std::uint32_t>(listed_.size());
+    std::memcpy(moves_.mapped().data(), &count, sizeof count);
+    std::memcpy(moves_.mapped().data() + sizeof count, listed_.data(),
+                listed_.size() * sizeof count);
+    moves_.flush();
+    machine_.submitter.run([&](VkCommandBuffer commands) {
+      solve_.record_edit(commands, {.iterations = 32, .stop_error = stop_error_});
+      report(commands);
+    });
+    require_solved();
+  }
+  void whole() {
+    move_listed();
+    solve_all(true);
+  }
+
+  [[nodiscard]] GpuStatus status() { return report_at<GpuStatus>(0); }
+  [[nodiscard]] EditReach reach() { return report_at<EditReach>(sizeof(GpuStatus)); }
+
+ private:
+  void solve_all(bool warm) {
+    machine_.submitter.run([&](VkCommandBuffer commands) {
+      solve_.record_solve(commands,
+                          {.iterations = 60, .stop_error = stop_error_, .warm_start = warm});
+      solve_.record_evaluate(commands);
+      report(commands);
+    });
+    require_solved();
+  }
+  void report(VkCommandBuffer commands) const {
+    solve_.record_status(commands, report_.handle(), 0);
+    solve_.record_reach(commands, report_.handle(), sizeof(GpuStatus));
+  }
+  void move_listed() {
+    is_there_ = !is_there_;
+    const double way = is_there_ ? kWayOfEdit * system_.diagonal() : 0;
+    for (const std::int32_t v : listed_) {
+      const glm::vec3 to = rest_[v] + glm::vec3(way_of(v, way));
+      std::memcpy(points_.mapped().data() + v * sizeof to, &to, sizeof to);
+    }
+    points_.flush();
+  }
+  void require_solved() {
+    if (status().state != SolveState::Converged)
+      throw std::runtime_error("an edit on the device leaves an error of " +
+                               std::to_string(status().residual));
+  }
+  template <class T>
+  T report_at(std::size_t offset) {
+    report_.invalidate();
+    T result;
+    std::memcpy(&result, report_.mapped().data() + offset, sizeof result);
+    return result;
+  }
+
+  VulkanMachine& machine_;
+  std::vector<glm::vec3> rest_;
+  System system_;
+  DeviceSystem tables_;
+  Buffer points_, vertices_, moves_, report_;
+  vulkan::Solve solve_;
+  float stop_error_;
+  std::vector<std::int32_t> listed_;
+  bool is_there_ = false;
+};
+
+}  // namespace
+
+std::vector<Row> bench_device_edits(const Options& options, const PolygonMesh& mesh,
+                                    const std::string& size) {
+  if (list_vulkan_devices().best < 0) return {};
+  VulkanMachine machine({.wanted = options.device}, {});
+  Group group{
+      "edit", size + "; vulkan on " + machine.device.capabilities().name, "vulkan-whole", {}};
+  std::unique_ptr<DeviceEdits> host;
+  try {
+    host = std::make_unique<DeviceEdits>(machine, mesh);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::OutOfMemory) throw;
+    Row row;
+    row.group = group.name, row.size = group.size, row.peer = "vulkan-one";
+    row.refused = error.what();
+    return {row};
+  }
+  const std::int32_t middle = mesh.vertex_count() / 2;
+  std::map<std::string, std::vector<std::pair<std::string, double>>> figures;
+  const auto add = [&](const std::string& peer, std::vector<std::int32_t> vertices) {
+    group.peers.push_back({peer, [&, peer, vertices] {
+                             host->list(vertices);
+                             host->edit();
+                             const EditReach reach = host->reach();
+                             figures[peer] = {{"points_per_move", double(reach.points)},
+                                              {"patches_per_move", double(reach.patches)},
+                                              {"iterations", double(host->status().iterations)}};
+                           }});
+  };
+  group.peers.push_back({"vulkan-whole", [&] {
+                           host->list({middle});
+                           host->whole();
+                         }});
+  add("vulkan-none", {});
+  add("vulkan-one", {middle});
+  add("vulkan-near-1000", near_vertices(mesh, middle));
+  add("vulkan-scattered-1000", scattered_vertices(mesh));
+  std::vector<Row> rows = run_group(group, options.repetitions);
+  for (Row& row : rows) row.figures = figures[row.peer];
   return rows;
 }
 

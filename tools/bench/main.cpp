@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "bench/benchmarks.h"
-#include "bench/refusal.h"
-#include "bench/report.h"
 
 namespace {
 

@@ -5,11 +5,9 @@
 
 #include <memory>
 
-#include "bench/agreement.h"
-#include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
 #include "bench/gl_stencils.h"
-#include "planish/backend/cpu_backend.h"
+#include "planish/solve/backend.h"
 #ifdef PLANISH_HAS_VULKAN
 #include "planish/osd/vk_compute_evaluator.h"
 #include "planish/osd/vk_vertex_buffer.h"

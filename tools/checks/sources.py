@@ -74,7 +74,7 @@ COMMON = set(
 
 
 # Headers that come with another: whoever throws an Error has a message to write.
-COME_WITH = {("src/planish/core/error.h", "src/planish/core/formatted.h")}
+COME_WITH = {("src/planish/core/error.h", "src/planish/core/error.h")}
 
 # planish::vulkan::Solve is the hosts' word for what planish::Solve is to a fit.
 ACCEPTED_TYPES = {"Solve"}

@@ -10,7 +10,7 @@ install(TARGETS planish EXPORT planishTargets
 set(public_headers
   planish.h c/editor.h c/planish.h
   mesh/statistics.h surface/kept_rows.h surface/quality_sum.h
-  doosabin/limit_masks.h stencil/far_tables.h
+  doosabin/limit_masks.h solve/far_tables.h
   reconstruct/reconstruct.h reconstruct/compare_source.h reconstruct/mesher_process.h)
 if(PLANISH_VULKAN)
   list(APPEND public_headers

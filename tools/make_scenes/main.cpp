@@ -6,9 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "make_scenes/obj_text.h"
+#include "make_scenes/models.h"
 #include "make_scenes/sample_points.h"
-#include "make_scenes/scan.h"
 #include "make_scenes/scene_list.h"
 #include "planish/core/output_file.h"
 #include "planish/files/mesh_file.h"

@@ -8,9 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "make_scenes/random_numbers.h"
-
-#include "planish/core/point_bounds.h"
+#include "planish/core/vectors.h"
 
 namespace planish::shapes {
 namespace {

@@ -1,10 +1,44 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <unordered_map>
 
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish::shapes {
+
+/// Adds one face: add_face(mesh, {0, 1, 2}).
+void add_face(PolygonMesh& mesh, std::initializer_list<std::int32_t> vertices);
+
+/// Vertices named by three integers, each made once.
+class LatticeVertices {
+ public:
+  explicit LatticeVertices(PolygonMesh& mesh) : mesh_(mesh) {}
+  /// The vertex at this lattice point; made at `position` on first use.
+  std::int32_t at(const std::array<std::int32_t, 3>& point, const glm::dvec3& position);
+
+ private:
+  PolygonMesh& mesh_;
+  std::unordered_map<std::uint64_t, std::int32_t> vertices_;
+};
+
+/// Edge of two vertices as one number, the same from both sides.
+[[nodiscard]] std::uint64_t edge_key(std::int32_t a, std::int32_t b);
+
+/// Tags every edge whose two faces' normals differ by more than `degrees`, in face order.
+void crease_sharp_edges(PolygonMesh& mesh, double degrees);
+
+/// Newell normal, its length twice the face's area.
+[[nodiscard]] glm::dvec3 face_normal(const PolygonMesh& mesh, std::int32_t face);
+
+/// To 1e-6.
+[[nodiscard]] double rounded(double number);
+
+/// Rounds every coordinate, those of the texture too, so that a mesh reads the same whatever the
+/// last bits of the machine's sine were.
+void round_positions(PolygonMesh& mesh);
 
 /// Every function here returns a mesh that passes check(), counter-clockwise seen from outside,
 /// and the same one on every run. Throws std::invalid_argument for counts it cannot serve.
@@ -58,5 +92,21 @@ struct TorusOptions {
 
 /// The faces around each vertex become one polygon, at the face centroids. The mesh must be closed.
 [[nodiscard]] PolygonMesh dual(const PolygonMesh& mesh);
+
+struct RandomMeshOptions {
+  std::uint32_t seed = 1;
+  std::int32_t level = 3;         ///< of the icosphere it starts from
+  double merged_share = 0.4;      ///< share of the edges that are tried for merging two faces
+  std::int32_t largest_face = 8;  ///< corners
+  double jitter = 0.1;            ///< displacement of a vertex in edge lengths
+};
+
+/// Closed bumpy ball of 3..largest_face-gons, genus 0: an icosphere whose edges were dropped at
+/// random. The same options give the same mesh on every machine. Always passes check().
+[[nodiscard]] PolygonMesh random_polygon_mesh(const RandomMeshOptions& options = {});
+
+/// Closed ellipsoid of 3- to 12-gons, three at every vertex: the dual of an icosphere whose edges
+/// were flipped at random. The same seed gives the same mesh on every machine.
+[[nodiscard]] PolygonMesh mixed_polygons(std::uint32_t seed = 1);
 
 }  // namespace planish::shapes

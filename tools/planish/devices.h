@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "planish/backend/backend.h"
 #include "planish/job/job_settings.h"
+#include "planish/solve/backend.h"
 
 namespace planish::command {
 
@@ -46,5 +46,10 @@ enum class DeviceScope { CpuOnly, All };
 /// The backend of the chosen device. Throws Error{NoDevice}.
 [[nodiscard]] std::unique_ptr<Backend> open_backend(const ListedDevice& device,
                                                     const Settings& settings);
+
+/// What `planish devices` says.
+[[nodiscard]] std::string devices_table(const DeviceList& list);
+/// The same as JSON, schema planish.devices/1.
+[[nodiscard]] std::string devices_json(const DeviceList& list);
 
 }  // namespace planish::command

@@ -5,7 +5,7 @@
 #endif
 
 #include "commands.h"
-#include "terminal/interrupt.h"
+#include "terminal.h"
 
 namespace {
 

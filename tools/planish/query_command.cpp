@@ -1,33 +1,201 @@
+#include "query_command.h"
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
 #include <memory>
+#include <type_traits>
+#include <vector>
 
 #include "commands.h"
 #include "devices.h"
-#include "job/answers.h"
-#include "job/questions.h"
-#include "memory/large_arrays.h"
-#include "options/input_list.h"
-#include "options/option_flags.h"
+#include "large_arrays.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
 #include "planish/core/json.h"
 #include "planish/core/output_file.h"
-#include "planish/core/refuse.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/read_points.h"
-#include "planish/job/input_path.h"
-#include "planish/job/job_fit.h"
+#include "planish/core/parallel.h"
+#include "planish/core/vectors.h"
+#include "planish/core/words.h"
+#include "planish/files/mesh_file.h"
+#include "planish/job/input.h"
 #include "planish/job/job_input.h"
+#include "planish/job/job_text.h"
 #include "planish/job/output_plan.h"
 #include "planish/job/report.h"
 #include "planish/job/staged_files.h"
-#include "planish/job/text.h"
-#include "planish/limit/surface_queries.h"
 #include "planish/pipeline/option_table.h"
-#include "terminal/faults.h"
-#include "terminal/interrupt.h"
-#include "terminal/watch.h"
+#include "planish/queries/surface_queries.h"
+#include "terminal.h"
 
 namespace planish::command {
+namespace {
+
+constexpr std::size_t kAnswersAtOnce = 8192;
+constexpr std::size_t kTextGrain = 256;  // answers that a thread writes out at once
+
+template <class Number>
+void append(std::string& text, Number number) {
+  using Bits = std::conditional_t<sizeof(Number) == 8, std::uint64_t, std::uint32_t>;
+  const Bits bits = std::bit_cast<Bits>(number);
+  for (std::size_t i = 0; i < sizeof(Number); ++i)
+    text.push_back(static_cast<char>(bits >> (8 * i) & 0xff));
+}
+
+void append_ply(std::string& text, const QueryAnswer& answer) {
+  for (int d = 0; d < 3; ++d) append(text, answer.position[d]);
+  for (int d = 0; d < 3; ++d) append(text, static_cast<float>(answer.normal[d]));
+  append(text, answer.distance);
+  append(text, answer.at.face);
+  append(text, answer.at.u);
+  append(text, answer.at.v);
+}
+
+nlohmann::ordered_json point_json(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+
+nlohmann::ordered_json answer_json(const QueryAnswer& answer, std::string_view distance_name) {
+  if (answer.at.face < 0) return nullptr;
+  nlohmann::ordered_json json;
+  json[std::string(distance_name)] = answer.distance;
+  json["position"] = point_json(answer.position);
+  json["normal"] = point_json(answer.normal);
+  json["at"] = {{"face", answer.at.face}, {"u", answer.at.u}, {"v", answer.at.v}};
+  if (distance_name == "t") return json;
+  const PointCurvature& curvature = answer.curvature;
+  json["mean_curvature"] = curvature.is_known ? nlohmann::ordered_json(curvature.mean) : nullptr;
+  json["gaussian_curvature"] =
+      curvature.is_known ? nlohmann::ordered_json(curvature.gaussian) : nullptr;
+  return json;
+}
+
+// As an entry of a list in an object, with the line's end before it.
+void append_json(std::string& text, const nlohmann::ordered_json& json) {
+  text += "\n    ";
+  for (const char c : json.dump(2)) {
+    text += c;
+    if (c == '\n') text += "    ";
+  }
+}
+
+// Some answers at a time; write(text, answer) makes the text of one, on any thread.
+template <class Write>
+void for_answers(std::span<const glm::dvec3> points, const Answer& answer, const Write& write,
+                 const TakeBytes& take) {
+  std::vector<QueryAnswer> answers;
+  std::vector<std::string> texts;
+  for (std::size_t first = 0; first < points.size(); first += kAnswersAtOnce) {
+    const auto some = points.subspan(first, std::min(kAnswersAtOnce, points.size() - first));
+    answers.assign(some.size(), {});
+    answer(some, answers);
+    texts.resize((some.size() + kTextGrain - 1) / kTextGrain);
+    parallel_each(texts.size(), 1, [&](std::size_t t) {
+      texts[t].clear();
+      const std::size_t last = std::min(some.size(), (t + 1) * kTextGrain);
+      for (std::size_t i = t * kTextGrain; i < last; ++i) write(texts[t], answers[i], first + i);
+    });
+    for (const std::string& text : texts) take(text);
+  }
+}
+
+}  // namespace
+
+void answers_ply(std::span<const glm::dvec3> points, const Answer& answer,
+                 std::string_view distance_name, const TakeBytes& take) {
+  std::string text =
+      formatted("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", points.size());
+  for (const char* const name : {"x", "y", "z"})
+    text += "property double " + std::string(name) + "\n";
+  for (const char* const name : {"nx", "ny", "nz"})
+    text += "property float " + std::string(name) + "\n";
+  text += "property double " + std::string(distance_name) +
+          "\nproperty int face\nproperty double u\nproperty double v\nend_header\n";
+  take(text);
+  for_answers(
+      points, answer,
+      [](std::string& bytes, const QueryAnswer& of, std::size_t) { append_ply(bytes, of); }, take);
+}
+
+void answers_json(const nlohmann::ordered_json& head, std::string_view list,
+                  std::span<const glm::dvec3> points, const Answer& answer,
+                  std::string_view distance_name, const TakeBytes& take) {
+  nlohmann::ordered_json whole = head;
+  whole[std::string(list)] = nlohmann::ordered_json::array();
+  const std::string text = json_text(whole);
+  constexpr std::string_view kEnd = "]\n}\n";
+  take(std::string_view(text).substr(0, text.size() - kEnd.size()));
+  for_answers(
+      points, answer,
+      [&](std::string& json, const QueryAnswer& of, std::size_t index) {
+        if (index > 0) json += ',';
+        append_json(json, answer_json(of, distance_name));
+      },
+      take);
+  if (!points.empty()) take("\n  ");
+  take(kEnd);
+}
+
+namespace {
+
+constexpr std::size_t kAnswerGrain = 16;
+
+}  // namespace
+
+glm::dvec3 parse_direction(const std::string& text) {
+  const auto fail = [&] {
+    refuse("--rays", "\"" + visible(text) + "\" is no direction such as 0,0,-1");
+  };
+  glm::dvec3 direction(0.0);
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int d = 0; d < 3; ++d) {
+    const auto [next, error] = std::from_chars(at, end, direction[d]);
+    if (error != std::errc() || next == (d < 2 ? end : nullptr)) fail();
+    if (d < 2 ? *next != ',' : next != end) fail();
+    at = next + 1;
+  }
+  const double length = safe_length(direction);
+  if (!(length > 0) || !std::isfinite(length)) fail();
+  return direction;
+}
+
+std::vector<glm::dvec3> questions_of(PointCloud cloud, const std::string& path) {
+  if (cloud.missing_count > 0) {
+    throw Error(
+        ErrorCode::UnreadableInput,
+        formatted(
+            "{}: {} of its points are not finite, and there is one answer a point; leave them out",
+            visible(path), cloud.missing_count));
+  }
+  for (glm::dvec3& point : cloud.points) point += cloud.origin;
+  return std::move(cloud.points);
+}
+
+void answer_closest(const SurfaceQueries& queries, std::span<const glm::dvec3> points,
+                    bool with_curvature, std::span<QueryAnswer> answers) {
+  std::vector<ClosestPoint> closest(points.size());
+  queries.closest(points, closest);
+  parallel_for(points.size(), kAnswerGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ClosestPoint& found = closest[i];
+      answers[i] = {found.position, found.normal, found.distance, found.at, {}};
+      if (with_curvature) answers[i].curvature = queries.surface().evaluate(found.at).curvature();
+    }
+  });
+}
+
+void answer_rays(const SurfaceQueries& queries, const glm::dvec3& direction,
+                 std::span<const glm::dvec3> points, std::span<QueryAnswer> answers) {
+  parallel_for(points.size(), kAnswerGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      answers[i].position = points[i];
+      if (const auto hit = queries.first_hit({points[i], direction}))
+        answers[i] = {hit->position, hit->normal, hit->t, hit->at, {}};
+    }
+  });
+}
+
 namespace {
 
 struct QueryFlags {

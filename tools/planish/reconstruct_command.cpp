@@ -2,24 +2,19 @@
 #include <memory>
 
 #include "commands.h"
-#include "memory/large_arrays.h"
-#include "options/input_list.h"
-#include "options/memory_flags.h"
-#include "options/option_flags.h"
+#include "large_arrays.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/version.h"
-#include "planish/core/visible_text.h"
+#include "planish/core/words.h"
 #include "planish/job/build_info.h"
+#include "planish/job/input.h"
+#include "planish/job/job_text.h"
 #include "planish/job/output_plan.h"
-#include "planish/job/point_input.h"
-#include "planish/job/report_json.h"
 #include "planish/job/staged_files.h"
-#include "planish/job/text.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
-#include "terminal/faults.h"
-#include "terminal/interrupt.h"
+#include "terminal.h"
 
 namespace planish::command {
 namespace {

@@ -2,19 +2,14 @@
 #include <memory>
 
 #include "commands.h"
-#include "options/option_flags.h"
-#include "planish/core/counted.h"
-#include "planish/core/formatted.h"
+#include "planish/core/error.h"
 #include "planish/core/json.h"
-#include "planish/core/number_text.h"
-#include "planish/job/cage_header.h"
+#include "planish/core/words.h"
 #include "planish/job/input.h"
-#include "planish/job/input_path.h"
 #include "planish/job/job_settings.h"
-#include "planish/job/report_json.h"
-#include "planish/job/text.h"
+#include "planish/job/job_text.h"
 #include "planish/pipeline/option_table.h"
-#include "terminal/faults.h"
+#include "terminal.h"
 
 namespace planish::command {
 namespace {

@@ -7,14 +7,12 @@
 #include <memory>
 #include <utility>
 
-#include "mpi_flags.h"
-#include "mpi_report.h"
-#include "options/scene_file.h"
-#include "planish/core/counted.h"
-#include "planish/core/formatted.h"
+#include "mpi_job.h"
+#include "planish/core/error.h"
 #include "planish/core/output_file.h"
-#include "planish/core/visible_text.h"
-#include "planish/job/text.h"
+#include "planish/core/words.h"
+#include "planish/job/job_text.h"
+#include "scene_file.h"
 
 namespace planish::command {
 namespace {

@@ -2,14 +2,33 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "commands.h"
 #include "planish/distributed/fit_distributed.h"
 #include "planish/files/formats.h"
 #include "planish/job/job.h"
+#include "planish/job/job_settings.h"
+#include "terminal.h"
 
 namespace planish::command {
+
+/// An option of `planish fit`, `planish run` or a scene file: by its name there, with '_' for '-'.
+enum class MpiOption { Taken, SomeWords, Refused };
+
+/// What planish-mpi makes of it. One that it has not heard of is refused.
+[[nodiscard]] MpiOption mpi_option(std::string_view name);
+
+/// The words of it that are taken, "chebyshev|plain"; empty where that is all or nothing.
+[[nodiscard]] std::string words_taken(std::string_view name);
+
+/// Throws Error{InvalidArgument}, `where: value is not available in planish-mpi: remedy`, for the
+/// first that is refused. Of settings that were given twice the later one counts. `settings` is
+/// what all of them came to.
+void require_available(std::span<const GivenSetting> given, const FitSettings& settings);
 
 /// What planish-mpi has besides the options of planish.
 struct MpiSettings {
@@ -43,5 +62,27 @@ void claim_files(const std::vector<MpiJob>& jobs, const std::string& scene, cons
 
 /// Makes the folders of a job's outputs that are missing. Throws Error{UnwritableOutput}.
 void make_folders(const MpiJob& job);
+
+/// The text of the report, as report.schema.json has it under `distributed`.
+[[nodiscard]] std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& job,
+                                     const DistributedFit& fit, ExitCode exit_code);
+
+/// Some lines for people: the mesh, what was written, what phases took; without the last line end.
+[[nodiscard]] std::string mpi_summary(const MpiJob& job, const DistributedFit& fit);
+
+/// What the command line asks for.
+struct MpiRequest {
+  std::string text;                ///< to be printed instead of any work: help or version
+  std::vector<Job> jobs;           ///< of `fit` its one
+  std::string scene;               ///< of `run`
+  std::vector<std::string> names;  ///< jobs of it; all where none is named
+  MpiSettings own;
+  MessageFlags messages;
+};
+
+/// Reads the command line, whose flags are those of `planish fit` and `planish run` with a few
+/// more. Throws Error{InvalidArgument} naming the flag for what is wrong, and for what ranks have
+/// not.
+[[nodiscard]] MpiRequest parse_mpi_flags(const std::vector<std::string>& arguments);
 
 }  // namespace planish::command

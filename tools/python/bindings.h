@@ -3,17 +3,19 @@
 #include <pybind11/pybind11.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
-#include "options.h"
+#include "call.h"
 #include "planish/edit/editor.h"
-#include "planish/files/input_files.h"
+#include "planish/files/mesh_file.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/surface/surface_mesh.h"
+#include "planish/surface/surface_blocks.h"
 
 namespace planish::python {
 
@@ -103,5 +105,17 @@ void write(const std::string& path, const pybind11::object& what, int level,
 
 /// A path of Python's: text, bytes or os.PathLike.
 [[nodiscard]] std::string path_of(const pybind11::object& path);
+
+/// All that a Mesh, a Surface or a Fit holds as bytes, for pickles of this version of planish on
+/// machines alike: no format for files.
+[[nodiscard]] std::string packed(const PythonMesh& mesh);
+[[nodiscard]] std::string packed(const PythonSurface& surface);
+[[nodiscard]] std::string packed(const PythonFit& fit);
+
+/// The same object from them. Throws Error{UnreadableInput} for bytes of another version or kind,
+/// or that end early.
+void unpack(std::string_view bytes, PythonMesh& mesh);
+void unpack(std::string_view bytes, PythonSurface& surface);
+void unpack(std::string_view bytes, PythonFit& fit);
 
 }  // namespace planish::python

@@ -2,8 +2,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "errors.h"
-#include "planish/core/counted.h"
+#include "call.h"
+#include "planish/core/words.h"
 #include "planish/edit/editor.h"
 
 namespace py = pybind11;

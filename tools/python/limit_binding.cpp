@@ -5,11 +5,11 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "errors.h"
-#include "planish/core/formatted.h"
+#include "call.h"
+#include "planish/adaptive/adaptive_blocks.h"
+#include "planish/core/error.h"
 #include "planish/core/parallel.h"
-#include "planish/limit/limit_attributes.h"
-#include "planish/limit/surface_queries.h"
+#include "planish/queries/surface_queries.h"
 
 namespace py = pybind11;
 

@@ -1,4 +1,4 @@
-#include "quality/animation.h"
+#include "quality/tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,10 @@
 #include <numbers>
 #include <vector>
 
-#include "make_scenes/rocker_arm.h"
-#include "planish/backend/cpu_backend.h"
+#include "make_scenes/models.h"
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/angle_between.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/solve/backend.h"
 #include "quality/figures.h"
 
 namespace planish::quality {

@@ -1,4 +1,4 @@
-#include "quality/cases.h"
+#include "quality/tables.h"
 
 #include <algorithm>
 #include <array>
@@ -9,22 +9,18 @@
 #include <numbers>
 #include <utility>
 
-#include "make_scenes/bust.h"
-#include "make_scenes/random_mesh.h"
-#include "make_scenes/random_numbers.h"
-#include "make_scenes/revolve.h"
-#include "make_scenes/rocker_arm.h"
-#include "make_scenes/scan.h"
+#include "make_scenes/models.h"
+#include "make_scenes/sample_points.h"
 #include "make_scenes/shapes.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/features/find_features.h"
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/pair_triangles.h"
-#include "planish/mesh/repair.h"
-#include "planish/mesh/triangle_edges.h"
-#include "planish/mesh/used_vertices.h"
-#include "planish/reconstruct/simplify.h"
-#include "quality/random_sphere.h"
+#include "planish/mend/repair.h"
+#include "planish/mesh/edge_groups.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/quads/pair_triangles.h"
+#include "planish/reconstruct/reconstruct.h"
+#include "planish/solve/backend.h"
+#include "quality/wild_shapes.h"
 
 namespace planish::quality {
 

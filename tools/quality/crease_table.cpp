@@ -1,4 +1,4 @@
-#include "quality/crease_table.h"
+#include "quality/tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,12 @@
 #include <set>
 #include <utility>
 
-#include "make_scenes/bust.h"
-#include "make_scenes/revolve.h"
-#include "make_scenes/rocker_arm.h"
+#include "make_scenes/models.h"
 #include "planish/features/find_features.h"
-#include "planish/mesh/area_vector.h"
+#include "planish/mesh/face_geometry.h"
 #include "planish/mesh/mesh_topology.h"
-#include "planish/mesh/placement.h"
-#include "quality/part_shapes.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "quality/part_maker.h"
 #include "quality/wild_shapes.h"
 
 namespace planish::quality {

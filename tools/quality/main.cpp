@@ -8,18 +8,8 @@
 
 #include "planish/files/mesh_file.h"
 #include "planish/reconstruct/mesher_process.h"
-#include "quality/animation.h"
-#include "quality/cases.h"
-#include "quality/choice_table.h"
-#include "quality/crease_table.h"
-#include "quality/default_table.h"
 #include "quality/figures.h"
-#include "quality/irregular_cases.h"
-#include "quality/irregular_table.h"
-#include "quality/prop_table.h"
-#include "quality/verdict.h"
-#include "quality/wild_cases.h"
-#include "quality/wild_table.h"
+#include "quality/tables.h"
 
 namespace {
 

@@ -6,20 +6,181 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <set>
+#include <utility>
 #include <vector>
 
-#include "make_scenes/bust.h"
 #include "make_scenes/implicit.h"
-#include "make_scenes/random_numbers.h"
+#include "make_scenes/models.h"
+#include "make_scenes/sample_points.h"
 #include "make_scenes/shapes.h"
-#include "make_scenes/surface_nets.h"
-#include "planish/mesh/placement.h"
-#include "planish/mesh/repair.h"
-#include "planish/mesh/triangle_edges.h"
-#include "planish/mesh/used_vertices.h"
-#include "planish/reconstruct/simplify.h"
+#include "planish/mend/repair.h"
+#include "planish/mesh/edge_groups.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/reconstruct/reconstruct.h"
 
 namespace planish::quality {
+
+std::vector<glm::dvec3> random_sphere_points(std::int32_t count, std::uint32_t seed) {
+  shapes::RandomNumbers random(seed);
+  std::vector<glm::dvec3> points;
+  for (std::int32_t i = 0; i < count; ++i) {
+    const double z = 2 * random.unit() - 1, angle = 2 * std::numbers::pi * random.unit();
+    const double radius = std::sqrt(1 - z * z);
+    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+  }
+  return points;
+}
+
+std::vector<Triangle> delaunay_on_sphere(const std::vector<glm::dvec3>& points) {
+  const auto sees = [&](const glm::dvec3& p, const Triangle& t) {
+    const glm::dvec3& origin = points[t[0]];
+    return glm::dot(glm::cross(points[t[1]] - origin, points[t[2]] - origin), p - origin) > 0;
+  };
+  std::vector<Triangle> hull{{0, 1, 2}, {0, 2, 1}};
+  // Every further point lies outside: what it sees gives way to a fan around the rim.
+  for (std::int32_t p = 3; p < static_cast<std::int32_t>(points.size()); ++p) {
+    std::set<std::pair<std::int32_t, std::int32_t>> rim;
+    std::erase_if(hull, [&](const Triangle& t) {
+      if (!sees(points[p], t)) return false;
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t a = t[k], b = t[(k + 1) % 3];
+        if (rim.erase({b, a}) == 0) rim.insert({a, b});
+      }
+      return true;
+    });
+    for (const auto& [a, b] : rim) hull.push_back({a, b, p});
+  }
+  return hull;
+}
+
+namespace {
+
+constexpr double kRound = 2 * std::numbers::pi;
+
+// Circles of the plane are circles of the sphere, so that the hull of the points on it and of the
+// pole, left out again, is Delaunay's triangulation. Counter-clockwise.
+std::vector<Triangle> delaunay_in_plane(std::span<const glm::dvec2> points) {
+  std::vector<glm::dvec3> on_sphere;
+  for (const glm::dvec2& p : points) {
+    const double square = glm::dot(p, p);
+    on_sphere.emplace_back(glm::dvec3(2 * p.x, 2 * p.y, square - 1) / (square + 1));
+  }
+  const auto pole = static_cast<std::int32_t>(on_sphere.size());
+  on_sphere.emplace_back(0, 0, 1);
+  std::vector<Triangle> triangles = delaunay_on_sphere(on_sphere);
+  std::erase_if(triangles, [&](const Triangle& t) { return std::ranges::count(t, pole) > 0; });
+  // From outside the sphere the plane is seen from below.
+  for (Triangle& t : triangles) std::swap(t[1], t[2]);
+  return triangles;
+}
+
+}  // namespace
+
+PolygonMesh hull_of_directions(std::int32_t count, std::uint32_t seed,
+                               const std::function<glm::dvec3(const glm::dvec3&)>& map) {
+  std::vector<glm::dvec3> points = random_sphere_points(count, seed);
+  PolygonMesh mesh = polygons_of(delaunay_on_sphere(points));
+  for (glm::dvec3& p : points) p = map(p);
+  mesh.positions = std::move(points);
+  return mesh;
+}
+
+PolygonMesh sheet_over_disc(std::int32_t inner, std::int32_t rim, std::uint32_t seed,
+                            const std::function<glm::dvec3(const glm::dvec2&)>& map) {
+  constexpr double kInside = 0.97;
+  shapes::RandomNumbers random(seed);
+  std::vector<glm::dvec2> points;
+  for (std::int32_t i = 0; i < inner; ++i) {
+    const double radius = kInside * std::sqrt(random.unit()), angle = kRound * random.unit();
+    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  for (std::int32_t i = 0; i < rim; ++i) {
+    const double angle = kRound * (i + 0.35 * random.sway()) / rim;
+    points.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  PolygonMesh mesh = polygons_of(delaunay_in_plane(points));
+  for (const glm::dvec2& p : points) mesh.positions.push_back(map(p));
+  return mesh;
+}
+
+PolygonMesh uneven_torus(std::int32_t count, std::uint32_t seed, double radius,
+                         double tube_radius) {
+  shapes::RandomNumbers random(seed);
+  // Unrolled, and its eight neighbours; as small as the plane's part that the sphere shows well.
+  const glm::dvec2 size(1, tube_radius / radius);
+  std::vector<glm::dvec2> points;
+  for (std::int32_t i = 0; i < count; ++i) {
+    const double x = random.unit(), y = random.unit();
+    points.push_back(size * glm::dvec2(x, y));
+  }
+  const std::vector<glm::dvec2> own = points;
+  for (const double dx : {-1, 0, 1})
+    for (const double dy : {-1, 0, 1})
+      if (dx != 0 || dy != 0)
+        for (const glm::dvec2& p : own) points.push_back(p + size * glm::dvec2(dx, dy));
+  std::vector<glm::dvec2> centred = points;
+  for (glm::dvec2& p : centred) p -= 0.5 * size;
+  PolygonMesh mesh;
+  for (const Triangle& t : delaunay_in_plane(centred)) {
+    const glm::dvec2 middle = (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
+    if (middle.x < 0 || middle.x >= size.x || middle.y < 0 || middle.y >= size.y) continue;
+    mesh.add_face(std::array{t[0] % count, t[1] % count, t[2] % count});
+  }
+  for (const glm::dvec2& p : own) {
+    const double u = kRound * p.x, v = kRound * p.y / size.y;
+    const double r = radius + tube_radius * std::cos(v);
+    mesh.positions.emplace_back(r * std::cos(u), r * std::sin(u), tube_radius * std::sin(v));
+  }
+  return mesh;
+}
+
+PolygonMesh knot(std::int32_t along, std::int32_t around) {
+  constexpr double kTube = 0.45;
+  PolygonMesh mesh;
+  const auto centre = [](double t) {
+    return glm::dvec3(std::sin(t) + 2 * std::sin(2 * t), std::cos(t) - 2 * std::cos(2 * t),
+                      -std::sin(3 * t));
+  };
+  for (std::int32_t i = 0; i < along; ++i) {
+    const double t = kRound * i / along, step = 1e-4;
+    const glm::dvec3 tangent = glm::normalize(centre(t + step) - centre(t - step));
+    // The knot lies around a torus: what points away from its middle is never along it.
+    const glm::dvec3 c = centre(t);
+    const glm::dvec3 out = glm::dvec3(c.x, c.y, 0);
+    const glm::dvec3 e1 = glm::normalize(out - glm::dot(out, tangent) * tangent);
+    const glm::dvec3 e2 = glm::cross(tangent, e1);
+    for (std::int32_t j = 0; j < around; ++j) {
+      const double angle = kRound * j / around;
+      mesh.positions.push_back(c + kTube * (std::cos(angle) * e1 + std::sin(angle) * e2));
+      const std::int32_t next = (i + 1) % along, up = (j + 1) % around;
+      mesh.add_face(
+          std::array{around * i + j, around * i + up, around * next + up, around * next + j});
+    }
+  }
+  return mesh;
+}
+
+PolygonMesh simplified_within(const PolygonMesh& dense, double tolerance) {
+  std::vector<Triangle> triangles;
+  for (std::int32_t f = 0; f < dense.face_count(); ++f) {
+    const auto face = dense.face(f);
+    std::vector<std::uint32_t> cut(3 * (face.size() - 2));
+    std::vector<glm::dvec3> corners;
+    for (const std::int32_t v : face) corners.push_back(dense.positions[v]);
+    std::vector<std::int32_t> numbers(face.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::int32_t>(i);
+    triangulate(numbers, corners, cut);
+    for (std::size_t i = 0; i < cut.size(); i += 3)
+      triangles.push_back({face[cut[i]], face[cut[i + 1]], face[cut[i + 2]]});
+  }
+  const SimplifiedMesh simplified =
+      simplify(dense.positions, triangles, {.tolerance = tolerance * placement_of(dense).diagonal});
+  PolygonMesh mesh = polygons_of(simplified.triangles);
+  mesh.positions = dense.positions;
+  return without_unused_vertices(mesh).mesh;
+}
 
 namespace {
 
@@ -364,6 +525,247 @@ PolygonMesh mitred_pipe(std::int32_t sides, double length, std::uint32_t seed) {
     add_triangle(mesh, 3 * sides, 3 * sides + i, 3 * sides + i + 1);
   }
   return mesh;
+}
+
+namespace {
+
+constexpr double kLoftTurn = 2 * std::numbers::pi;
+
+struct LoftRing {
+  std::int32_t first, count;
+};
+
+// An ellipse whose second axis is `flat` times its first, turned by `start` of its parameter.
+LoftRing add_ellipse(PolygonMesh& mesh, std::int32_t count, double radius, double flat, double z,
+                     double start) {
+  const LoftRing ring{mesh.vertex_count(), count};
+  for (std::int32_t i = 0; i < count; ++i) {
+    const double angle = kLoftTurn * i / count + start;
+    mesh.positions.emplace_back(radius * std::cos(angle), flat * radius * std::sin(angle), z);
+  }
+  return ring;
+}
+
+// Triangles between two rings, ahead on the one that is behind.
+void add_loft_band(PolygonMesh& mesh, const LoftRing& low, const LoftRing& high) {
+  for (std::int32_t i = 0, j = 0; i < low.count || j < high.count;) {
+    const std::int32_t a = low.first + i % low.count, b = high.first + j % high.count;
+    if (j >= high.count || (i < low.count && (i + 1) * high.count <= (j + 1) * low.count)) {
+      mesh.add_face(std::array{a, low.first + ++i % low.count, b});
+    } else {
+      mesh.add_face(std::array{a, high.first + ++j % high.count, b});
+    }
+  }
+}
+
+}  // namespace
+
+PolygonMesh flat_loft(std::int32_t sides, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  PolygonMesh mesh;
+  const LoftRing bottom = add_ellipse(mesh, sides, 2, 0.1, 0, 0);
+  const LoftRing neck = add_ellipse(mesh, sides, 0.4, 1, 4, 1 + 0.4 * random.unit());
+  const LoftRing top = add_ellipse(mesh, 2 * sides + 2, 1.5, 0.3, 4.3, 0);
+  add_loft_band(mesh, bottom, neck);
+  add_loft_band(mesh, neck, top);
+  for (std::int32_t i = 1; i + 1 < bottom.count; ++i)
+    mesh.add_face(std::array{bottom.first, bottom.first + i + 1, bottom.first + i});
+  for (std::int32_t i = 1; i + 1 < top.count; ++i)
+    mesh.add_face(std::array{top.first, top.first + i, top.first + i + 1});
+  return mesh;
+}
+
+PolygonMesh torn_sheet(std::int32_t spokes, std::int32_t rings, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  const auto sway = [&] { return 2 * random.unit() - 1; };
+  constexpr double kGap = 14 * std::numbers::pi / 180;
+  PolygonMesh mesh;
+  mesh.positions.emplace_back(0.0, 0.0, 0.0);
+  const double step = (kLoftTurn - kGap) / spokes;
+  for (std::int32_t r = 1; r <= rings; ++r) {
+    for (std::int32_t i = 0; i <= spokes; ++i) {
+      const bool is_lip = i == 0 || i == spokes;
+      const double angle = kGap / 2 + step * (i + (is_lip ? 0 : 0.25 * sway()));
+      const double slope = 1 - 1.6 * i / spokes + 0.3 * std::sin(3 * angle);
+      mesh.positions.emplace_back(r * std::cos(angle), r * std::sin(angle),
+                                  r * slope + 0.05 * sway());
+    }
+  }
+  for (std::int32_t i = 0; i < spokes; ++i) mesh.add_face(std::array{0, 1 + i, 2 + i});
+  for (std::int32_t r = 0; r + 1 < rings; ++r) {
+    for (std::int32_t i = 0; i < spokes; ++i) {
+      const std::int32_t a = 1 + r * (spokes + 1) + i, b = a + 1, c = b + spokes + 1,
+                         d = a + spokes + 1;
+      const bool other = random.below(2) == 0;
+      mesh.add_face(other ? std::array{a, d, c} : std::array{a, d, b});
+      mesh.add_face(other ? std::array{a, c, b} : std::array{d, c, b});
+    }
+  }
+  return mesh;
+}
+
+namespace {
+
+constexpr double kWholeTurn = 2 * std::numbers::pi;
+
+PolygonMesh sound(const PolygonMesh& mesh) {
+  return without_unused_vertices(repair(mesh).mesh).mesh;
+}
+
+void append(PolygonMesh& mesh, const PolygonMesh& part) {
+  const std::int32_t first = mesh.vertex_count();
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  std::vector<std::int32_t> corners;
+  for (std::int32_t f = 0; f < part.face_count(); ++f) {
+    corners.clear();
+    for (const std::int32_t v : part.face(f)) corners.push_back(first + v);
+    mesh.add_face(corners);
+  }
+}
+
+// Two fans about hubs and a band of needles between, their angles by lot.
+PolygonMesh drum(std::int32_t sides, double radius, double height, RandomNumbers& random) {
+  PolygonMesh mesh;
+  for (const double z : {-height / 2, height / 2}) {
+    for (std::int32_t i = 0; i < sides; ++i) {
+      const double angle = kWholeTurn * (i + 0.45 * random.sway()) / sides;
+      mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    }
+  }
+  mesh.positions.emplace_back(0.3 * radius, 0.2 * radius, -height / 2);
+  mesh.positions.emplace_back(-0.4 * radius, 0.1 * radius, height / 2);
+  for (std::int32_t i = 0; i < sides; ++i) {
+    const std::int32_t next = (i + 1) % sides;
+    mesh.add_face(std::array{i, next, sides + next});
+    mesh.add_face(std::array{i, sides + next, sides + i});
+    mesh.add_face(std::array{next, i, 2 * sides});
+    mesh.add_face(std::array{sides + i, sides + next, 2 * sides + 1});
+  }
+  return mesh;
+}
+
+dvec3 upright(const dvec3& direction) {
+  return glm::normalize(
+      glm::cross(direction, std::abs(direction.z) < 0.9 ? dvec3(0, 0, 1) : dvec3(1, 0, 0)));
+}
+
+}  // namespace
+
+PolygonMesh crossing_parts(std::int32_t sides, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  PolygonMesh mesh = drum(sides, 0.5, 2.5, random);
+  PolygonMesh across = drum(sides + 7, 0.35, 2, random);
+  for (dvec3& p : across.positions) p = dvec3(p.z, p.x + 0.1, p.y + 0.2);
+  PolygonMesh ball = shapes::pole_sphere(sides, 6);
+  const dvec3 middle(0.2, -0.1, 0.6 + 0.1 * random.sway());
+  for (dvec3& p : ball.positions) p = 0.7 * p + middle;
+  append(mesh, across);
+  append(mesh, ball);
+  return sound(mesh);
+}
+
+PolygonMesh touching_tori(std::int32_t around, std::int32_t count, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  constexpr std::int32_t kAcross = 8;
+  PolygonMesh mesh;
+  const double radius = 0.5 + 0.2 * random.unit();
+  // Ring kAcross / 4 of one torus is the ring below of the next.
+  std::vector<std::int32_t> shared(static_cast<std::size_t>(around), -1), top = shared;
+  for (std::int32_t torus = 0; torus < count; ++torus) {
+    std::vector<std::int32_t> numbers;
+    for (std::int32_t i = 0; i < around; ++i) {
+      for (std::int32_t j = 0; j < kAcross; ++j) {
+        const double a = kWholeTurn * i / around, b = kWholeTurn * j / kAcross;
+        if (j == 3 * kAcross / 4 && shared[i] >= 0) {
+          numbers.push_back(shared[i]);
+          continue;
+        }
+        const double reach = 2 + radius * std::cos(b) * (1 + 0.1 * std::sin(3 * a + torus));
+        numbers.push_back(mesh.vertex_count());
+        mesh.positions.emplace_back(reach * std::cos(a), reach * std::sin(a),
+                                    radius * (std::sin(b) + 2 * torus));
+        if (j == kAcross / 4) top[i] = numbers.back();
+      }
+    }
+    for (std::int32_t i = 0; i < around; ++i) {
+      for (std::int32_t j = 0; j < kAcross; ++j) {
+        const std::int32_t in = (i + 1) % around, jn = (j + 1) % kAcross;
+        mesh.add_face(std::array{numbers[i * kAcross + j], numbers[in * kAcross + j],
+                                 numbers[in * kAcross + jn], numbers[i * kAcross + jn]});
+      }
+    }
+    std::swap(shared, top);
+  }
+  return sound(mesh);
+}
+
+PolygonMesh loose_sheets(std::int32_t count, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  PolygonMesh mesh;
+  const std::vector<dvec3> places = random_sphere_points(count, seed);
+  for (const dvec3& place : places) {
+    const dvec3 along = upright(place), left = glm::cross(place, along);
+    const double size = 1.5 / std::sqrt(count) * (0.3 + random.unit());
+    const std::int32_t faces = 1 + random.below(6), first = mesh.vertex_count();
+    // A fan of triangles, or a strip of quads.
+    const bool is_fan = random.below(2) == 0;
+    if (is_fan) mesh.positions.push_back(place);
+    for (std::int32_t i = 0; i <= faces; ++i) {
+      const double angle = (i + 0.3 * random.sway()) * kWholeTurn / 9;
+      const dvec3 across = std::cos(angle) * along + std::sin(angle) * left;
+      const dvec3 rise = 0.3 * random.sway() * place;
+      mesh.positions.push_back(place + size * (across + rise));
+      if (!is_fan) mesh.positions.push_back(place + size * (0.4 * across + rise));
+      if (i == 0) continue;
+      if (is_fan)
+        mesh.add_face(std::array{first, first + i, first + i + 1});
+      else
+        mesh.add_face(
+            std::array{first + 2 * i - 1, first + 2 * i - 2, first + 2 * i, first + 2 * i + 1});
+    }
+  }
+  return sound(mesh);
+}
+
+PolygonMesh pinched_polygons(std::int32_t count, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  PolygonMesh triangles;
+  triangles.positions = random_sphere_points(count, seed);
+  for (const Triangle& t : delaunay_on_sphere(triangles.positions)) triangles.add_face(t);
+  PolygonMesh mesh = shapes::dual(triangles);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    if (face.size() < 6 || random.below(2) == 0) continue;
+    dvec3 &a = mesh.positions[face[0]], &b = mesh.positions[face[face.size() / 2]];
+    const dvec3 middle = 0.5 * (a + b);
+    a = middle + 0.1 * (a - middle);
+    b = middle + 0.1 * (b - middle);
+  }
+  return sound(mesh);
+}
+
+PolygonMesh holed_scan(std::int32_t points, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  constexpr int kGaps = 9;
+  std::vector<dvec3> gaps = random_sphere_points(kGaps, seed + 1);
+  std::vector<double> sizes;
+  for (int i = 0; i < kGaps; ++i) sizes.push_back(0.08 + 0.25 * random.unit());
+  PolygonMesh mesh;
+  const std::vector<dvec3> places = random_sphere_points(points, seed);
+  for (const dvec3& p : places) {
+    const double bumps =
+        0.12 * std::sin(5 * p.x + 1) * std::cos(4 * p.y) + 0.08 * std::sin(6 * p.z);
+    mesh.positions.push_back((1 + bumps + 1e-3 * random.sway()) * p);
+  }
+  for (const Triangle& t : delaunay_on_sphere(places)) {
+    const dvec3 middle = glm::normalize(places[t[0]] + places[t[1]] + places[t[2]]);
+    bool is_seen = true;
+    for (int i = 0; i < kGaps; ++i)
+      if (glm::distance(middle, gaps[i]) < sizes[i] * (1 + 0.2 * std::sin(40 * middle.x)))
+        is_seen = false;
+    if (is_seen) mesh.add_face(t);
+  }
+  return simplified(sound(mesh), 1e-3);
 }
 
 }  // namespace planish::quality

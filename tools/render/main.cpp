@@ -11,8 +11,7 @@
 
 #include "picture.h"
 #include "planish/core/error.h"
-#include "planish/files/image/png.h"
-#include "planish/files/input_files.h"
+#include "planish/files/images.h"
 #include "planish/files/mesh_file.h"
 
 namespace planish::render {

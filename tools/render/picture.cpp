@@ -6,15 +6,289 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
+#include <string_view>
+#include <utility>
 
-#include "dome_light.h"
+#include "planish/core/json.h"
 #include "planish/core/parallel.h"
-#include "planish/core/point_bounds.h"
-#include "planish/job/page/colours.h"
-#include "planish/job/page/rasterise.h"
+#include "planish/core/vectors.h"
+#include "planish/files/gltf/gltf_source.h"
+#include "planish/files/gltf/read_gltf.h"
+#include "planish/files/read_file.h"
+#include "planish/job/page/render.h"
 
 namespace planish::render {
+namespace {
+
+// Turns normals as the surface turns: by cofactors, which need no inverse.
+glm::dmat3 normals_transform(const glm::dmat3& m) {
+  const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
+                             glm::cross(m[0], m[1]));
+  return glm::determinant(m) < 0 ? -cofactors : cofactors;
+}
+
+class SceneDrawing {
+ public:
+  SceneDrawing(const JsonPlace& root, GltfSource& source, std::string_view file,
+               const std::string& attribute)
+      : root_(root), source_(source), budget_({}, file), attribute_(attribute) {}
+
+  RenderMesh read() {
+    const std::vector<GltfInstance> instances = gltf_scene(root_, source_).instances;
+    if (!instances.empty()) mesh_.origin = instances.front().to_world[3];
+    for (const GltfInstance& instance : instances) {
+      const JsonPlace primitives = root_["meshes"][instance.mesh]["primitives"];
+      for (std::int64_t i = 0; i < primitives.array_size(); ++i)
+        add_primitive(primitives[i], instance.to_world);
+    }
+    if (mesh_.indices.empty()) root_.fail("its default scene places no triangles");
+    return std::move(mesh_);
+  }
+
+ private:
+  void add_primitive(const JsonPlace& primitive, const glm::dmat4& to_world);
+
+  const JsonPlace& root_;
+  GltfSource& source_;
+  GltfBudget budget_;
+  const std::string& attribute_;
+  RenderMesh mesh_;
+};
+
+// Appends triangles.
+void SceneDrawing::add_primitive(const JsonPlace& primitive, const glm::dmat4& to_world) {
+  const auto accessor = [&](const JsonPlace& place, GltfAccessor::Use use) {
+    return GltfAccessor(root_, place.integer(), use, source_);
+  };
+  const JsonPlace attributes = primitive["attributes"];
+  const GltfAccessor positions = accessor(attributes["POSITION"], GltfAccessor::Use::Positions);
+  // Vectors of three as well.
+  const GltfAccessor normals = accessor(attributes["NORMAL"], GltfAccessor::Use::Positions);
+  const GltfAccessor indices = accessor(primitive["indices"], GltfAccessor::Use::Indices);
+  if (normals.count() != positions.count())
+    attributes["NORMAL"].fail("{} normals for {} vertices", normals.count(), positions.count());
+  budget_.add_triangles(primitive, positions.count(), indices.count());
+  const glm::dmat3 linear(to_world), turned = normals_transform(linear);
+  const glm::dvec3 shift = glm::dvec3(to_world[3]) - mesh_.origin;
+  const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
+  for (std::int64_t i = 0; i < positions.count(); ++i) {
+    mesh_.positions.emplace_back(linear * positions.position(i) + shift);
+    mesh_.normals.push_back(glm::normalize(glm::vec3(turned * normals.position(i))));
+  }
+  if (!attribute_.empty()) {
+    const GltfAccessor values = accessor(attributes[attribute_], GltfAccessor::Use::Numbers);
+    if (values.count() != positions.count())
+      attributes[attribute_].fail("{} numbers for {} vertices", values.count(), positions.count());
+    for (std::int64_t i = 0; i < values.count(); ++i)
+      mesh_.values.push_back(static_cast<float>(values.value(i)));
+  }
+  for (std::int64_t i = 0; i < indices.count(); ++i) {
+    if (indices.index(i) >= positions.count())
+      primitive["indices"].fail("entry {} names no vertex", i);
+    mesh_.indices.push_back(first + indices.index(i));
+  }
+}
+
+}  // namespace
+
+RenderMesh read_glb(const std::filesystem::path& path, const std::string& attribute) {
+  const RawVector<std::byte> bytes = read_file(path);
+  const std::string name = path.string();
+  const GlbParts parts = split_glb(bytes, name);
+  const nlohmann::json document = parse_json(parts.json, name);
+  const JsonPlace root(document, name, "");
+  GltfSource source(root, parts.chunk, FileBytes{});
+  return SceneDrawing(root, source, name, attribute).read();
+}
+
+float usual_magnitude(const std::vector<float>& values) {
+  std::vector<float> sizes;
+  for (const float value : values)
+    if (std::isfinite(value)) sizes.push_back(std::abs(value));
+  if (sizes.empty()) return 1;
+  const auto place = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 19 / 20);
+  std::nth_element(sizes.begin(), place, sizes.end());
+  return *place > 0 ? *place : 1;
+}
+
+std::vector<float> curvature_of(const RenderMesh& mesh) {
+  const auto [low, high] = point_bounds(mesh.positions);
+  const float diagonal = glm::distance(low, high);
+  std::vector<float> sum(mesh.positions.size()), count(mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+    const std::uint32_t a = mesh.indices[i];
+    const std::uint32_t b = mesh.indices[i % 3 == 2 ? i - 2 : i + 1];
+    const float length = glm::distance(mesh.positions[a], mesh.positions[b]);
+    if (length <= 0) continue;
+    const float turn = glm::distance(mesh.normals[a], mesh.normals[b]) / length * diagonal;
+    for (const std::uint32_t v : {a, b}) {
+      sum[v] += turn;
+      count[v] += 1;
+    }
+  }
+  for (std::size_t v = 0; v < sum.size(); ++v) sum[v] /= std::max(count[v], 1.0f);
+  return sum;
+}
+
+namespace {
+
+// Each lamp is far away: the mesh is drawn once into a depth map for each, and points behind what
+// the lamp sees are in its shadow.
+
+constexpr int kMapSize = 640;
+constexpr int kRoomLamps = 192, kKeyLamps = 64, kFillLamps = 24;
+constexpr float kKeyPower = 1.0f, kFillPower = 0.2f, kRoomPower = 0.32f;
+constexpr float kFloorBrightness = 0.55f;  // of the room's ceiling
+constexpr float kGoldenAngle = 2.399963f;
+// Texels by which a point is lifted off its own surface.
+constexpr float kBias = 2.0f;
+
+struct Frame {
+  glm::vec3 u, v, w;
+};
+
+Frame frame_about(const glm::vec3& w) {
+  const glm::vec3 helper = std::abs(w.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+  const glm::vec3 u = glm::normalize(glm::cross(helper, w));
+  return {u, glm::cross(w, u), w};
+}
+
+}  // namespace
+
+DomeLight::DomeLight(const RenderMesh& mesh, const Camera& camera) : mesh_(mesh) {
+  const auto [low, high] = point_bounds(mesh.positions);
+  centre_ = 0.5f * (low + high);
+  radius_ = 0.5f * glm::distance(low, high);
+  const glm::vec3 back = -camera.forward;
+  key_ = glm::normalize(back * 0.65f - camera.right * 0.6f + glm::vec3(0, 0.95f, 0));
+  add_cone(key_, 16, kKeyLamps, kKeyPower);
+  add_cone(glm::normalize(back * 0.4f + camera.right + glm::vec3(0, 0.25f, 0)), 20, kFillLamps,
+           kFillPower);
+  for (int i = 0; i < kRoomLamps; ++i) {
+    const float y = 1 - 2 * (static_cast<float>(i) + 0.5f) / kRoomLamps;
+    const float r = std::sqrt(1 - y * y), angle = kGoldenAngle * static_cast<float>(i);
+    const float brightness = glm::mix(kFloorBrightness, 1.0f, glm::smoothstep(-0.2f, 0.6f, y));
+    // An even dome of power 4 / n a lamp lights a free point with 1.
+    lamps_.push_back(
+        {{r * std::cos(angle), y, r * std::sin(angle)}, kRoomPower * brightness * 4 / kRoomLamps});
+  }
+  unit_ = 1 / free_irradiance(key_);
+}
+
+void DomeLight::add_cone(const glm::vec3& axis, float half_angle_degrees, int count, float power) {
+  const Frame frame = frame_about(axis);
+  const float spread = std::tan(glm::radians(half_angle_degrees));
+  for (int i = 0; i < count; ++i) {
+    const float r = spread * std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(count));
+    const float angle = kGoldenAngle * static_cast<float>(i);
+    lamps_.push_back(
+        {glm::normalize(axis + r * (std::cos(angle) * frame.u + std::sin(angle) * frame.v)),
+         power / static_cast<float>(count)});
+  }
+}
+
+float DomeLight::free_irradiance(const glm::vec3& normal) const {
+  float sum = 0;
+  for (const Lamp& lamp : lamps_) {
+    sum += lamp.power * std::max(0.0f, glm::dot(normal, lamp.direction));
+  }
+  return sum * unit_;
+}
+
+std::vector<float> DomeLight::irradiance(const std::vector<LitPoint>& points) const {
+  // Summed in lamp order, so that the picture does not depend on the threads.
+  std::vector<float> sum(points.size());
+  const float texel = 2 * radius_ / (kMapSize - 4);
+  for (const Lamp& lamp : lamps_) {
+    const Frame frame = frame_about(lamp.direction);
+    const auto to_map = [&](const glm::vec3& p) {
+      const glm::vec3 d = p - centre_;
+      return glm::vec3(glm::dot(d, frame.u) / texel + kMapSize / 2.0f,
+                       glm::dot(d, frame.v) / texel + kMapSize / 2.0f, glm::dot(d, frame.w));
+    };
+    std::vector<glm::vec3> projected(mesh_.positions.size());
+    parallel_each(projected.size(), 4096,
+                  [&](std::size_t i) { projected[i] = to_map(mesh_.positions[i]); });
+    VisibilityBuffer map(kMapSize, kMapSize);
+    constexpr int kBandRows = kMapSize / 4;
+    parallel_for(kMapSize / kBandRows, 1, [&](std::size_t begin, std::size_t end) {
+      rasterise(projected, mesh_.indices, static_cast<int>(begin) * kBandRows,
+                static_cast<int>(end) * kBandRows, map);
+    });
+    parallel_each(points.size(), 4096, [&](std::size_t i) {
+      const float cosine = glm::dot(points[i].normal, lamp.direction);
+      if (cosine <= 0) return;
+      const glm::vec3 at = to_map(points[i].position + kBias * texel * points[i].normal);
+      const int x = static_cast<int>(std::floor(at.x - 0.5f));
+      const int y = static_cast<int>(std::floor(at.y - 0.5f));
+      float seen = 1;
+      if (x >= 0 && y >= 0 && x + 1 < kMapSize && y + 1 < kMapSize) {
+        const float fx = at.x - 0.5f - static_cast<float>(x);
+        const float fy = at.y - 0.5f - static_cast<float>(y);
+        const auto lit = [&](int dx, int dy) {
+          return map.nearness[map.at(x + dx, y + dy)] <= at.z + kBias * texel ? 1.0f : 0.0f;
+        };
+        seen = glm::mix(glm::mix(lit(0, 0), lit(1, 0), fx), glm::mix(lit(0, 1), lit(1, 1), fx), fy);
+      }
+      sum[i] += lamp.power * cosine * seen * unit_;
+    });
+  }
+  return sum;
+}
+
+namespace {
+
+// A round dot, entered where it is nearer than what is there.
+void draw_dot(const glm::vec3& at, float width, std::uint32_t what, VisibilityBuffer& buffer) {
+  const float radius = width / 2;
+  const int x0 = std::max(0, static_cast<int>(at.x - radius));
+  const int x1 = std::min(buffer.width - 1, static_cast<int>(at.x + radius));
+  const int y0 = std::max(0, static_cast<int>(at.y - radius));
+  const int y1 = std::min(buffer.height - 1, static_cast<int>(at.y + radius));
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const glm::vec2 d(static_cast<float>(x) + 0.5f - at.x, static_cast<float>(y) + 0.5f - at.y);
+      const std::size_t sample = buffer.at(x, y);
+      if (glm::dot(d, d) > radius * radius || at.z <= buffer.nearness[sample]) continue;
+      buffer.nearness[sample] = at.z;
+      buffer.what[sample] = what;
+    }
+  }
+}
+
+}  // namespace
+
+void draw_overlay(const PolygonMesh& mesh, const Camera& camera, const OverlayOptions& options,
+                  VisibilityBuffer& buffer) {
+  std::vector<glm::vec3> projected;
+  for (const glm::dvec3& p : mesh.positions) {
+    glm::vec3 at = camera.project(glm::vec3(p));
+    at.z *= 1 + options.lift;
+    projected.push_back(at);
+  }
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const glm::vec3 a = projected[face[i]], b = projected[face[(i + 1) % face.size()]];
+      const int steps = static_cast<int>(glm::distance(glm::vec2(a), glm::vec2(b))) + 1;
+      for (int s = 0; options.edge_width > 0 && s <= steps; ++s) {
+        const float t = static_cast<float>(s) / static_cast<float>(steps);
+        draw_dot(a + t * (b - a), options.edge_width, kEdgeSample, buffer);
+      }
+    }
+  }
+  if (options.vertex_width <= 0) return;
+  for (const glm::vec3& at : projected) {
+    // A little nearer than the edges that end there.
+    draw_dot({at.x, at.y, at.z * (1 + options.lift)}, options.vertex_width, kVertexSample, buffer);
+  }
+}
+
 namespace {
 
 constexpr int kScale = 4;  // samples along each side of a pixel

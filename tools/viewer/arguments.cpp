@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "help/manual.h"
+#include "help.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "view_settings.h"
+#include "scene.h"
 
 namespace planish::viewer {
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <utility>
 
-#include "camera.h"
 #include "headless.h"
 #include "planish/core/error.h"
+#include "scene.h"
 
 namespace planish::viewer {
 namespace {

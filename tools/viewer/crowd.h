@@ -5,11 +5,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "animation.h"
-#include "pipelines.h"
-#include "resources.h"
+#include "device.h"
 #include "scene.h"
-#include "targets.h"
 
 namespace planish::viewer {
 

@@ -6,8 +6,12 @@
 #include <limits>
 #include <string>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/files/formats.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/files/mesh_file.h"
+#include "planish/job/job_text.h"
+#include "planish/solve/backend.h"
 
 namespace planish::viewer {
 namespace {
@@ -202,5 +206,131 @@ bool EditSession::take(std::deque<Step>& from, std::deque<Step>& to) {
 
 bool EditSession::undo() { return take(past_, future_); }
 bool EditSession::redo() { return take(future_, past_); }
+
+namespace {
+
+constexpr float kHandle = 0.015f;  // how far beside the surface one is taken, of the height
+
+SurfaceRay surface_ray(const OrbitCamera& camera, float aspect, const glm::vec2& place) {
+  const PictureRay ray = camera.ray_through(place, aspect);
+  return {ray.origin, ray.direction};
+}
+
+}  // namespace
+
+std::optional<std::int32_t> EditHand::vertex_at(const OrbitCamera& camera, float aspect,
+                                                const glm::vec2& place) {
+  if (const auto vertex = session_.pick(surface_ray(camera, aspect, place))) return vertex;
+  std::optional<std::int32_t> nearest;
+  float least = kHandle;
+  const auto points = session_.points();
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    const auto at = camera.place_of(points[v], aspect);
+    if (!at) continue;
+    const float distance = glm::length((*at - place) * glm::vec2(aspect, 1));
+    if (distance >= least) continue;
+    least = distance;
+    nearest = static_cast<std::int32_t>(v);
+  }
+  return nearest;
+}
+
+std::optional<std::int32_t> EditHand::press(const OrbitCamera& camera, float aspect,
+                                            const glm::vec2& place, bool adds) {
+  release();
+  const auto vertex = vertex_at(camera, aspect, place);
+  if (!vertex) return std::nullopt;
+  if (adds) {
+    session_.toggle(*vertex);
+    return vertex;
+  }
+  if (!session_.is_selected(*vertex)) session_.select({*vertex});
+  const glm::dvec3 start = session_.points()[*vertex];
+  held_ = Held{start, place, camera.place_of(start, aspect).value_or(place)};
+  return vertex;
+}
+
+void EditHand::drag(const OrbitCamera& camera, float aspect, const glm::vec2& place) {
+  if (!held_ || (!held_->has_moved && place == held_->from)) return;
+  if (!held_->has_moved) session_.begin_drag();
+  held_->has_moved = true;
+  // The vertex keeps its way from the cursor, so that it does not jump when it is taken.
+  const glm::vec2 to = held_->handle + (place - held_->from);
+  session_.drag_to(camera.moved_to(held_->start, to, aspect) - held_->start);
+}
+
+void EditHand::release() {
+  if (held_ && held_->has_moved) session_.end_drag();
+  held_.reset();
+}
+
+bool EditHand::toggle_crease(const OrbitCamera& camera, float aspect, const glm::vec2& place) {
+  const auto edge = session_.pick_edge(surface_ray(camera, aspect, place));
+  if (!edge) return false;
+  session_.toggle_crease(edge->first, edge->second);
+  return true;
+}
+
+namespace {
+
+// Scenes are shown with y up; files have the axes of the input.
+void turn_back(const SaveOptions& options, PolygonMesh& mesh) {
+  if (options.settings.up != UpAxis::Z) return;
+  for (glm::dvec3& p : mesh.positions) p = {p.x, -p.z, p.y};
+}
+
+FileFormat format_for(const std::filesystem::path& path, SavedPart part) {
+  const auto format = format_of(path);
+  const bool is_surface = part == SavedPart::Surface;
+  if (format && (is_surface ? info_of(*format).is_gltf : serves(*format, FormatUse::WriteCage)))
+    return *format;
+  throw Error(ErrorCode::InvalidArgument,
+              path.string() + (is_surface ? ": surfaces are saved as .glb or .gltf"
+                                          : ": meshes and cages are saved as " +
+                                                extensions_in_words(FormatUse::WriteCage)));
+}
+
+void save_surface(const EditSession& session, const std::filesystem::path& path,
+                  const SaveOptions& options) {
+  GltfOptions gltf;
+  gltf.name = std::filesystem::path(options.source).stem().string();
+  if (gltf.name.empty()) gltf.name = "surface";
+  write_gltf(path, *session.editor().blocks(options.level), gltf);
+}
+
+}  // namespace
+
+SaveOptions save_options(const Scene& scene) {
+  return {scene.settings, scene.source, scene.system.level};
+}
+
+void save(const EditSession& session, SavedPart part, const std::filesystem::path& path,
+          const SaveOptions& options) {
+  const FileFormat format = format_for(path, part);
+  if (part == SavedPart::Surface) return save_surface(session, path, options);
+  PolygonMesh mesh = session.editor().mesh();
+  MeshWriteOptions write;
+  write.is_z_up = options.settings.up == UpAxis::Z;
+  if (part == SavedPart::Cage) {
+    const FitSettings& settings = options.settings;
+    const Fit fit = session.editor().fit();
+    mesh = control_cage(mesh, fit, settings.sharp());
+    write.header = cage_header_lines(
+        settings, fit.fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive,
+        options.source);
+    write.subdivision.has_sharp_boundary_corners = settings.boundary == BoundaryRule::EdgeAndCorner;
+  }
+  turn_back(options, mesh);
+  write_mesh(path, format, mesh, write);
+}
+
+std::string save_all(const EditSession& session, const std::string& prefix,
+                     const SaveOptions& options) {
+  const std::string mesh = prefix + ".obj", cage = prefix + "_cage.obj", surface = prefix + ".glb";
+  save(session, SavedPart::Mesh, mesh, options);
+  save(session, SavedPart::Cage, cage, options);
+  save(session, SavedPart::Surface, surface, options);
+  return "saved " + mesh + ", " + cage + ", " + surface;
+}
 
 }  // namespace planish::viewer

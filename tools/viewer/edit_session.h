@@ -3,14 +3,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "planish/edit/editor.h"
+#include "planish/pipeline/settings.h"
 #include "scene.h"
 
 namespace planish::viewer {
@@ -97,5 +101,58 @@ class EditSession {
   std::deque<Step> past_, future_;
   int revision_ = 0;
 };
+
+/// What the mouse does to a session, in a window and by a script alike. Places are in parts of the
+/// picture, (0, 0) its upper left, (1, 1) its lower right.
+class EditHand {
+ public:
+  explicit EditHand(EditSession& session) : session_(session) {}
+
+  /// The vertex under the place: of the face that is seen there, or, beside the surface, one whose
+  /// handle is less than 1.5 % of the height away.
+  [[nodiscard]] std::optional<std::int32_t> vertex_at(const OrbitCamera& camera, float aspect,
+                                                      const glm::vec2& place);
+  /// Takes hold of the vertex there, so that drag() moves it with the place; it becomes the
+  /// selection unless it belongs to it. `adds`: it joins the selection, or leaves it, and is not
+  /// held. Returns it.
+  std::optional<std::int32_t> press(const OrbitCamera& camera, float aspect, const glm::vec2& place,
+                                    bool adds);
+  [[nodiscard]] bool is_holding() const { return held_.has_value(); }
+  /// The held vertex goes to that place, at its distance along the view; the selection goes along.
+  void drag(const OrbitCamera& camera, float aspect, const glm::vec2& place);
+  void release();
+  /// Toggles the edge under the place; false where there is none.
+  bool toggle_crease(const OrbitCamera& camera, float aspect, const glm::vec2& place);
+
+ private:
+  struct Held {
+    glm::dvec3 start;  // of the vertex
+    glm::vec2 from;    // the place that was pressed
+    glm::vec2 handle;  // the vertex's place then
+    bool has_moved = false;
+  };
+  EditSession& session_;
+  std::optional<Held> held_;
+};
+
+/// What files of an edited scene say of it.
+struct SaveOptions {
+  FitSettings settings;  ///< of the scene; files have the axes of its input
+  std::string source;    ///< the input's file
+  int level = 2;         ///< of surfaces
+};
+[[nodiscard]] SaveOptions save_options(const Scene& scene);
+
+enum class SavedPart { Mesh, Cage, Surface };
+
+/// Writes the mesh with its moved points and tags (.obj, .ply, .off, .usda), the cage, which
+/// `planish verify` takes against such a mesh, or the surface (.glb, .gltf). Throws
+/// Error{InvalidArgument} for another extension, Error{UnwritableOutput}.
+void save(const EditSession& session, SavedPart part, const std::filesystem::path& path,
+          const SaveOptions& options);
+
+/// All three: PREFIX.obj, PREFIX_cage.obj and PREFIX.glb. Returns what was written, for people.
+std::string save_all(const EditSession& session, const std::string& prefix,
+                     const SaveOptions& options);
 
 }  // namespace planish::viewer

@@ -1,14 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
+#include "device.h"
 #include "edit_session.h"
 #include "overlay.h"
 #include "renderer.h"
-#include "targets.h"
 
 namespace planish::viewer {
 
@@ -66,5 +70,80 @@ class Headless {
   const EditSession* shown_ = nullptr;  // in the last frame
   int revision_ = 0;                    // of its rules
 };
+
+}  // namespace planish::viewer
+
+namespace planish::viewer {
+namespace steps {
+
+struct Pick {
+  glm::vec2 pixel;
+  bool adds = false;
+};
+struct Select {
+  std::vector<std::int32_t> vertices;
+};
+struct Radius {
+  double length = 0;
+};
+struct Move {
+  glm::dvec3 way{};
+  int frames = 1;
+};
+struct Drag {
+  glm::vec2 from, to;
+  int frames = 1;
+};
+struct Crease {
+  std::int32_t v0 = 0, v1 = 0;
+};
+struct CreaseAt {
+  glm::vec2 pixel;
+};
+struct Corner {
+  std::int32_t vertex = 0;
+};
+struct Undo {
+  int count = 1;
+};
+struct Redo {
+  int count = 1;
+};
+struct Frames {
+  int count = 1;
+};
+struct Picture {
+  std::string path;
+};
+struct Save {
+  SavedPart part = SavedPart::Mesh;
+  std::string path;
+};
+
+}  // namespace steps
+
+}  // namespace planish::viewer
+
+namespace planish::viewer {
+
+/// One line of a script.
+struct ScriptStep {
+  std::string where;  ///< file and line
+  std::variant<steps::Pick, steps::Select, steps::Radius, steps::Move, steps::Drag, steps::Crease,
+               steps::CreaseAt, steps::Corner, steps::Undo, steps::Redo, steps::Frames,
+               steps::Picture, steps::Save>
+      what;
+};
+
+/// The steps of a script: one a line; what follows # is left out. `name` stands in messages. Throws
+/// Error{InvalidArgument}: `name:line: what is wanted, what stands there`.
+[[nodiscard]] std::vector<ScriptStep> parse_script(std::string_view text, const std::string& name);
+/// The same of a file. Throws Error{UnreadableInput}, too.
+[[nodiscard]] std::vector<ScriptStep> read_script(const std::string& path);
+
+/// Drives a session as the mouse and the keys of a window do, and draws each frame. Returns how
+/// many it drew. Throws Error with the step's file and line.
+int run_script(std::span<const ScriptStep> script, EditSession& session, Headless& headless,
+               const SaveOptions& save);
 
 }  // namespace planish::viewer

@@ -1,5 +1,5 @@
 // planish-viewer: planish embedded in an application that owns its Vulkan device, its memory and
-// its frame loop. Read scene.cpp, model.cpp, frame.cpp and renderer.cpp, in this order.
+// its frame loop. Read scene.cpp, renderer.cpp, frame.cpp and renderer.cpp, in this order.
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -10,11 +10,10 @@
 #include "arguments.h"
 #include "crowd.h"
 #include "headless.h"
-#include "legend.h"
+#include "overlay.h"
 #include "planish/core/error.h"
-#include "planish/files/image/png.h"
-#include "run_script.h"
-#include "terminal/exit_codes.h"
+#include "planish/files/images.h"
+#include "terminal.h"
 #include "window.h"
 
 namespace planish::viewer {

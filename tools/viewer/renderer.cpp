@@ -2,9 +2,242 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <span>
+#include <string>
 #include <utility>
 
+#include "planish/core/error.h"
+#include "planish/surface/level_one_mesh.h"
+
 namespace planish::viewer {
+namespace {
+
+constexpr std::uint32_t kNoPoint = ~0u;
+
+// Each edge of the mesh once; `point_of` tells which control point a vertex is.
+std::vector<std::uint32_t> edges_of(const PolygonMesh& mesh,
+                                    std::span<const std::uint32_t> point_of) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const auto [a, b] = std::minmax(point_of[face[k]], point_of[face[(k + 1) % face.size()]]);
+      if (b != kNoPoint) edges.emplace(a, b);
+    }
+  }
+  std::vector<std::uint32_t> flat;
+  for (const auto& [a, b] : edges) flat.insert(flat.end(), {a, b});
+  return flat;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> cage_edges(const Scene& scene, std::span<const std::int32_t> used) {
+  if (scene.system.method == InterpolationMethod::Progressive) {
+    std::vector<std::uint32_t> row_of(scene.mesh.positions.size());
+    for (std::size_t row = 0; row < used.size(); ++row)
+      row_of[used[row]] = static_cast<std::uint32_t>(row);
+    return edges_of(scene.mesh, row_of);
+  }
+  const SubdividedMesh base(scene.mesh, scene.system.sharp);
+  LevelOne level_one;
+  level_one.state.resize(static_cast<std::size_t>(base.subdivision.state_size()));
+  const PolygonMesh net = level_one_mesh(base, level_one);
+  // Where holes cut polygons there are more vertices, which are no control points.
+  std::vector<std::uint32_t> point_of(net.positions.size(), kNoPoint);
+  std::iota(point_of.begin(), point_of.begin() + std::ssize(level_one.state), 0u);
+  return edges_of(net, point_of);
+}
+
+namespace {
+
+// Neighbours along the edges of the surface's quads, of its triangles at level 0.
+std::vector<std::vector<std::uint32_t>> neighbours(const vulkan::System& system,
+                                                   std::span<const std::int32_t> original) {
+  const bool has_quads = !system.quads().empty();
+  const std::span<const std::uint32_t> corners = has_quads ? system.quads() : system.triangles();
+  const std::size_t size = has_quads ? 4 : 3;
+  std::vector<std::vector<std::uint32_t>> result(system.vertex_count());
+  for (std::size_t face = 0; face < corners.size(); face += size)
+    for (std::size_t k = 0; k < size; ++k) {
+      const auto a = static_cast<std::uint32_t>(original[corners[face + k]]);
+      const auto b = static_cast<std::uint32_t>(original[corners[face + (k + 1) % size]]);
+      result[a].push_back(b);
+      result[b].push_back(a);
+    }
+  return result;
+}
+
+}  // namespace
+
+NearestGiven nearest_given(const vulkan::System& system) {
+  const std::span<const std::int32_t> original = system.copied_vertices();
+  const auto adjacent = neighbours(system, original);
+  const auto given_count = static_cast<std::uint32_t>(system.used_vertices().size());
+  constexpr int kFar = -1;
+  std::vector<std::vector<std::uint32_t>> rows(system.vertex_count());
+  std::vector<int> steps(rows.size(), kFar);
+  std::vector<std::uint32_t> reached(given_count);
+  std::iota(reached.begin(), reached.end(), 0u);
+  for (const std::uint32_t row : reached) {
+    rows[row] = {row};
+    steps[row] = 0;
+  }
+  for (int step = 1; !reached.empty(); ++step) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t from : reached)
+      for (const std::uint32_t to : adjacent[from]) {
+        if (steps[to] == kFar) {
+          steps[to] = step;
+          next.push_back(to);
+        }
+        if (steps[to] != step) continue;
+        for (const std::uint32_t row : rows[from])
+          if (std::ranges::find(rows[to], row) == rows[to].end()) rows[to].push_back(row);
+      }
+    reached = std::move(next);
+  }
+  NearestGiven result{{0}, {}};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& nearest = rows[original[i]];
+    result.rows.insert(result.rows.end(), nearest.begin(), nearest.end());
+    result.offsets.push_back(static_cast<std::uint32_t>(result.rows.size()));
+  }
+  return result;
+}
+
+namespace {
+
+std::vector<std::uint32_t> words(std::span<const std::int32_t> values) {
+  return {values.begin(), values.end()};
+}
+
+// Mesa's llvmpipe (22.3) takes time with the square of a draw's triangles, and goes through loops
+// but once in a vertex shader's last lanes where they are no whole group.
+constexpr std::uint32_t kSoftwarePatches = 32;
+
+std::vector<Model::Run> shown_patches(const PolygonMesh& mesh, bool is_software) {
+  const std::int32_t most =
+      is_software ? std::int32_t{kSoftwarePatches} : std::numeric_limits<std::int32_t>::max();
+  std::vector<std::int32_t> holes = mesh.hole_faces;
+  std::ranges::sort(holes);
+  holes.push_back(mesh.face_count());
+  std::vector<Model::Run> runs;
+  std::int32_t face = 0;
+  for (const std::int32_t hole : holes) {
+    if (hole > face) {
+      std::int32_t first = mesh.face_offsets[face];
+      const std::int32_t end = mesh.face_offsets[hole];
+      for (std::int32_t count = 0; first < end; first += count) {
+        count = std::min(most, end - first);
+        const auto start = static_cast<std::uint32_t>(first),
+                   corners = static_cast<std::uint32_t>(count);
+        runs.push_back({start, is_software ? kSoftwarePatches : corners, start + corners});
+      }
+    }
+    face = hole + 1;
+  }
+  return runs;
+}
+
+}  // namespace
+
+Model::Model(const Device& device, vulkan::Context& context, const Scene& scene)
+    : system_(scene.mesh, scene.system),
+      tables_(context, system_, {shared::kVertexFloats * sizeof(float), device.has_tessellation()}),
+      indices_(device, tables_.index_count() * sizeof(std::uint32_t),
+               VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Device),
+      used_(word_buffer(device, words(system_.used_vertices()))),
+      edges_(word_buffer(device, cage_edges(scene, system_.used_vertices()))),
+      edge_count_(static_cast<std::uint32_t>(edges_.bytes() / (2 * sizeof(std::uint32_t)))),
+      patches_(shown_patches(scene.mesh, device.is_software())),
+      face_count_(static_cast<std::uint32_t>(scene.mesh.face_count())) {
+  const NearestGiven nearest = nearest_given(system_);
+  offsets_ = word_buffer(device, nearest.offsets);
+  nearest_ = word_buffer(device, nearest.rows);
+  if (const std::vector<glm::vec2> uvs = system_.uvs(); !uvs.empty())
+    uvs_ = buffer_of(device, std::as_bytes(std::span(uvs)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+  const Buffer staging(device, tables_.upload_bytes(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                       Place::Host);
+  tables_.write_upload(system_, staging.mapped());
+  device.run([&](VkCommandBuffer commands) {
+    tables_.record_upload(commands, staging, 0, {indices_, 0});
+    barrier(commands, vulkan::kExitScope,
+            {VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_INDEX_READ_BIT});
+  });
+}
+
+namespace {
+
+OwnedDescriptorPool make_pool(VkDevice device) {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                  shared::kBindingCount + shared::kSurfaceBindingCount};
+  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  info.maxSets = 2;
+  info.poolSizeCount = 1;
+  info.pPoolSizes = &size;
+  return OwnedDescriptorPool(device, info, "vkCreateDescriptorPool");
+}
+
+// planish cuts what is beyond the limit; the viewer binds its vertices whole.
+std::uint64_t vertex_bytes(vulkan::Context& context, const Model& model) {
+  const std::uint64_t bytes =
+      std::uint64_t(model.system().vertex_count()) * shared::kVertexFloats * sizeof(float);
+  context.binding_limit().require(bytes, formatted("vertices of level {}", model.system().level()),
+                                  "choose a lower level");
+  return bytes;
+}
+
+}  // namespace
+
+Frame::Frame(const Device& device, vulkan::Context& context, const Model& model)
+    : points_(device, model.system().given_count() * sizeof(glm::vec3),
+              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Place::Host),
+      vertices_(device, vertex_bytes(context, model),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                    VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                Place::Device),
+      status_(device, sizeof(vulkan::GpuStatus), VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host),
+      pool_(make_pool(device)) {}
+
+vulkan::FrameSlot Frame::slot() const {
+  constexpr std::uint32_t kFloat = sizeof(float);
+  return {
+      .given = {points_, 0, sizeof(glm::vec3)},
+      .vertices = {vertices_, 0, shared::kVertexFloats * kFloat, 0, shared::kNormalFloat * kFloat}};
+}
+
+void Frame::bind(VkDevice device, const Model& model, const Pipelines& pipelines,
+                 const vulkan::Solve& solve) {
+  // In the order of the bindings in shared.h.
+  const std::array<VkBuffer, shared::kBindingCount> buffers{
+      points_,       solve.control_points(), vertices_,      model.used(),
+      model.edges(), model.offsets(),        model.nearest()};
+  std::array<VkDescriptorBufferInfo, shared::kBindingCount> infos{};
+  for (std::size_t i = 0; i < buffers.size(); ++i) infos[i] = {buffers[i], 0, VK_WHOLE_SIZE};
+  set_ = make_set(device, pool_, pipelines.set_layout, infos);
+  if (!pipelines.patches) return;
+  const vulkan::SurfaceBuffers surface = vulkan::surface_buffers(model.tables(), solve);
+  surface_set_ = make_set(
+      device, pool_, pipelines.surface_layout,
+      std::array{surface.words, surface.links, surface.state, surface.given, surface.weights});
+}
+
+std::span<glm::vec3> Frame::points() const {
+  const auto bytes = points_.mapped();
+  return {reinterpret_cast<glm::vec3*>(bytes.data()), bytes.size() / sizeof(glm::vec3)};
+}
+
+vulkan::GpuStatus Frame::status() const {
+  vulkan::GpuStatus status;
+  std::memcpy(&status, status_.mapped().data(), sizeof status);
+  return status;
+}
+
 namespace {
 
 constexpr vulkan::Scope kErrorScope{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,

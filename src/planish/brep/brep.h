@@ -6,7 +6,12 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <vector>
+
+#include "planish/brep/spline_surface.h"
+#include "planish/core/callbacks.h"
+#include "planish/queries/limit_surface.h"
 
 namespace planish {
 
@@ -90,5 +95,48 @@ struct Brep {
   const auto& unit = kUnits[direction];
   return {unit[0], unit[1]};
 }
+
+constexpr double kMostBrepAngle = 90;
+constexpr std::int32_t kMostFaceSize = 4096;
+
+struct BrepOptions {
+  double angle = 0.25;          ///< degrees that normals may jump by at edges
+  double deviation = 1e-6;      ///< from the surface along its normals, of the diagonal
+  std::int32_t face_size = 16;  ///< quads of Q_1 on a face's side, of which a mesh's quad has two
+};
+
+/// The surface as B-spline faces without holes between them: exact but in squares of 2^-m of a quad
+/// at extraordinary points, or of twice that where points beside are moved towards the tangent
+/// plane. These are halved until the options' limits are kept (m at most 12: see Brep::max_angle).
+/// Borders of neighbours are equal. Hidden faces are left out. The same bits for every number of
+/// threads. `groups`: one for each face of the mesh, that Brep::Face::group has and at whose
+/// borders faces end; empty: all have 0. Reports step "faces". Throws Error{InvalidArgument} for
+/// options out of range, Error{OutOfMemory} before memory is taken, Error{Cancelled}.
+[[nodiscard]] Brep make_brep(const SplineSurface& surface, const BrepOptions& options = {},
+                             const Callbacks& callbacks = {},
+                             std::span<const std::int32_t> groups = {});
+/// The same of a Doo-Sabin surface.
+[[nodiscard]] Brep make_brep(const LimitSurface& surface, const BrepOptions& options = {},
+                             const Callbacks& callbacks = {},
+                             std::span<const std::int32_t> groups = {});
+
+/// What makes shells and solids valid: each edge is used once each way (once at a boundary), each
+/// loop is the border of its face's parameters, once around and counter-clockwise, and edges lie on
+/// both faces and end at their vertices within what files say to be one place.
+struct BrepCheck {
+  std::int64_t broken_loops = 0;     ///< by face
+  std::int64_t unmatched_edges = 0;  ///< used otherwise than once each way
+  double largest_gap = 0;            ///< of edges from faces and vertices, of the diagonal: at most
+  glm::dvec3 largest_gap_at{};       ///< in model coordinates
+
+  [[nodiscard]] bool is_valid() const {
+    return broken_loops == 0 && unmatched_edges == 0 && largest_gap <= Brep::kSamePlace;
+  }
+};
+
+/// Measured on the faces and edges themselves, not on what they were made of. What it does not look
+/// at: whether faces cross one another, or a face itself, in space. The same bits for every number
+/// of threads.
+[[nodiscard]] BrepCheck check_brep(const Brep& brep, double diagonal);
 
 }  // namespace planish

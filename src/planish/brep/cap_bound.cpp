@@ -1,5 +1,5 @@
 // Based on: Farouki and Rajan, "Algorithms for polynomials in Bernstein form", 1988.
-#include "planish/brep/cap_bound.h"
+#include "planish/brep/caps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <span>
 
 #include "planish/brep/brep.h"
-#include "planish/core/unit_vector.h"
-#include "planish/mesh/angle_between.h"
+#include "planish/core/vectors.h"
+#include "planish/mesh/face_geometry.h"
 
 namespace planish {
 namespace {

@@ -2,25 +2,547 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <initializer_list>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "planish/brep/square_piece.h"
-#include "planish/brep/step_sections.h"
+#include "planish/brep/brep.h"
+#include "planish/brep/spline_surface.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
 #include "planish/core/output_file.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/shared/finite_numbers.h"
+#include "planish/core/parallel.h"
+#include "planish/core/version.h"
+#include "planish/core/words.h"
 #include "planish/files/shared/ordered_stream.h"
+#include "planish/files/writers.h"
 
 namespace planish {
 namespace {
 
+// Numbers of a STEP file's entities, which are known before any text is. Points, and lines of
+// curves in parameters, stand once: a face's points on its border are those of its edges where
+// both have the same knots.
+class StepNumbers {
+ public:
+  // `brep` must outlive it. `first`: of the entities behind the head.
+  StepNumbers(const Brep& brep, std::int64_t first);
+
+  // First and last entity of each; those of an edge and a face are what others refer to.
+  [[nodiscard]] std::int64_t first_of_vertex(std::int64_t v) const { return vertices_ + 2 * v; }
+  [[nodiscard]] std::int64_t vertex(std::int64_t v) const { return first_of_vertex(v) + 1; }
+  [[nodiscard]] std::int64_t first_of_edge(std::int64_t e) const { return edges_[e]; }
+  [[nodiscard]] std::int64_t edge(std::int64_t e) const { return first_of_edge(e + 1) - 1; }
+  [[nodiscard]] std::int64_t first_of_face(std::int64_t f) const { return faces_[f]; }
+  [[nodiscard]] std::int64_t face(std::int64_t f) const { return first_of_face(f + 1) - 1; }
+  // The surface of a face, which stands before its loop.
+  [[nodiscard]] std::int64_t surface(std::int64_t f) const;
+  [[nodiscard]] std::int64_t end() const { return faces_.back(); }
+
+  // Of a face, in their order: the points' numbers, those of its own counted from first_of_face()
+  // on. Returns how many these are.
+  std::int64_t points(std::int64_t f, std::vector<std::int64_t>& numbers) const;
+
+  // Distinct lines of curves in parameters, three entities each, before all vertices.
+  struct PlaneLine {
+    std::int32_t x = 0, y = 0, direction = 0;
+    friend auto operator<=>(const PlaneLine&, const PlaneLine&) = default;
+  };
+  [[nodiscard]] const std::vector<PlaneLine>& lines() const { return lines_; }
+  // What a curve in parameters refers to.
+  [[nodiscard]] std::int64_t line(const Brep::Line& line) const;
+  [[nodiscard]] static PlaneLine plane_line(const Brep::Line& line);
+  // Whether a side of an edge has a curve in parameters: those of planes need none.
+  [[nodiscard]] bool has_curve(const Brep::Line& line) const {
+    return line.face >= 0 && !brep_.faces[line.face].plane;
+  }
+
+ private:
+  [[nodiscard]] std::int64_t of_edge(const Brep::Edge& edge) const;
+
+  const Brep& brep_;
+  std::vector<PlaneLine> lines_;
+  std::int64_t first_, vertices_ = 0;
+  std::vector<std::int64_t> edges_, faces_;
+};
+
+constexpr std::int64_t kPlaneEntities = 4, kUnknown = 0;
+
+// The control point of these arguments, ascending; kNone where none has them.
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+std::size_t point_of_arguments(std::size_t degree, std::span<const double> knots,
+                               std::span<const double> wanted) {
+  const auto found = std::ranges::lower_bound(knots, wanted.back());
+  if (found == knots.end() || *found != wanted.back()) return kNone;
+  // Behind the last knot's first one, each has it once more.
+  auto i = static_cast<std::size_t>(found - knots.begin());
+  if (i + 1 == knots.size())
+    i += static_cast<std::size_t>(std::ranges::count(wanted, wanted.back())) - 1;
+  const BlossomArguments own = knot_arguments(degree, knots, i);
+  return std::equal(wanted.begin(), wanted.end(), own.begin()) ? i : kNone;
+}
+
+StepNumbers::StepNumbers(const Brep& brep, std::int64_t first) : brep_(brep), first_(first) {
+  for (const Brep::Edge& edge : brep.edges)
+    for (const Brep::Line& line : edge.lines)
+      if (has_curve(line)) lines_.push_back(plane_line(line));
+  std::ranges::sort(lines_);
+  lines_.erase(std::unique(lines_.begin(), lines_.end()), lines_.end());
+  vertices_ = first + 3 * std::ssize(lines_);
+
+  std::int64_t id = vertices_ + 2 * std::ssize(brep.vertices);
+  for (const Brep::Edge& edge : brep.edges) {
+    edges_.push_back(id);
+    id += of_edge(edge);
+  }
+  edges_.push_back(id);
+  std::vector<std::int64_t> own(brep.faces.size());
+  parallel_for(own.size(), 64, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::int64_t> numbers;
+    for (std::size_t f = begin; f < end; ++f) {
+      own[f] =
+          brep.faces[f].plane ? kPlaneEntities : points(static_cast<std::int64_t>(f), numbers) + 1;
+    }
+  });
+  for (std::size_t f = 0; f < own.size(); ++f) {
+    faces_.push_back(id);
+    id += own[f] + std::ssize(brep.faces[f].loop) + 3;
+  }
+  faces_.push_back(id);
+}
+
+std::int64_t StepNumbers::surface(std::int64_t f) const {
+  return first_of_face(f + 1) - 4 - std::ssize(brep_.faces[f].loop);
+}
+
+// Inner points, the curve, where it is on B-splines its curves in their parameters and what names
+// them all, and the edge.
+std::int64_t StepNumbers::of_edge(const Brep::Edge& edge) const {
+  const std::int64_t curves =
+      (has_curve(edge.lines[0]) ? 1 : 0) + (has_curve(edge.lines[1]) ? 1 : 0);
+  return std::ssize(edge.points) + curves + (curves > 0 ? 1 : 0);
+}
+
+StepNumbers::PlaneLine StepNumbers::plane_line(const Brep::Line& line) {
+  return {static_cast<std::int32_t>(line.from.x), static_cast<std::int32_t>(line.from.y),
+          line.direction};
+}
+
+std::int64_t StepNumbers::line(const Brep::Line& line) const {
+  const auto found = std::ranges::lower_bound(lines_, plane_line(line));
+  return first_ + 3 * (found - lines_.begin()) + 2;
+}
+
+std::int64_t StepNumbers::points(std::int64_t f, std::vector<std::int64_t>& numbers) const {
+  const Brep::Face& face = brep_.faces[f];
+  const std::size_t rows = point_count(brep_.degree, face.knots_u),
+                    columns = point_count(brep_.degree, face.knots_v);
+  numbers.assign(face.points.size(), kUnknown);
+  for (const Brep::Use& use : face.loop) {
+    const Brep::Edge& edge = brep_.edges[use.edge];
+    const Brep::Line& line = edge.lines[use.is_reversed ? 1 : 0];
+    const bool along_u = line.direction % 2 == 0;
+    const double sign = line.direction < 2 ? 1 : -1;
+    const double from = along_u ? line.from.x : line.from.y;
+    const double across = along_u ? line.from.y : line.from.x;
+    const std::size_t place = across == 0 ? 0 : (along_u ? columns : rows) - 1;
+    const std::size_t last = edge.points.size() - 1;
+    for (std::size_t j = 0; j <= last; ++j) {
+      BlossomArguments own = knot_arguments(brep_.degree, edge.knots, j);
+      const std::span<double> there(own.data(), brep_.degree);
+      for (double& t : there) t = from + sign * t;
+      std::ranges::sort(there);
+      const std::size_t i =
+          point_of_arguments(brep_.degree, along_u ? face.knots_u : face.knots_v, there);
+      if (i == kNone) continue;
+      numbers[along_u ? i + rows * place : place + rows * i] =
+          j == 0      ? first_of_vertex(edge.from)
+          : j == last ? first_of_vertex(edge.to)
+                      : first_of_edge(use.edge) + static_cast<std::int64_t>(j) - 1;
+    }
+  }
+  // Not known yet while it is counted.
+  const bool is_counted = static_cast<std::size_t>(f) < faces_.size();
+  std::int64_t own = is_counted ? first_of_face(f) : 1;
+  const std::int64_t begin = own;
+  for (std::int64_t& number : numbers)
+    if (number == kUnknown) number = own++;
+  return own - begin;
+}
+
+// As std::to_chars() with a number of digits has it. Its tables are 33 kB of packed WebAssembly,
+// where printf() writes the same: no locale there has another point.
+char* rounded_text(char* first, char* last, double value, std::chars_format format, int digits) {
+#ifdef __EMSCRIPTEN__
+  const char* const form = format == std::chars_format::fixed ? "%.*f" : "%.*g";
+  return first + std::snprintf(first, static_cast<std::size_t>(last - first), form, digits, value);
+#else
+  return std::to_chars(first, last, value, format, digits).ptr;
+#endif
+}
+
+// Text of Part 21's entities: #12=NAME(...);
+class StepText {
+ public:
+  // `decimals` of points in space, see step_decimals().
+  explicit StepText(std::int64_t first_id, int decimals = 15)
+      : id_(first_id), decimals_(decimals) {}
+
+  // Begins an entity and returns its number.
+  std::int64_t begin(std::string_view keyword) {
+    text_ += '#';
+    integer(id_);
+    text_ += '=';
+    text_ += keyword;
+    return id_++;
+  }
+  void end() { text_ += ";\n"; }
+  // A whole entity; its text may name others by put-in numbers.
+  template <class... Parts>
+  std::int64_t entity(const Parts&... parts) {
+    const std::int64_t id = begin("");
+    (put(parts), ...);
+    end();
+    return id;
+  }
+  std::int64_t point(const glm::dvec3& p) {
+    return entity("CARTESIAN_POINT('',(", Coordinate{p.x}, ",", Coordinate{p.y}, ",",
+                  Coordinate{p.z}, "))");
+  }
+  std::int64_t point(const glm::dvec2& p) {
+    return entity("CARTESIAN_POINT('',(", p.x, ",", p.y, "))");
+  }
+
+  struct Reference {
+    std::int64_t id;
+  };
+  void put(std::string_view text) { text_ += text; }
+  void put(char letter) { text_ += letter; }
+  void put(Reference reference) {
+    text_ += '#';
+    integer(reference.id);
+  }
+  // 15 digits, with the point that Part 21 asks for.
+  void put(double value) {
+    char buffer[40];
+    const char* const stop =
+        rounded_text(buffer, buffer + sizeof buffer, value, std::chars_format::general, 15);
+    put_real({buffer, static_cast<std::size_t>(stop - buffer)});
+  }
+  struct Coordinate {
+    double value;
+  };
+  // So many digits behind the point, or as many as the double has where these are fewer.
+  void put(Coordinate coordinate) {
+    char exact[40], rounded[400];
+    const char* const end = std::to_chars(exact, exact + sizeof exact, coordinate.value).ptr;
+    char* stop = rounded_text(rounded, rounded + sizeof rounded, coordinate.value,
+                              std::chars_format::fixed, decimals_);
+    while (decimals_ > 0 && stop[-1] == '0') --stop;
+    const bool is_exact = end - exact <= stop - rounded;
+    const std::string_view text(is_exact ? exact : rounded,
+                                static_cast<std::size_t>(is_exact ? end - exact : stop - rounded));
+    put_real(text == "-0." ? "0." : text);
+  }
+  void integer(std::int64_t value) {
+    char buffer[24];
+    text_.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+  }
+  // In brackets, `count` of them from `first` on.
+  void references(std::int64_t first, std::int64_t count) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      text_ += i == 0 ? '(' : ',';
+      put(Reference{first + i});
+    }
+    text_ += ')';
+  }
+
+  [[nodiscard]] std::int64_t next_id() const { return id_; }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  void put_real(std::string_view text) {
+    const std::size_t exponent = text.find('e');
+    const std::string_view mantissa = text.substr(0, exponent);
+    text_ += mantissa;
+    if (mantissa.find('.') == std::string_view::npos) text_ += '.';
+    if (exponent == std::string_view::npos) return;
+    text_ += 'E';
+    text_ += text.substr(exponent + 1);
+  }
+
+  std::int64_t id_;
+  int decimals_;
+  std::string text_;
+};
+
+// A string as Part 21 has it, in its quotes: ASCII as it is, all else in four bytes a character.
+std::string step_string(std::string_view utf8);
+
+// What entities in the middle of a STEP file refer to.
+struct StepContext {
+  std::int64_t application = 0, space = 0, plane = 0, placement = 0;
+  std::array<std::int64_t, 4> vectors{};
+};
+
 using Ref = StepText::Reference;
+
+std::int64_t put_unit(StepText& text, StepUnit unit) {
+  switch (unit) {
+    case StepUnit::Millimetre:
+    case StepUnit::OfInput:
+      return text.entity("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))");
+    case StepUnit::Centimetre:
+      return text.entity("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.CENTI.,.METRE.))");
+    case StepUnit::Metre:
+      return text.entity("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.))");
+    case StepUnit::Inch:
+      break;
+  }
+  const std::int64_t exponents = text.entity("DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.)");
+  const std::int64_t mm = text.entity("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))");
+  const std::int64_t measure =
+      text.entity("LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),", Ref{mm}, ')');
+  return text.entity("(CONVERSION_BASED_UNIT('INCH',", Ref{measure}, ")LENGTH_UNIT()NAMED_UNIT(",
+                     Ref{exponents}, "))");
+}
+
+// Of one group of faces: what styled items refer to; 0 where it has no colour.
+std::int64_t put_style(StepText& text, const StepGroup& group) {
+  if (!group.color) return 0;
+  const glm::dvec3& c = *group.color;
+  const std::int64_t color =
+      text.entity("COLOUR_RGB(", step_string(group.name), ',', c.x, ',', c.y, ',', c.z, ')');
+  const std::int64_t fill = text.entity("FILL_AREA_STYLE_COLOUR('',", Ref{color}, ')');
+  const std::int64_t area = text.entity("FILL_AREA_STYLE('',(", Ref{fill}, "))");
+  const std::int64_t surface = text.entity("SURFACE_STYLE_FILL_AREA(", Ref{area}, ')');
+  const std::int64_t side = text.entity("SURFACE_SIDE_STYLE('',(", Ref{surface}, "))");
+  const std::int64_t usage = text.entity("SURFACE_STYLE_USAGE(.BOTH.,", Ref{side}, ')');
+  return text.entity("PRESENTATION_STYLE_ASSIGNMENT((", Ref{usage}, "))");
+}
+
+void put_list(StepText& text, std::span<const std::int64_t> ids) {
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    text.put(i == 0 ? '(' : ',');
+    text.put(Ref{ids[i]});
+  }
+  text.put(')');
+}
+
+// The group of all faces of a shell; -1 where they differ.
+std::int32_t group_of(const Brep& brep, const Brep::Shell& shell) {
+  const auto group = [&](std::int32_t f) { return brep.faces[f].group; };
+  const std::int32_t first = group(shell.faces.front());
+  return std::ranges::all_of(shell.faces, [&](std::int32_t f) { return group(f) == first; }) ? first
+                                                                                             : -1;
+}
+
+// A shell with what it became.
+struct ShellItem {
+  std::int64_t id = 0;
+  std::size_t shell = 0;
+};
+
+struct ShapeItems {
+  std::vector<ShellItem> solids, shells;
+};
+
+ShapeItems put_shapes(StepText& text, const Brep& brep, const StepNumbers& numbers,
+                      const StepOptions& options) {
+  ShapeItems items;
+  std::vector<std::int64_t> ids;
+  for (const Brep::Shell& shell : brep.shells) {
+    std::vector<std::int64_t> faces;
+    for (const std::int32_t f : shell.faces) faces.push_back(numbers.face(f));
+    ids.push_back(text.begin(shell.is_closed ? "CLOSED_SHELL(''," : "OPEN_SHELL('',"));
+    put_list(text, faces);
+    text.put(')');
+    text.end();
+  }
+  std::vector<std::vector<std::int64_t>> voids(brep.shells.size());
+  for (std::size_t s = 0; s < brep.shells.size(); ++s) {
+    if (brep.shells[s].outer < 0) continue;
+    voids[brep.shells[s].outer].push_back(
+        text.entity("ORIENTED_CLOSED_SHELL('',*,", Ref{ids[s]}, ",.T.)"));
+  }
+  for (std::size_t s = 0; s < brep.shells.size(); ++s) {
+    const Brep::Shell& shell = brep.shells[s];
+    if (shell.outer >= 0) continue;
+    const std::string name = step_string(name_of_group(options, group_of(brep, shell)));
+    if (!shell.is_closed) {
+      items.shells.push_back(
+          {text.entity("SHELL_BASED_SURFACE_MODEL(", name, ",(", Ref{ids[s]}, "))"), s});
+    } else if (voids[s].empty()) {
+      items.solids.push_back({text.entity("MANIFOLD_SOLID_BREP(", name, ',', Ref{ids[s]}, ')'), s});
+    } else {
+      const std::int64_t id = text.begin("BREP_WITH_VOIDS(");
+      text.put(name);
+      text.put(',');
+      text.put(Ref{ids[s]});
+      text.put(',');
+      put_list(text, voids[s]);
+      text.put(')');
+      text.end();
+      items.solids.push_back({id, s});
+    }
+  }
+  return items;
+}
+
+// Of whole solids and shells where they have one group, else of faces.
+void put_colors(StepText& text, const Brep& brep, const StepNumbers& numbers,
+                const StepContext& context, const StepOptions& options, const ShapeItems& items) {
+  std::vector<std::int64_t> styles, styled;
+  for (const StepGroup& group : options.groups) styles.push_back(put_style(text, group));
+  const auto style = [&](std::int32_t group, std::int64_t item) {
+    if (group < 0 || static_cast<std::size_t>(group) >= styles.size()) return;
+    const std::int64_t id = styles[group];
+    if (id != 0) styled.push_back(text.entity("STYLED_ITEM('',(", Ref{id}, "),", Ref{item}, ')'));
+  };
+  const auto style_faces = [&](const Brep::Shell& shell) {
+    for (const std::int32_t f : shell.faces) style(brep.faces[f].group, numbers.face(f));
+  };
+  for (const auto* of_kind : {&items.solids, &items.shells}) {
+    for (const ShellItem& item : *of_kind) {
+      const std::int32_t group = group_of(brep, brep.shells[item.shell]);
+      if (group >= 0) {
+        style(group, item.id);
+      } else {
+        style_faces(brep.shells[item.shell]);
+      }
+    }
+  }
+  for (const Brep::Shell& shell : brep.shells)
+    if (shell.outer >= 0) style_faces(shell);
+  if (styled.empty()) return;
+  text.begin("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',");
+  put_list(text, styled);
+  text.put(',');
+  text.put(Ref{context.space});
+  text.put(')');
+  text.end();
+}
+
+// Digits behind the point that coordinates need: rounding moves none by more than 1.6e-13 of the
+// diagonal, which turns no normal by 1e-5 degrees on the smallest squares.
+int step_decimals(double diagonal) {
+  constexpr double kDigits = 12.5;  // of the diagonal
+  constexpr int kMost = 300;
+  if (!(diagonal > 0)) return 15;
+  return std::clamp(static_cast<int>(std::ceil(kDigits - std::log10(diagonal))), 0, kMost);
+}
+
+std::string step_string(std::string_view utf8) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string result = "'";
+  for (std::size_t i = 0; i < utf8.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(utf8[i]);
+    if (byte < 0x80) {
+      if (byte == '\'' || byte == '\\') result += utf8[i];
+      result += byte < 0x20 || byte == 0x7f ? ' ' : utf8[i];
+      continue;
+    }
+    std::size_t length = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
+    std::uint32_t code = byte & (0x3fu >> length);
+    for (; length > 0 && i + 1 < utf8.size(); --length)
+      code = code << 6 | (static_cast<unsigned char>(utf8[++i]) & 0x3fu);
+    result += "\\X4\\";
+    for (int shift = 28; shift >= 0; shift -= 4) result += kDigits[code >> shift & 15u];
+    result += "\\X0\\";
+  }
+  return result + "'";
+}
+
+// The header, units and what else stands before any shape.
+StepContext put_head(StepText& text, const StepOptions& options) {
+  StepContext context;
+  text.put("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((");
+  text.put(step_string(options.description));
+  text.put("),'2;1');\nFILE_NAME(");
+  text.put(step_string(options.name));
+  // No hour: equal surfaces are equal files.
+  text.put(",'1970-01-01T00:00:00',(''),(''),'planish " PLANISH_VERSION
+           "','','');\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 "
+           "}'));\nENDSEC;\nDATA;\n");
+  context.application =
+      text.entity("APPLICATION_CONTEXT('core data for automotive mechanical design processes')");
+  text.entity("APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,",
+              Ref{context.application}, ')');
+  const std::int64_t length = put_unit(text, options.unit);
+  const std::int64_t angle = text.entity("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
+  const std::int64_t solid = text.entity("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
+  const std::int64_t near = text.entity(
+      "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(",
+      std::max(Brep::kSamePlace * options.diagonal, 1e-6 / millimetres_of(options.unit)), "),",
+      Ref{length}, ",'distance_accuracy_value','confusion accuracy')");
+  context.space =
+      text.entity("(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((",
+                  Ref{near}, "))GLOBAL_UNIT_ASSIGNED_CONTEXT((", Ref{length}, ',', Ref{angle}, ',',
+                  Ref{solid}, "))REPRESENTATION_CONTEXT('','3D'))");
+  context.plane = text.entity(
+      "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+      "REPRESENTATION_CONTEXT('2D SPACE',''))");
+  for (int d = 0; d < 4; ++d) {
+    const glm::dvec2 unit = unit_direction(d);
+    const std::int64_t direction = text.entity("DIRECTION('',(", unit.x, ',', unit.y, "))");
+    context.vectors[d] = text.entity("VECTOR('',", Ref{direction}, ",1.)");
+  }
+  const std::int64_t origin = text.point(glm::dvec3(0.0));
+  const std::int64_t z = text.entity("DIRECTION('',(0.,0.,1.))");
+  const std::int64_t x = text.entity("DIRECTION('',(1.,0.,0.))");
+  context.placement =
+      text.entity("AXIS2_PLACEMENT_3D('',", Ref{origin}, ',', Ref{z}, ',', Ref{x}, ')');
+  return context;
+}
+
+// Solids and open shells of one product, each kind in a representation of its own, and colours.
+void put_tail(StepText& text, const Brep& brep, const StepNumbers& numbers,
+              const StepContext& context, const StepOptions& options) {
+  const ShapeItems items = put_shapes(text, brep, numbers, options);
+  const std::string name = step_string(options.name);
+  const std::int64_t product_context =
+      text.entity("PRODUCT_CONTEXT('',", Ref{context.application}, ",'mechanical')");
+  const std::int64_t product =
+      text.entity("PRODUCT(", name, ',', name, ",'',(", Ref{product_context}, "))");
+  text.entity("PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(", Ref{product}, "))");
+  const std::int64_t formation =
+      text.entity("PRODUCT_DEFINITION_FORMATION('','',", Ref{product}, ')');
+  const std::int64_t stage = text.entity("PRODUCT_DEFINITION_CONTEXT('part definition',",
+                                         Ref{context.application}, ",'design')");
+  const std::int64_t definition =
+      text.entity("PRODUCT_DEFINITION('design','',", Ref{formation}, ',', Ref{stage}, ')');
+  const auto represent = [&](std::string_view kind, const std::vector<ShellItem>& all) {
+    if (all.empty()) return;
+    const std::int64_t shape = text.entity("PRODUCT_DEFINITION_SHAPE('','',", Ref{definition}, ')');
+    const std::int64_t representation = text.begin(kind);
+    text.put("('',(");
+    text.put(Ref{context.placement});
+    for (const ShellItem& item : all) {
+      text.put(',');
+      text.put(Ref{item.id});
+    }
+    text.put("),");
+    text.put(Ref{context.space});
+    text.put(')');
+    text.end();
+    text.entity("SHAPE_DEFINITION_REPRESENTATION(", Ref{shape}, ',', Ref{representation}, ')');
+  };
+  represent("ADVANCED_BREP_SHAPE_REPRESENTATION", items.solids);
+  represent("MANIFOLD_SURFACE_SHAPE_REPRESENTATION", items.shells);
+  put_colors(text, brep, numbers, context, options, items);
+  text.put("ENDSEC;\nEND-ISO-10303-21;\n");
+}
 
 // One line of knots for a curve, two for a surface: multiplicities of all, then values of all.
 void put_knots(StepText& text, std::size_t degree,

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "planish/c/call.h"
 #include "planish/c/handles.h"
 
 namespace planish::c {

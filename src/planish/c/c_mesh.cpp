@@ -3,12 +3,11 @@
 #include <memory>
 #include <string>
 
-#include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
-#include "planish/core/formatted.h"
-#include "planish/core/memory_size.h"
-#include "planish/core/visible_text.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
+#include "planish/core/words.h"
 #include "planish/files/mesh_file.h"
 
 namespace planish::c {

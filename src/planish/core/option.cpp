@@ -2,11 +2,9 @@
 
 #include <span>
 
-#include "planish/core/formatted.h"
-#include "planish/core/nearest.h"
-#include "planish/core/number_text.h"
-#include "planish/core/refuse.h"
-#include "planish/core/visible_text.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
+#include "planish/core/words.h"
 
 namespace planish {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/core/number_text.h"
+#include "planish/core/error.h"
 
 // An option stands in one row of a table; whoever takes options (flags, scene files, headers of
 // cages, C, Python, ranks) and whoever describes them (help, manuals, completions, the schema,

@@ -4,7 +4,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_group.h>
 
-#include "planish/core/stop.h"
+#include "planish/core/callbacks.h"
 
 namespace planish {
 

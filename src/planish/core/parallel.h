@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
 #include <vector>
 
 namespace planish {
@@ -54,6 +57,91 @@ template <class Total, class OfRange, class Join>
   });
   for (const Total& result : results) join(total, result);
   return total;
+}
+
+/// Replaces each value by the sum of those before it and returns the sum of all, on all threads.
+/// The sums must fit 32 bits.
+inline std::int32_t exclusive_sum(std::span<std::int32_t> values) {
+  constexpr std::size_t kBlock = 1 << 16;
+  const std::size_t block_count = (values.size() + kBlock - 1) / kBlock;
+  const auto block = [&](std::size_t b) {
+    return values.subspan(b * kBlock, std::min(kBlock, values.size() - b * kBlock));
+  };
+  std::vector<std::int32_t> starts(block_count);
+  parallel_each(block_count, 1, [&](std::size_t b) {
+    const std::span<std::int32_t> own = block(b);
+    starts[b] = std::accumulate(own.begin(), own.end(), 0);
+  });
+  const std::int32_t total = std::accumulate(starts.begin(), starts.end(), 0);
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), 0);
+  parallel_each(block_count, 1, [&](std::size_t b) {
+    const std::span<std::int32_t> own = block(b);
+    std::exclusive_scan(own.begin(), own.end(), own.begin(), starts[b]);
+  });
+  return total;
+}
+
+/// Where each block of elements begins to number those selected of it.
+struct SelectedBlocks {
+  std::vector<std::int32_t> starts;
+  std::int32_t total = 0;
+};
+
+/// How many of `count` elements select(i) is true for, on all threads; the blocks are for
+/// for_selected().
+template <class Select>
+SelectedBlocks count_selected(std::size_t count, const Select& select) {
+  constexpr std::size_t kBlock = 1 << 16;
+  SelectedBlocks blocks;
+  blocks.starts.resize((count + kBlock - 1) / kBlock);
+  parallel_each(blocks.starts.size(), 1, [&](std::size_t b) {
+    std::int32_t sum = 0;
+    for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
+      sum += select(i) ? 1 : 0;
+    blocks.starts[b] = sum;
+  });
+  blocks.total = exclusive_sum(blocks.starts);
+  return blocks;
+}
+
+/// Calls visit(i, number) for each selected element, numbered in their order, on all threads.
+template <class Select, class Visit>
+void for_selected(std::size_t count, const SelectedBlocks& blocks, const Select& select,
+                  const Visit& visit) {
+  constexpr std::size_t kBlock = 1 << 16;
+  parallel_each(blocks.starts.size(), 1, [&](std::size_t b) {
+    std::int32_t number = blocks.starts[b];
+    for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
+      if (select(i)) visit(i, number++);
+  });
+}
+
+/// The smallest i below `count` with test(i), found on all threads; `count` where there is none.
+template <class Test>
+[[nodiscard]] std::size_t first_where(std::size_t count, const Test& test) {
+  constexpr std::size_t kBlock = std::size_t{1} << 13;
+  const std::size_t block_count = (count + kBlock - 1) / kBlock;
+  std::vector<std::size_t> first(block_count, count);
+  parallel_for(block_count, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t block = begin; block < end; ++block) {
+      const std::size_t stop = std::min(count, (block + 1) * kBlock);
+      for (std::size_t i = block * kBlock; i < stop; ++i) {
+        if (!test(i)) continue;
+        first[block] = i;
+        break;
+      }
+    }
+  });
+  return first.empty() ? count : *std::ranges::min_element(first);
+}
+
+/// Leaves the values that are not marked, in their order. One mark a value.
+template <class Values>
+void drop_marked(Values& values, std::span<const std::uint8_t> is_dropped) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!is_dropped[i]) values[kept++] = values[i];
+  values.resize(kept);
 }
 
 }  // namespace planish

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -49,6 +50,11 @@ class RawVector : public std::vector<T, RawAllocator<T>> {
   friend bool operator==(const RawVector& a, const std::vector<T>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end());
   }
+};
+
+/// A range of rows of a table.
+struct RowRange {
+  std::int64_t first, count;
 };
 
 }  // namespace planish

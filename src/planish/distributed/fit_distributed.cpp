@@ -11,17 +11,15 @@
 #include <optional>
 #include <utility>
 
-#include "planish/core/counted.h"
-#include "planish/core/formatted.h"
-#include "planish/core/number_text.h"
+#include "planish/core/error.h"
 #include "planish/core/parallel.h"
-#include "planish/distributed/fair_cage.h"
-#include "planish/distributed/slice_tags.h"
-#include "planish/distributed/staged_tileset.h"
+#include "planish/core/words.h"
+#include "planish/distributed/part_tiles.h"
+#include "planish/distributed/read_slices.h"
 #include "planish/distributed/write_cage.h"
 #include "planish/fair/fair_net.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/pipeline/solve_fair.h"
+#include "planish/pipeline/fit_steps.h"
 
 namespace planish {
 

@@ -11,10 +11,9 @@
 #include "planish/distributed/part_fair.h"
 #include "planish/distributed/part_tiles.h"
 #include "planish/distributed/petsc_solve.h"
-#include "planish/distributed/rank_watch.h"
+#include "planish/distributed/ranks.h"
 #include "planish/distributed/read_slices.h"
-#include "planish/fair/interpolation_method.h"
-#include "planish/mesh/placement.h"
+#include "planish/fair/fair_net.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {

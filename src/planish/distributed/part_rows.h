@@ -8,10 +8,9 @@
 
 #include "planish/core/raw_vector.h"
 #include "planish/distributed/mesh_part.h"
-#include "planish/distributed/sub_mesh.h"
-#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/subdivision.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/sharpness.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 

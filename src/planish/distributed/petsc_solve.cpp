@@ -13,7 +13,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "planish/core/formatted.h"
+#include "planish/core/error.h"
 #include "planish/core/parallel.h"
 
 namespace planish {

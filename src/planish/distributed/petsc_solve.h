@@ -6,9 +6,9 @@
 #include <span>
 #include <string>
 
-#include "planish/backend/backend.h"
 #include "planish/distributed/part_rows.h"
-#include "planish/interpolate/progressive.h"
+#include "planish/solve/backend.h"
+#include "planish/solve/progressive.h"
 
 namespace planish {
 

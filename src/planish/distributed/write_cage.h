@@ -1,18 +1,54 @@
 #pragma once
 
+#include <mpi.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "planish/core/output_file.h"
 #include "planish/core/raw_vector.h"
-#include "planish/distributed/mesh_slice.h"
-#include "planish/distributed/staged_file.h"
+#include "planish/distributed/mesh_part.h"
+#include "planish/distributed/part_fair.h"
+#include "planish/distributed/ranks.h"
+#include "planish/distributed/read_slices.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
+
+/// An OutputFile that all ranks write by MPI-IO: it appears whole or not at all, when all agree
+/// that everything is there. A job that is killed may leave its temporary, as on one machine: it
+/// has a name of its own, so that no other job and no other program's file is touched. Every
+/// function is called by all ranks and throws AgreedError{UnwritableOutput} naming the path.
+class StagedFile {
+ public:
+  /// `replaces`: as OutputFile has it.
+  StagedFile(const Ranks& ranks, std::string path, bool replaces = true);
+  /// Closes, and removes what was not committed.
+  ~StagedFile();
+  StagedFile(const StagedFile&) = delete;
+  StagedFile& operator=(const StagedFile&) = delete;
+
+  /// Each rank its own bytes at its own place.
+  void write(std::int64_t offset, std::span<const std::byte> bytes);
+  /// Closes, looks whether the file has `bytes` bytes, and agrees on it.
+  void close(std::int64_t bytes);
+  /// Renames.
+  void commit();
+
+ private:
+  void fail(const std::string& what) const;
+
+  const Ranks& ranks_;
+  std::string path_;
+  std::optional<OutputFile> output_;  // on rank 0
+  MPI_File file_ = MPI_FILE_NULL;
+};
 
 /// The faces of a slice as they stand in a cage's PLY, and the colours of its vertices, which are
 /// kept from reading to writing: 17 bytes a quad, 4 a vertex.
@@ -43,5 +79,30 @@ void write_cage(const Ranks& ranks, const Layout& vertices, std::int64_t face_to
 [[nodiscard]] std::vector<glm::dvec3> in_file_order(const Ranks& ranks, const Layout& vertices,
                                                     std::span<const std::int64_t> file_ids,
                                                     std::span<const glm::dvec3> values);
+
+/// Where the corners of a slice's faces stand among all corners of the file.
+struct CornerStarts {
+  Layout faces;                      ///< of all slices
+  std::vector<std::int64_t> starts;  ///< of each face of this rank's slice
+  std::int64_t total = 0;            ///< corners of all ranks
+};
+/// Throws AgreedError{InvalidArgument} for meshes with holes, whose borders cut polygons of
+/// level 1.
+[[nodiscard]] CornerStarts corner_starts_of(const Ranks& ranks, const MeshSlice& slice);
+
+/// The cage of a fair surface as it stands in its file, each rank a run of vertices and of faces.
+struct FairCage {
+  Layout vertices;
+  std::vector<glm::dvec3> positions;
+  CageFaces faces;
+  std::int64_t face_total = 0;
+};
+
+/// level_one_mesh() of the whole mesh: each rank makes that of its part, and takes the polygons
+/// around its own vertices, faces and edges, which are sent to where they stand in the order of the
+/// file. Throws AgreedError{InvalidArgument} for more vertices than a file's indices count.
+[[nodiscard]] FairCage make_fair_cage(const Ranks& ranks, const MeshPart& part,
+                                      const PartFair& fair, const CornerStarts& corners,
+                                      const SharpFeatureOptions& sharp);
 
 }  // namespace planish

@@ -11,11 +11,10 @@
 #include <string_view>
 #include <vector>
 
-#include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/guards.h"
 #include "planish/core/parallel.h"
-#include "planish/core/prefix_sum.h"
-#include "planish/stencil/stencil_builder.h"
+#include "planish/solve/stencil_builder.h"
 
 namespace planish {
 

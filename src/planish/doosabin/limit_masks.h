@@ -7,7 +7,7 @@
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/stencil_table.h"
+#include "planish/solve/stencil_table.h"
 
 namespace planish {
 

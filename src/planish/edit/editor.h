@@ -5,15 +5,31 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/core/range.h"
-#include "planish/edit/selection.h"
-#include "planish/limit/surface_queries.h"
+#include "planish/core/raw_vector.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/queries/surface_queries.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
+
+/// Vertices that move together, each by its share of the move.
+struct Selection {
+  std::vector<std::int32_t> vertices;
+  std::vector<double> weights;  ///< one a vertex, 0 to 1
+};
+
+/// The vertices within `radius` of some others, by the shortest way along edges, so that a sheet
+/// nearby does not come along. Weights fall smoothly from 1 there to 0 at the radius:
+/// (1 - (d / radius)^2)^2. Costs what it finds. Throws Error{InvalidArgument} for a radius that is
+/// not above 0 or not finite.
+/// `vertices` and the result are of the mesh that was prepared, `positions` its.
+[[nodiscard]] Selection select_around(const PreparedMesh& prepared,
+                                      std::span<const glm::dvec3> positions,
+                                      std::span<const std::int32_t> vertices, double radius);
 
 struct EditorOptions {
   int level = 2;        ///< of the rows that are kept, 0 to kMaxLevel

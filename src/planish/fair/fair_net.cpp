@@ -11,23 +11,13 @@
 #include <string>
 #include <utility>
 
-#include "planish/core/assert.h"
-#include "planish/core/formatted.h"
-#include "planish/core/host_scope.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
 #include "planish/core/parallel.h"
-#include "planish/fair/corner_offsets.h"
-#include "planish/fair/crease_handle.h"
-#include "planish/fair/crease_sector.h"
-#include "planish/fair/cured_nets.h"
+#include "planish/fair/bending.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/fair/fold_cure.h"
-#include "planish/fair/fold_repair.h"
-#include "planish/fair/masked_iteration.h"
-#include "planish/fair/plane_lean.h"
-#include "planish/fair/plane_places.h"
-#include "planish/fair/polish.h"
-#include "planish/fair/tensor_share.h"
-#include "planish/fair/vertex_frame.h"
 #include "planish/fair/vertex_polygon.h"
 
 namespace planish {

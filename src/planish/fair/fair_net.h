@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -10,11 +11,72 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/subdivision.h"
-#include "planish/fair/fair_halo.h"
-#include "planish/features/kept_planes.h"
+#include "planish/features/find_features.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
+
+/// How the surface comes to pass through the given vertices.
+enum class InterpolationMethod {
+  Progressive,  ///< the paper's: control points of the mesh are moved until it does
+  Fair,         ///< control points of level 1 are built to do so, without folds on uneven meshes
+};
+
+/// How far a surface may leave the given vertices, of the diagonal.
+struct LeaveWithin {
+  double within = 0;
+  std::optional<double> noise;  ///< where it was measured
+
+  /// What the given points may be moved by: the solve may leave its points by the tolerance.
+  [[nodiscard]] double bound(double tolerance) const { return within - tolerance; }
+};
+inline constexpr double kMostWithin = 0.1;  ///< is above what may be asked for
+/// Of measured noise, what is allowed: normals are best at 1 to 1.5.
+inline constexpr double kNoiseBound = 1.25;
+
+/// What the construction of a fair net needs where a mesh is spread over several processes. Each
+/// builds the net of its part: the faces around the vertices that it owns and around those faces'
+/// vertices. What it finds for others is replaced by what their owners found; all call the same
+/// functions in the same order. Without a halo the mesh is in one piece.
+class FairHalo {
+ public:
+  virtual ~FairHalo() = default;
+
+  /// Values of vertices that others own become theirs. One per vertex of the part.
+  virtual void exchange_vertices(std::span<double> values) = 0;
+  virtual void exchange_vertices(std::span<glm::dvec3> values) = 0;
+  virtual void exchange_vertices(std::span<std::uint8_t> values) = 0;
+  /// The same of the control points around such vertices; one per corner.
+  virtual void exchange_corners(std::span<float> values) = 0;
+  /// And of those on curves; the state of level 1. Curve points at the part's rim, where the mesh
+  /// goes on, are nobody's.
+  virtual void exchange_state(std::span<glm::dvec3> values) = 0;
+
+  /// Sums over the elements that each process owns: the same bits however the mesh is spread.
+  [[nodiscard]] virtual double sum_of_vertices(std::span<const double> values) = 0;
+  [[nodiscard]] virtual double sum_of_faces(std::span<const double> values) = 0;
+  [[nodiscard]] virtual std::int64_t sum(std::int64_t value) = 0;
+  [[nodiscard]] virtual double largest(double value) = 0;
+
+  /// One flag per vertex and per face; a face belongs to one process, its edges to that of the face
+  /// that they were found in.
+  [[nodiscard]] virtual std::span<const std::uint8_t> owned_vertices() const = 0;
+  [[nodiscard]] virtual std::span<const std::uint8_t> owned_faces() const = 0;
+};
+
+/// Without a halo all is this process's own.
+[[nodiscard]] inline bool owns_vertex(const FairHalo* halo, std::int32_t vertex) {
+  return halo == nullptr || halo->owned_vertices()[vertex] != 0;
+}
+[[nodiscard]] inline bool owns_face(const FairHalo* halo, std::int32_t face) {
+  return halo == nullptr || halo->owned_faces()[face] != 0;
+}
+[[nodiscard]] inline std::int64_t sum_of_parts(FairHalo* halo, std::int64_t value) {
+  return halo == nullptr ? value : halo->sum(value);
+}
+[[nodiscard]] inline bool is_in_any_part(FairHalo* halo, bool is_here) {
+  return sum_of_parts(halo, is_here ? 1 : 0) > 0;
+}
 
 inline constexpr std::int32_t kMostPolishSteps = 1000;
 
@@ -26,9 +88,9 @@ struct FairDecisions {
   std::vector<std::uint8_t> halvings, late_halvings;
   /// How many rounds of the cure changed it after that (see fold_cure.h).
   std::vector<std::uint8_t> cures;
-  /// How the polygons lean that the cure made (see plane_lean.h). Empty: chosen anew.
+  /// How the polygons lean that the cure made (see fair_topology.h). Empty: chosen anew.
   std::vector<glm::vec2> leans;
-  /// The ellipses of smooth and dart vertices where that polygon still folds (see hub_ellipse.h),
+  /// The ellipses of smooth and dart vertices where that polygon still folds (see fold_cure.h),
   /// zero elsewhere. Empty: none.
   std::vector<glm::vec4> ellipses;
   /// Planes that are kept, ascending: all control points there lie in them.

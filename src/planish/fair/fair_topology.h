@@ -4,11 +4,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
 #include "planish/doosabin/subdivision.h"
+#include "planish/fair/fair_net.h"
+#include "planish/features/find_features.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -146,5 +150,152 @@ struct FairTopology {
 [[nodiscard]] FairTopology make_fair_topology(const PolygonMesh& mesh,
                                               const Subdivision& subdivision,
                                               FairHalo* halo = nullptr);
+
+/// Along the limit normal at the centre of a polygon of control points, not normalised: t1 x t2 of
+/// its first Fourier pair. `point(i)` for i in [0, count). Zero for fewer than three points.
+template <class Point>
+[[nodiscard]] glm::dvec3 limit_normal(const FairTopology& topology, std::int32_t count,
+                                      const Point& point) {
+  if (count < 3) return glm::dvec3(0.0);
+  if (count == 3) return glm::cross(point(1) - point(0), point(2) - point(0));
+  if (count == 4) return glm::cross(point(0) - point(2), point(1) - point(3));
+  const auto circle = topology.unit_circle.of(count);
+  const glm::dvec3 origin = point(0);
+  glm::dvec3 tangent1(0.0), tangent2(0.0);
+  for (std::int32_t i = 1; i < count; ++i) {
+    const glm::dvec3 p = point(i) - origin;
+    tangent1 += circle[i].x * p;
+    tangent2 += circle[i].y * p;
+  }
+  return glm::cross(tangent1, tangent2);
+}
+
+/// Where control points lie in a plane of the mesh: a face of it for each polygon and each sector,
+/// -1 where there is none. Both empty: nowhere.
+struct PlanePlaces {
+  std::vector<std::int32_t> of_vertex;  ///< of crease vertices that of any of their sectors
+  std::vector<std::int32_t> of_sector;  ///< as FairTopology::sectors
+
+  [[nodiscard]] std::int32_t of(std::int32_t vertex) const {
+    return of_vertex.empty() ? -1 : of_vertex[vertex];
+  }
+  [[nodiscard]] std::int32_t of_sector_at(std::int32_t sector) const {
+    return of_sector.empty() ? -1 : of_sector[sector];
+  }
+};
+
+/// Those of find_kept_planes() between what is sharp in a subdivision of the mesh.
+[[nodiscard]] std::vector<KeptPlane> kept_planes(const PolygonMesh& mesh,
+                                                 const Subdivision& subdivision);
+
+/// Corners have none: there the edges are the tangents.
+[[nodiscard]] PlanePlaces plane_places(const FairTopology& topology,
+                                       std::span<const KeptPlane> planes);
+
+/// Right-handed and orthonormal, `normal` outward.
+struct VertexFrame {
+  glm::dvec3 tangent1, tangent2, normal;
+
+  [[nodiscard]] glm::dvec2 project(const glm::dvec3& vector) const;
+};
+
+/// Unit Newell normals; +Z where a face has no area.
+[[nodiscard]] std::vector<glm::dvec3> unit_face_normals(const FairTopology& topology,
+                                                        std::span<const glm::dvec3> given);
+
+/// Unit normal at a vertex: the normals of the ring's corners, weighted by their angles. A corner
+/// that turns inward or lies athwart its face takes the face's normal, of `face_normals`
+/// (unit_face_normals()), and its angle about that, up to a full turn. Where they cancel, the sum
+/// of the faces' normals.
+[[nodiscard]] glm::dvec3 angle_weighted_normal(const FairTopology& topology,
+                                               std::span<const glm::dvec3> given,
+                                               std::span<const glm::dvec3> face_normals,
+                                               std::int32_t vertex, const FairTopology::Ring& ring);
+
+/// Those of all vertices, each of its whole ring or of the plane there.
+[[nodiscard]] std::vector<glm::dvec3> vertex_normals(const FairTopology& topology,
+                                                     std::span<const glm::dvec3> given,
+                                                     std::span<const glm::dvec3> face_normals,
+                                                     const PlanePlaces& planes = {});
+
+/// `normal` of unit length.
+[[nodiscard]] VertexFrame frame_of(const glm::dvec3& normal);
+
+/// How the planes of cured polygons lean from those of their vertices' normals: chosen once and
+/// kept (FairDecisions::leans), since the best choice jumps where no direction sees all faces.
+/// Radians. Smooth and dart vertices: an angle towards a direction of the tangent plane, as that
+/// angle's vector along ring_direction() and left of it. Crease vertices: angles about the curve,
+/// of the first and the second sector. Corners: in x bit k is set where sector k was opened.
+inline constexpr float kNoLean = 0x1p30F;  ///< not chosen yet
+[[nodiscard]] inline bool is_chosen(const glm::vec2& lean) { return lean.x < kNoLean; }
+
+/// Where the edges around a smooth or dart vertex point to: the first Fourier coefficient of their
+/// directions in the frame's plane, unit, turning with the ring; (1, 0) where that is 0. Where they
+/// surround the vertex once it is not (README.md).
+[[nodiscard]] glm::dvec2 ring_direction(const FairTopology& topology,
+                                        std::span<const glm::dvec3> given, std::int32_t vertex,
+                                        const VertexFrame& frame);
+
+/// That direction and the one left of it in space, in the plane of a unit normal.
+struct RingAxes {
+  glm::dvec3 along, left;
+};
+[[nodiscard]] RingAxes ring_axes(const FairTopology& topology, std::span<const glm::dvec3> given,
+                                 std::int32_t vertex, const glm::dvec3& normal);
+
+/// The lean of a smooth or dart vertex's plane from one unit normal to another.
+[[nodiscard]] glm::vec2 lean_towards(const FairTopology& topology,
+                                     std::span<const glm::dvec3> given, std::int32_t vertex,
+                                     const glm::dvec3& normal, const glm::dvec3& target);
+/// The other way around. Continuous in the given points and the normal.
+[[nodiscard]] glm::dvec3 leaning_normal(const FairTopology& topology,
+                                        std::span<const glm::dvec3> given, std::int32_t vertex,
+                                        const glm::dvec3& normal, const glm::vec2& lean);
+
+/// One Doo-Sabin step of `points` (one per vertex): the control point of every corner, relative to
+/// the given point of its vertex. `offsets`: one per corner.
+void corner_offsets(const FairTopology& topology, std::span<const glm::dvec3> given,
+                    std::span<const glm::dvec3> points, std::span<glm::dvec3> offsets);
+
+/// The same of the given points themselves, for single corners.
+class GivenStep {
+ public:
+  GivenStep(const FairTopology& topology, std::span<const glm::dvec3> given);
+  [[nodiscard]] glm::dvec3 offset(std::int32_t corner) const;
+
+ private:
+  const FairTopology& topology_;
+  std::span<const glm::dvec3> given_;
+  std::vector<std::vector<glm::dvec3>> of_large_;  // by FairTopology::large_faces
+};
+
+/// How far the limit point of `points` at a vertex is from its given point; 0 at corners.
+/// `offsets`: control points of `points` (corner_offsets).
+[[nodiscard]] glm::dvec3 limit_error(const FairTopology& topology,
+                                     std::span<const glm::dvec3> given,
+                                     std::span<const glm::dvec3> points,
+                                     std::span<const glm::dvec3> offsets, std::int32_t vertex);
+
+/// Three plain steps of progressive interpolation, P += share (given - B P) from P = given: keeps
+/// the accuracy of tensor products where the mesh is a regular grid. `shares`: one per vertex; 0 at
+/// corners. Returns P and leaves its control points in `offsets`, which must hold those of
+/// `given` on entry (corner_offsets). `halo`: where the mesh is a part.
+[[nodiscard]] std::vector<glm::dvec3> masked_iteration(const FairTopology& topology,
+                                                       std::span<const glm::dvec3> given,
+                                                       std::span<const double> shares,
+                                                       std::span<glm::dvec3> offsets,
+                                                       FairHalo* halo = nullptr);
+
+/// What a backend also is that builds fair nets on its device. For the others there is fair_net().
+class FairBuilder {
+ public:
+  virtual ~FairBuilder() = default;
+
+  /// As fair_net(), in the device's precision. Also throws Error{OutOfMemory}, naming the limit,
+  /// and Error{DeviceLost}.
+  [[nodiscard]] virtual FairNet build_fair_net(const FairTopology& topology,
+                                               std::span<const glm::dvec3> given,
+                                               const FairOptions& options) = 0;
+};
 
 }  // namespace planish

@@ -3,7 +3,7 @@
 // the squared principal curvatures, but for a constant. Divided by own areas the rows are exact on
 // spheres whatever the mesh, and symmetric weights make the gradient vanish there: round shapes
 // do not shrink where the mesh is uneven.
-#include "planish/fair/least_bending.h"
+#include "planish/fair/bending.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,8 @@
 #include <numeric>
 
 #include "planish/core/error.h"
-#include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
-#include "planish/core/unit_vector.h"
-#include "planish/fair/piecewise_sum.h"
+#include "planish/core/vectors.h"
 
 namespace planish {
 

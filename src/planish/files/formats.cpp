@@ -3,27 +3,16 @@
 #include <array>
 #include <vector>
 
-#include "planish/core/assert.h"
-#include "planish/core/lower_case.h"
+#include "planish/core/guards.h"
+#include "planish/core/words.h"
 #include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/read_gltf.h"
-#include "planish/files/las/read_las.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/obj/material_library.h"
 #include "planish/files/obj/read_obj.h"
-#include "planish/files/obj/write_mtl.h"
-#include "planish/files/obj/write_obj.h"
-#include "planish/files/off/read_off.h"
-#include "planish/files/off/write_off.h"
-#include "planish/files/pcd/read_pcd.h"
 #include "planish/files/ply/read_ply.h"
-#include "planish/files/ply/write_ply.h"
-#include "planish/files/ptx/read_ptx.h"
-#include "planish/files/read_points.h"
-#include "planish/files/stl/read_stl.h"
-#include "planish/files/stl/write_stl.h"
-#include "planish/files/usda/write_usda.h"
-#include "planish/files/xyz/read_xyz.h"
+#include "planish/files/readers.h"
+#include "planish/files/writers.h"
 
 namespace planish {
 namespace {

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planish/core/callbacks.h"
@@ -17,7 +19,50 @@
 
 namespace planish {
 
-class InputFiles;  // input_files.h
+/// What a piece of work reads: its inputs, and the files that these name (buffers, images,
+/// materials, textures). No output may take the place of one of them, by whatever name: files are
+/// told apart by the system's numbers for them, behind links.
+class InputFiles {
+ public:
+  /// An input, there or not yet. `format`: empty: by the extension, or else the content. `reach`:
+  /// of what it names.
+  void add(const std::filesystem::path& input, std::optional<FileFormat> format = {},
+           FileReach reach = FileReach::Beside);
+
+  /// Why nothing may be written to `output`: "b.bin is read with the input a.gltf; ..."; empty: it
+  /// may. Costs next to nothing where no file is there.
+  [[nodiscard]] std::string objection(const std::filesystem::path& output) const;
+  /// The same of all files that an output of a format writes or removes: its own, those beside it
+  /// (.bin, .mtl), the folder of its tiles.
+  [[nodiscard]] std::string objection(const std::filesystem::path& output, FileFormat format) const;
+  /// The same of a folder that gives way with all that is in it.
+  [[nodiscard]] std::string objection_in(const std::filesystem::path& folder) const;
+
+ private:
+  using Identity = std::pair<std::uint64_t, std::uint64_t>;  // device and file
+  struct Input {
+    std::filesystem::path path;
+    std::optional<FileFormat> format;
+    FileReach reach;
+  };
+  [[nodiscard]] static std::optional<Identity> identity_of(const std::filesystem::path& path);
+  void look_into_inputs() const;
+  // Of a file that is there.
+  [[nodiscard]] std::string objection_there(const std::filesystem::path& output) const;
+
+  std::vector<Input> inputs_;
+  std::map<std::filesystem::path, std::filesystem::path> places_;  // of inputs, links resolved
+  // Which input reads a file. Inputs are looked into when it is first asked what they name.
+  mutable std::map<Identity, std::filesystem::path> readers_;
+  mutable std::size_t looked_into_ = 0;
+};
+
+/// Throws Error{InvalidArgument} where there is an objection to an output of that format.
+void require_apart(const InputFiles& inputs, const std::filesystem::path& output,
+                   FileFormat format);
+/// The same for one input that was read.
+void require_apart(const std::filesystem::path& input, const std::filesystem::path& output,
+                   FileFormat format);
 
 /// A mesh as read, with what the reader had to do.
 struct MeshFile {
@@ -76,5 +121,27 @@ struct MeshWriteOptions {
 /// round-trip doubles. Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {});
+
+/// Reads points from memory; `name` stands in messages. Positions are finite and at most
+/// kMaxCoordinate in what is returned; colours and normals come along from glTF, OBJ, PLY, PCD, XYZ
+/// and PTS, colours and intensity from LAS and PTX, further numbers of points from PLY, PCD, XYZ
+/// and PTS. Of formats that hold meshes too, these are the vertices, of glTF those of its
+/// primitives of points where it has no triangles. Throws Error{UnreadableInput}: `name:line: what,
+/// value` or `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.
+[[nodiscard]] PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
+                                     FileFormat format);
+
+/// The same, with what a glTF names beside it where `file` has a path. Progress is the share of
+/// bytes that are read, as the step "read"; warnings stand in the result.
+[[nodiscard]] PointCloud read_points(const FileBytes& file, FileFormat format,
+                                     const Callbacks& callbacks = {});
+
+/// The vertices of a file, with its colours and attributes, and its normals where it has no faces.
+/// Throws Error{UnreadableInput} as cloud_of().
+[[nodiscard]] PointCloud points_of(const MeshFile& file, std::string_view name);
+
+/// Reads a file by its extension. Throws as above.
+[[nodiscard]] PointCloud read_points(const std::filesystem::path& path,
+                                     const Callbacks& callbacks = {});
 
 }  // namespace planish

@@ -9,19 +9,46 @@
 
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/input_files.h"
+#include "planish/core/words.h"
+#include "planish/files/mesh_file.h"
 #include "planish/files/obj/material_library.h"
-#include "planish/files/obj/write_mtl.h"
-#include "planish/files/polygon_stream.h"
-#include "planish/files/shared/file_buffer.h"
-#include "planish/files/shared/finite_numbers.h"
 #include "planish/files/shared/ordered_stream.h"
-#include "planish/files/shared/writable.h"
-#include "planish/mesh/triangulate.h"
+#include "planish/files/writers.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/mesh/sound_topology.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
+
+void require_field_sizes(std::span<const NamedField> fields, std::int64_t row_count,
+                         const std::string& name) {
+  for (const NamedField& field : fields)
+    if (field.values.size() != static_cast<std::size_t>(field.width * row_count))
+      throw Error(ErrorCode::InvalidArgument,
+                  formatted("{}: {} values of {} for {} positions", name, field.values.size(),
+                            field.name, row_count));
+}
+
+void require_writable(const PolygonView& view, const std::string& name) {
+  constexpr std::int32_t kLeastCorners = 3;
+  require_sound_indices({.vertex_count = view.positions.size(),
+                         .face_offsets = view.face_offsets,
+                         .face_vertices = view.face_vertices,
+                         .uv_count = view.uvs.size(),
+                         .face_uvs = view.face_uvs,
+                         .color_count = view.colors.size(),
+                         .group_count = view.groups.size(),
+                         .face_groups = view.face_groups,
+                         .hole_faces = view.hole_faces,
+                         .creases = view.creases,
+                         .corners = view.corners},
+                        name, ErrorCode::InvalidArgument, kLeastCorners);
+  if (!view.normals.empty() && view.normals.size() != view.positions.size())
+    throw Error(ErrorCode::InvalidArgument, formatted("{}: {} normals for {} positions", name,
+                                                      view.normals.size(), view.positions.size()));
+  require_field_sizes(view.fields, static_cast<std::int64_t>(view.positions.size()), name);
+}
+
 namespace {
 
 constexpr std::int64_t kWrittenRows = std::int64_t{1} << 13;

@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
-#include "planish/core/range.h"
+#include "planish/core/raw_vector.h"
 #include "planish/files/formats.h"
+#include "planish/measure/vertex_fields.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/surface/vertex_fields.h"
 
 namespace planish {
 
@@ -119,10 +119,10 @@ struct GivenMaterials {
   const UsdMaterials* usd = nullptr;
 };
 
-/// Writes the polygons through OutputFile as the format's own writer does (obj/write_obj.h,
-/// ply/write_ply.h, off/write_off.h), formatted on all threads; the same bytes whatever their
+/// Writes the polygons through OutputFile as the format's own writer does (writers.h,
+/// writers.h, writers.h), formatted on all threads; the same bytes whatever their
 /// number. `observe`, if any, gets all bytes in order. Returns their number. OBJ with materials
-/// gets an .mtl beside it (obj/write_mtl.h), put in place before it when both are written.
+/// gets an .mtl beside it (obj/material_library.h), put in place before it when both are written.
 /// Throws Error{UnwritableOutput}; Error{InvalidArgument} for formats that are not written, for
 /// indices and counts that do not fit each other, faces of fewer than 3 corners, numbers that are
 /// not finite and header lines that hold a line break.

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <mutex>
 
-#include "planish/core/host_scope.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/gltf/gltf_face_writer.h"
-#include "planish/files/shared/writable.h"
-#include "planish/files/usda/usd_materials.h"
+#include "planish/core/words.h"
+#include "planish/files/gltf/gltf_vertices.h"
+#include "planish/files/materials.h"
 #include "planish/files/write_polygons.h"
+#include "planish/files/writers.h"
 
 namespace planish {
 namespace {

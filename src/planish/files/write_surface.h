@@ -9,9 +9,8 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/files/mesh_file.h"
+#include "planish/measure/vertex_fields.h"
 #include "planish/surface/surface_blocks.h"
-#include "planish/surface/surface_mesh.h"
-#include "planish/surface/vertex_fields.h"
 
 namespace planish {
 

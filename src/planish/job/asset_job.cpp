@@ -1,6 +1,6 @@
-#include "planish/job/asset_job.h"
-#include "planish/core/counted.h"
-#include "planish/core/stop.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/words.h"
+#include "planish/job/job_outputs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,18 +10,13 @@
 #include <set>
 #include <utility>
 
-#include "planish/core/formatted.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/gltf/asset/write_asset.h"
-#include "planish/files/gltf/gltf_nodes.h"
-#include "planish/job/baked_maps.h"
+#include "planish/core/error.h"
+#include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/gltf/read_gltf.h"
 #include "planish/job/digest.h"
 #include "planish/job/forecast.h"
-#include "planish/job/job_fit.h"
 #include "planish/job/job_input.h"
-#include "planish/job/output_levels.h"
-#include "planish/job/text.h"
-#include "planish/job/timed.h"
+#include "planish/job/job_text.h"
 #include "planish/pipeline/asset_attributes.h"
 
 namespace planish {

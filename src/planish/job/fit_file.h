@@ -6,13 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
-#include "planish/core/work_limits.h"
-#include "planish/files/input_files.h"
+#include "planish/files/mesh_file.h"
 #include "planish/job/job_settings.h"
 #include "planish/job/report.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/solve/backend.h"
 
 namespace planish {
 

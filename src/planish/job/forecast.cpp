@@ -1,27 +1,510 @@
 #include "planish/job/forecast.h"
-#include "planish/core/counted.h"
-#include "planish/core/number_text.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "planish/core/error.h"
-#include "planish/job/expected_triangles.h"
-#include "planish/job/held_bytes.h"
+#include "planish/core/words.h"
+#include "planish/files/gltf/asset/asset_vertices.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/job/job.h"
 #include "planish/job/job_input.h"
-#include "planish/job/least_step_faces.h"
-#include "planish/job/output_bytes.h"
+#include "planish/job/job_settings.h"
+#include "planish/job/job_text.h"
+#include "planish/job/output_plan.h"
 #include "planish/job/page/page.h"
-#include "planish/job/text.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/bake_maps.h"
-#include "planish/pipeline/choose_fit.h"
+#include "planish/pipeline/fit_steps.h"
 #include "planish/reconstruct/mesher_process.h"
+#include "planish/solve/stencil_table.h"
 #include "planish/surface/memory_need.h"
 
 namespace planish {
 namespace {
+
+// A lower bound of the B-spline faces that a mesh's surface becomes, known without the surface:
+// each has four corners, and only at corners lie vertices and faces of other than four edges; and
+// none has more than face_size^2 quads of level 1.
+std::int64_t least_step_faces(const PolygonMesh& mesh, const MeshTopology& topology,
+                              std::int32_t face_size) {
+  std::int64_t quads = topology.corner_count(), corners = 0;
+  if (mesh.hole_faces.empty()) {
+    for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
+      const auto valence = std::ssize(topology.corners_at(v));
+      if (valence != 4 && !topology.is_boundary_vertex(v)) corners += valence;
+    }
+    for (std::int32_t f = 0; f < topology.face_count(); ++f)
+      if (topology.face_size(f) != 4) corners += topology.face_size(f);
+  } else {
+    quads = 0;  // hidden faces are left out
+  }
+  const std::int64_t largest = std::int64_t{face_size} * face_size;
+  return std::max((corners + 3) / 4, (quads + largest - 1) / largest);
+}
+
+// Triangles that surfaces took for each one counted here: of meshes of quads 0.8 to 5, of meshes
+// of triangles, whose surfaces ripple, 6 to 11.
+constexpr double kOfQuads = 6, kOfTriangles = 12;
+
+// In radians, by edge; 0 at boundaries and where the surface is sharp.
+std::vector<double> turns_at_edges(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                                   const std::vector<glm::dvec3>& normals) {
+  const MeshTopology& topology = *prepared.topology;
+  std::set<std::pair<std::int32_t, std::int32_t>> sharp;
+  for (const CreaseEdge& crease : mesh.creases) sharp.insert(std::minmax(crease.v0, crease.v1));
+  std::vector<double> turns(static_cast<std::size_t>(topology.edge_count()));
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
+    const auto [v0, v1] = topology.edge_vertices(e);
+    if (twin < 0 || sharp.contains(std::minmax(prepared.vertices[v0], prepared.vertices[v1])))
+      continue;
+    const double cosine =
+        glm::dot(normals[topology.face_of(corner)], normals[topology.face_of(twin)]);
+    turns[e] = std::acos(std::clamp(cosine, -1.0, 1.0));
+  }
+  return turns;
+}
+
+// At most about how many triangles a tessellation to an adaptive fineness takes, told from how
+// much the mesh turns at its edges: between a face's middle and each edge the surface bends by
+// half of that. `prepared` is of `mesh`.
+double expected_triangles(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                          const Fineness& fineness) {
+  const MeshTopology& topology = *prepared.topology;
+  const double chord = fineness.chord_error * placement_of(mesh).diagonal;
+  const double angle = fineness.angle * std::numbers::pi / 180;
+  std::vector<glm::dvec3> normals;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const glm::dvec3 area = area_vector(mesh.positions, mesh.face(f));
+    const double length = glm::length(area);
+    normals.push_back(length > 0 ? area / length : glm::dvec3(0.0));
+  }
+  const std::vector<double> turns = turns_at_edges(mesh, prepared, normals);
+  double sum = 0;
+  std::vector<double> cuts;  // of the way to each edge of the face at hand
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    const auto edges = topology.face_edges(f);
+    const auto position = [&](std::size_t i) { return mesh.positions[face[i % face.size()]]; };
+    glm::dvec3 middle(0.0);
+    for (std::size_t i = 0; i < face.size(); ++i) middle += position(i);
+    middle /= static_cast<double>(face.size());
+    cuts.clear();
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const double turn = turns[edges[i]] / 2;
+      const double way = glm::length((position(i) + position(i + 1)) / 2.0 - middle);
+      // An arc that turns by `turn` rises by an eighth of it over its length.
+      const double by_chord = chord > 0 ? std::sqrt(way * turn / (8 * chord)) : 0;
+      cuts.push_back(std::max(by_chord, angle > 0 ? turn / angle : 0));
+    }
+    const double share = face.size() == 3 ? kOfTriangles : kOfQuads;
+    double count = static_cast<double>(face.size() - 2);
+    if (std::ranges::max(cuts) >= 0.5) {
+      count = 0;
+      for (std::size_t i = 0; i < cuts.size(); ++i)
+        count += 2 * std::pow(std::max({1.0, cuts[i], cuts[(i + 1) % cuts.size()]}), 2);
+    }
+    sum += share * count;
+  }
+  return sum;
+}
+
+// What of a mesh decides how many rows, vertices and bytes its surface is written as.
+struct WrittenShape {
+  bool has_uvs = false, has_colors = false;
+  bool has_uv_seams = false;  // or corners without coordinates
+  std::int64_t group_count = 0;
+  std::uint64_t name_bytes = 0;  // of groups and materials
+  std::size_t largest_face = 0;
+  std::int64_t corner_count = 0;   // of level 0
+  std::size_t property_count = 0;  // of vertices, that surfaces carry
+
+  // Copies of a mesh's vertices, and edges whose inner vertices are copied at every level.
+  struct Copies {
+    std::int64_t vertices = 0, edges = 0;
+
+    [[nodiscard]] std::int64_t at(int level) const {
+      return vertices + edges * ((std::int64_t{1} << level) - 1);
+    }
+  };
+  Copies rows;           // where the surface has several normals
+  Copies gltf_vertices;  // further ones for groups and texture coordinates
+};
+
+// One level of it.
+struct WrittenLevel {
+  int level = 0;
+  LevelCounts counts{};       // without copies
+  bool is_triangles = false;  // of Loop
+};
+
+// How many vertices the file has, copies of groups and texture coordinates apart.
+std::int64_t written_vertices(const WrittenShape& shape, const WrittenLevel& level,
+                              OutputKind kind);
+
+// What keeps a corner's vertex apart from others at the same vertex of the mesh.
+struct CornerKey {
+  std::int32_t sector, group, uv;
+  friend auto operator<=>(const CornerKey&, const CornerKey&) = default;
+};
+
+class CopyCounter {
+ public:
+  CopyCounter(const PolygonMesh& mesh, const PreparedMesh& prepared)
+      : mesh_(mesh), prepared_(prepared), topology_(*prepared.topology), is_sharp_(sharp_edges()) {}
+
+  void count(WrittenShape& shape) {
+    for (std::int32_t v = 0; v < topology_.vertex_count(); ++v) count_vertex(v, shape);
+    for (std::int32_t e = 0; e < topology_.edge_count(); ++e) {
+      const std::int32_t corner = topology_.corner_of(e), other = topology_.twin(corner);
+      if (other < 0) continue;
+      const bool has_seam =
+          uv(corner) != uv(topology_.next(other)) || uv(topology_.next(corner)) != uv(other);
+      if (is_sharp(e)) {
+        ++shape.rows.edges;
+      } else if (has_seam || group(corner) != group(other)) {
+        ++shape.gltf_vertices.edges;
+      }
+    }
+  }
+
+ private:
+  // By edge; empty where none is.
+  [[nodiscard]] std::vector<bool> sharp_edges() const {
+    std::vector<bool> sharp;
+    for (const CreaseEdge& crease : mesh_.creases) {
+      if (!std::isinf(crease.sharpness) && crease.sharpness < kInfiniteSharpness) continue;
+      const std::int32_t v0 = used(crease.v0), v1 = used(crease.v1);
+      const std::int32_t edge = v0 < 0 || v1 < 0 ? -1 : topology_.find_edge(v0, v1);
+      if (edge < 0 || topology_.is_boundary_edge(edge)) continue;
+      sharp.resize(static_cast<std::size_t>(topology_.edge_count()));
+      sharp[edge] = true;
+    }
+    return sharp;
+  }
+  // The topology's number of a vertex, -1: no face names it.
+  [[nodiscard]] std::int32_t used(std::int32_t vertex) const {
+    const auto found = std::ranges::lower_bound(prepared_.vertices, vertex);
+    return found == prepared_.vertices.end() || *found != vertex
+               ? -1
+               : static_cast<std::int32_t>(found - prepared_.vertices.begin());
+  }
+  [[nodiscard]] bool is_sharp(std::int32_t edge) const {
+    return !is_sharp_.empty() && is_sharp_[edge];
+  }
+  [[nodiscard]] std::int32_t uv(std::int32_t corner) const {
+    return mesh_.face_uvs.empty() ? -1 : mesh_.face_uvs[corner];
+  }
+  [[nodiscard]] std::int32_t group(std::int32_t corner) const {
+    return mesh_.face_groups.empty() ? 0 : mesh_.face_groups[topology_.face_of(corner)];
+  }
+
+  void count_vertex(std::int32_t vertex, WrittenShape& shape) {
+    const auto corners = topology_.corners_at(vertex);
+    keys_.clear();
+    std::int32_t sector = 0;
+    for (const std::int32_t corner : corners) {
+      keys_.push_back({sector, group(corner), uv(corner)});
+      // To the next corner the way leads across the trailing edge.
+      if (is_sharp(topology_.edge_of(topology_.prev(corner)))) ++sector;
+    }
+    // Round a vertex the last sector goes on in the first.
+    if (sector > 0 && !topology_.is_boundary_vertex(vertex)) {
+      for (CornerKey& key : keys_)
+        if (key.sector == sector) key.sector = 0;
+      --sector;
+    }
+    std::ranges::sort(keys_);
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+    shape.rows.vertices += sector;
+    shape.gltf_vertices.vertices +=
+        std::max<std::int64_t>(std::ssize(keys_), 1) - 1 - std::int64_t{sector};
+  }
+
+  const PolygonMesh& mesh_;
+  const PreparedMesh& prepared_;
+  const MeshTopology& topology_;
+  std::vector<bool> is_sharp_;
+  std::vector<CornerKey> keys_;  // of the vertex at hand
+};
+
+struct Counts {
+  std::uint64_t rows, faces, corners, fields;
+  bool has_normals;
+};
+
+Counts counts_of(const WrittenShape& shape, const WrittenLevel& level, const PlannedOutput& output,
+                 const Settings& settings) {
+  const auto faces = static_cast<std::uint64_t>(level.counts.faces);
+  const bool is_surface = output.kind == OutputKind::Surface;
+  const FieldChoice& fields = settings.attributes;
+  return {.rows = static_cast<std::uint64_t>(written_vertices(shape, level, output.kind)),
+          .faces = faces,
+          .corners = level.level == 0 ? static_cast<std::uint64_t>(shape.corner_count)
+                                      : (level.is_triangles ? 3 : 4) * faces,
+          .fields = is_surface ? static_cast<std::uint64_t>(fields.error) + fields.deviation +
+                                     fields.fold + (fields.curvature ? 2 : 0) + shape.property_count
+                               : 0,
+          .has_normals = is_surface};
+}
+
+std::uint64_t gltf_bytes(const WrittenShape& shape, const WrittenLevel& level, const Counts& counts,
+                         GltfCompression compression) {
+  const std::uint64_t vertices =
+      counts.rows + static_cast<std::uint64_t>(shape.gltf_vertices.at(level.level));
+  const auto primitives = static_cast<std::uint64_t>(std::max<std::int64_t>(shape.group_count, 1));
+  // Two bytes an index while that reaches.
+  const std::uint64_t index = vertices / primitives < 65535 ? 2 : 4;
+  const std::uint64_t document = 1500 + 1100 * (primitives - 1) + 3 * shape.name_bytes +
+                                 160 * counts.fields +
+                                 (compression == GltfCompression::None ? 0 : 800 * primitives);
+  const std::uint64_t numbers =
+      vertices * (24 + (shape.has_uvs ? 8 : 0) + (shape.has_colors ? 16 : 0) + 4 * counts.fields) +
+      index * 3 * (counts.corners - 2 * counts.faces);
+  // The most that surfaces of known meshes came out at: 0.94, and 0.20 to 0.40, at level 0 to 0.48.
+  const double share = compression == GltfCompression::None       ? 1
+                       : compression == GltfCompression::Quantize ? 0.95
+                       : level.level == 0                         ? 0.5
+                                                                  : 0.42;
+  return document + static_cast<std::uint64_t>(share * static_cast<double>(numbers));
+}
+
+std::uint64_t ply_bytes(const WrittenShape& shape, const WrittenLevel& level,
+                        const Counts& counts) {
+  const bool is_long = level.level == 0 && shape.largest_face > 255;
+  // Of vertices, or lists of faces.
+  const bool has_long_lists = level.level == 0 && 2 * shape.largest_face > 255;
+  const std::uint64_t uv_bytes = !shape.has_uvs ? 0
+                                 : shape.has_uv_seams
+                                     ? 8 * counts.corners + (has_long_lists ? 4 : 1) * counts.faces
+                                     : 8 * counts.rows;
+  return 250 + (counts.has_normals ? 60 : 300) + (shape.has_colors ? 80 : 0) + 25 * counts.fields +
+         (shape.has_uvs ? 40 : 0) + uv_bytes +
+         counts.rows *
+             (24 + (counts.has_normals ? 12 : 0) + (shape.has_colors ? 4 : 0) + 4 * counts.fields) +
+         (is_long ? 4 : 1) * counts.faces + 4 * counts.corners;
+}
+
+// `prepared` is of `mesh`.
+WrittenShape written_shape(const PolygonMesh& mesh, const PreparedMesh& prepared) {
+  const MeshTopology& topology = *prepared.topology;
+  WrittenShape shape;
+  shape.has_uvs = !mesh.face_uvs.empty();
+  shape.has_colors = !mesh.colors.empty();
+  std::vector<std::int32_t> uv_of(mesh.positions.size(), -1);
+  for (std::size_t c = 0; c < mesh.face_uvs.size(); ++c) {
+    const std::int32_t uv = mesh.face_uvs[c];
+    std::int32_t& known = uv_of[mesh.face_vertices[c]];
+    shape.has_uv_seams = shape.has_uv_seams || uv < 0 || (known >= 0 && known != uv);
+    known = uv;
+  }
+  shape.corner_count = topology.corner_count();
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    shape.largest_face =
+        std::max(shape.largest_face, static_cast<std::size_t>(topology.face_size(f)));
+  if (!mesh.face_groups.empty()) shape.group_count = std::ssize(mesh.groups);
+  for (const FaceGroup& group : mesh.groups)
+    shape.name_bytes += group.name.size() + group.material.size();
+  CopyCounter(mesh, prepared).count(shape);
+  return shape;
+}
+
+std::int64_t written_vertices(const WrittenShape& shape, const WrittenLevel& level,
+                              OutputKind kind) {
+  return level.counts.vertices + (kind == OutputKind::Surface ? shape.rows.at(level.level) : 0);
+}
+
+// How many bytes the file takes, with its companions: glTF, PLY and STL to some hundred bytes of
+// header; of packed glTF an upper estimate; nothing of text and of tiles.
+std::optional<std::uint64_t> output_bytes(const WrittenShape& shape, const WrittenLevel& level,
+                                          const PlannedOutput& output, const Settings& settings) {
+  const Counts counts = counts_of(shape, level, output, settings);
+  switch (output.format) {
+    case FileFormat::Glb:
+    case FileFormat::Gltf:
+      return gltf_bytes(shape, level, counts, settings.compression);
+    case FileFormat::Ply:
+      return ply_bytes(shape, level, counts);
+    case FileFormat::Stl:
+      return 84 + 50 * (counts.corners - 2 * counts.faces);
+    default:
+      return std::nullopt;
+  }
+}
+
+// Elements of a mesh.
+struct MeshCounts {
+  LevelCounts base;
+  std::int64_t corners;
+};
+
+// Bytes of what rides on a mesh of an asset: as it was given, at the surface's rows, and what its
+// rows are made from meanwhile.
+struct RideBytes {
+  std::uint64_t given = 0, rows = 0, making = 0;
+};
+
+// What the meshes of a job hold at its peak. They are solved one after another beside what is kept
+// of all; then their surfaces are held together. Doo-Sabin surfaces go by blocks to who writes
+// them, but for those who need neighbours: values of vertices.
+class HeldBytes {
+ public:
+  // `settings` must outlive it.
+  explicit HeldBytes(const Settings& settings);
+
+  // `held_levels`: those whose surfaces are held together. `solve`: bytes of the mesh and its
+  // fits. `ride_on_levels`: what rides on the vertices is written with these levels.
+  void add(const RefinedAttributes& attributes, const MeshCounts& counts,
+           const std::vector<int>& held_levels, std::uint64_t solve,
+           const AssetVertices* rides = nullptr, bool ride_on_levels = true);
+  [[nodiscard]] std::uint64_t peak() const;
+
+ private:
+  void add_surface(const RefinedAttributes& attributes, const std::vector<LevelCounts>& levels,
+                   std::uint64_t corner_count, const AssetVertices* rides);
+
+  const Settings& settings_;
+  LastLevel last_;
+  std::uint64_t fixed_, kept_ = 0, surfaces_ = 0, solve_ = 0, making_ = 0, packing_ = 0;
+};
+
+constexpr std::uint64_t kStartBytes = 20 << 20;
+constexpr std::uint64_t kKeptOfSolve = 4;
+constexpr std::array<LevelCounts, 2> kNothing{};
+
+// What packing takes beside the surface: a small one's plain bytes and those of the result; of a
+// large one, quantized ones, and a block for each thread.
+std::uint64_t packing_bytes(const LevelCounts& level) {
+  const auto vertices = static_cast<std::uint64_t>(level.vertices);
+  const auto faces = static_cast<std::uint64_t>(level.faces);
+  if (level.faces <= kPackedFaces) return 48 * (vertices + faces);
+  return 20 * vertices + 24 * faces;
+}
+
+std::uint64_t packed_blocks_bytes() {
+  constexpr std::uint64_t kBlockBytes = 100'000'000;
+  return kBlockBytes * std::max(1u, std::thread::hardware_concurrency());
+}
+
+LastLevel last_level(const Settings& settings) {
+  if (settings.scheme != Scheme::DooSabin) return LastLevel::Full;
+  return settings.attributes.any() ? LastLevel::None : LastLevel::Blocks;
+}
+
+// Elements of the levels 0 to `last`: quads from level 1 on, triangles with Loop.
+std::vector<LevelCounts> levels_to(const MeshCounts& mesh, Scheme scheme, int last) {
+  std::vector<LevelCounts> levels{mesh.base};
+  std::int64_t corners = mesh.corners;
+  for (int level = 1; level <= last; ++level) {
+    const LevelCounts& c = levels.back();
+    const bool loop = scheme == Scheme::Loop;
+    const LevelCounts next =
+        loop ? LevelCounts{c.vertices + c.edges, 2 * c.edges + corners, 4 * c.faces}
+             : LevelCounts{c.vertices + c.edges + c.faces, 2 * c.edges + corners, corners};
+    corners = (loop ? 3 : 4) * next.faces;
+    levels.push_back(next);
+  }
+  return levels;
+}
+
+// `holds_rows`: of each surface, as but levels of Doo-Sabin surfaces do.
+RideBytes ride_bytes(const AssetVertices& vertices, const Settings& settings,
+                     std::uint64_t row_count, std::uint64_t corner_count, bool holds_rows) {
+  constexpr std::uint64_t kUv = sizeof(glm::dvec2), kPoint = sizeof(glm::dvec3), kFloat = 4;
+  RideBytes bytes;
+  const std::uint64_t targets = vertices.targets.size();
+  const auto sets = static_cast<std::uint64_t>(vertices.joint_sets);
+  for (const auto& set : vertices.further_uvs) bytes.given += kUv * set.size();
+  for (const AssetArray& array : vertices.arrays) bytes.given += kFloat * array.values.size();
+  for (const auto& target : vertices.targets) bytes.given += kPoint * target.size();
+  bytes.given +=
+      sizeof(JointWeight) * (vertices.influences.size() + vertices.first_influence.size());
+  std::uint64_t row =
+      kUv * vertices.further_uvs.size() + 2 * 4 * kFloat * sets + 6 * kFloat * targets;
+  for (const AssetArray& array : vertices.arrays)
+    row += kFloat * static_cast<std::uint64_t>(array.width);
+  row += (kUv + 4 * kFloat) * static_cast<std::uint64_t>(vertices.tangent_count());
+  bytes.rows = row * row_count;
+  if (!vertices.moves()) return bytes;
+  // B, and surfaces: one of three joints each, all at once; of a target. On fair surfaces four
+  // joints are a field, at all rows.
+  constexpr std::uint64_t kFieldJoints = 4, kFieldBytes = 140, kSystemBytes = 150,
+                          kThroughBytes = 60, kTargetSurfaces = 3, kHeldRowBytes = 36;
+  std::set<std::int32_t> joints;
+  for (const JointWeight& influence : vertices.influences) joints.insert(influence.joint);
+  const bool is_fair = settings.interpolation == InterpolationChoice::Fair;
+  const std::uint64_t fields = (joints.size() + kFieldJoints - 1) / kFieldJoints;
+  const std::uint64_t surfaces = std::max<std::uint64_t>(is_fair ? 0 : (joints.size() + 2) / 3,
+                                                         targets > 0 ? kTargetSurfaces : 0);
+  if (surfaces > 0) bytes.making = (kSystemBytes + kThroughBytes * surfaces) * corner_count;
+  if (holds_rows) bytes.making += kHeldRowBytes * surfaces * row_count;
+  if (fields > 0 && settings.interpolation != InterpolationChoice::Progressive)
+    bytes.making = std::max(bytes.making, kFieldBytes * corner_count +
+                                              kFieldJoints * kFloat * (fields + 2) * row_count);
+  return bytes;
+}
+
+HeldBytes::HeldBytes(const Settings& settings)
+    : settings_(settings),
+      last_(last_level(settings)),
+      fixed_(tessellation_bytes(kNothing, last_)) {}
+
+void HeldBytes::add(const RefinedAttributes& attributes, const MeshCounts& counts,
+                    const std::vector<int>& held_levels, std::uint64_t solve,
+                    const AssetVertices* rides, bool ride_on_levels) {
+  std::uint64_t kept = solve / kKeptOfSolve;
+  if (rides != nullptr) kept += ride_bytes(*rides, settings_, 0, 0, false).given;
+  kept_ += kept;
+  solve_ = std::max(solve_, solve - solve / kKeptOfSolve);
+  for (const int level : held_levels)
+    add_surface(attributes, levels_to(counts, settings_.scheme, level),
+                static_cast<std::uint64_t>(counts.corners), ride_on_levels ? rides : nullptr);
+}
+
+std::uint64_t HeldBytes::peak() const {
+  return kept_ + std::max(kStartBytes + solve_, kStartBytes / kKeptOfSolve + fixed_ + surfaces_ +
+                                                    std::max(making_, packing_));
+}
+
+void HeldBytes::add_surface(const RefinedAttributes& attributes,
+                            const std::vector<LevelCounts>& levels, std::uint64_t corner_count,
+                            const AssetVertices* rides) {
+  const LevelCounts& level = levels.back();
+  const auto rows = static_cast<std::uint64_t>(level.vertices);
+  std::uint64_t surface = tessellation_bytes(levels, last_, attributes) - fixed_;
+  // Fields, and what they are made from: who is a vertex's neighbour.
+  constexpr std::uint64_t kFieldBytes = 120;
+  if (settings_.attributes.any()) surface += kFieldBytes * rows;
+  if (settings_.compression != GltfCompression::None) {
+    const std::uint64_t packing = packing_bytes(level);  // the last half is what comes out
+    surface += packing / 2;
+    packing_ = std::max(
+        packing_, packing - packing / 2 + (level.faces > kPackedFaces ? packed_blocks_bytes() : 0));
+  }
+  if (rides != nullptr) {
+    const RideBytes bytes =
+        ride_bytes(*rides, settings_, rows, corner_count, last_ == LastLevel::Full);
+    surface += bytes.rows;
+    making_ = std::max(making_, bytes.making);
+  }
+  surfaces_ += surface;
+}
 
 MeshCounts mesh_counts_of(const PreparedMesh& mesh) {
   const MeshTopology& topology = *mesh.topology;

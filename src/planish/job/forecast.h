@@ -8,7 +8,7 @@
 
 #include "planish/files/gltf/asset/asset_vertices.h"
 #include "planish/job/job.h"
-#include "planish/mesh/point_cloud.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
 
 namespace planish {

@@ -9,9 +9,26 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/core/raw_vector.h"
+#include "planish/files/formats.h"
 #include "planish/files/mesh_file.h"
+#include "planish/job/report.h"
+#include "planish/reconstruct/reconstruct.h"
 
 namespace planish {
+
+/// What the path of an input alone says is wrong with it: no such file, with the nearest name
+/// beside it or an explanation of `~` and `file://`; a folder; not readable; an extension of a
+/// format that is not read, with the program that converts it. "-" and a path of any other
+/// extension pass: content decides. Throws Error{UnreadableInput}; Error{InvalidArgument} for a
+/// format.
+void require_input(const std::string& path, std::optional<FileFormat> format);
+
+/// What converts a file of that extension ("step", with or without the dot) to one that planish
+/// reads; empty where the extension is none that we know of.
+[[nodiscard]] std::string conversion_to_readable(const std::filesystem::path& path);
+
+/// The same for a file to write: what makes it of a GLB.
+[[nodiscard]] std::string conversion_from_glb(const std::filesystem::path& path);
 
 /// A file in memory, of a format that is settled.
 struct InputFile {
@@ -65,5 +82,41 @@ struct Input {
 /// The name of a format that is read, "obj" or "xyz" say. Throws Error{InvalidArgument} naming
 /// `where`.
 [[nodiscard]] FileFormat parse_input_format(std::string_view value, std::string_view where);
+
+/// A point cloud with what a report says of its file.
+struct PointInput {
+  std::string name;
+  PointCloud cloud;
+  std::string sha256;
+  FileFormat format = FileFormat::Ply;
+};
+
+/// Whether the format, or the extension where none is given, is one that only points have: xyz,
+/// pts, pcd, las, ptx.
+[[nodiscard]] bool is_point_path(const std::string& path, std::optional<FileFormat> format);
+
+/// Throws what the path alone says is wrong (require_input()), and Error{NoDevice} for points
+/// without a mesher; reads nothing.
+void require_readable(const std::string& path, std::optional<FileFormat> format);
+
+/// The points in a loaded file. Throws Error{UnreadableInput}; Error{InvalidArgument} for a format
+/// that holds no points.
+[[nodiscard]] PointInput points_of(const InputFile& file, const Callbacks& callbacks = {});
+
+/// The points of a PLY file that has no faces; empty for a mesh.
+[[nodiscard]] std::optional<PointInput> points_of(const Input& input);
+
+/// The mesher that this installation has. Throws Error{NoDevice} where there is none.
+[[nodiscard]] Mesher require_mesher();
+
+/// reconstruct() with errors that name the file.
+[[nodiscard]] Reconstruction reconstruct_input(const PointInput& input, const Mesher& mesher,
+                                               const ReconstructOptions& options);
+
+/// For reports.
+[[nodiscard]] PointFacts facts_of(const PointInput& input, const Reconstruction& result);
+
+/// Two aligned lines for people.
+[[nodiscard]] std::string points_text(const PointFacts& points);
 
 }  // namespace planish

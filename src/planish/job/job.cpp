@@ -1,30 +1,61 @@
 #include "planish/job/job.h"
-#include "planish/core/host_scope.h"
-#include "planish/core/number_text.h"
-#include "planish/core/stop.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
+#include "planish/core/words.h"
 #include "planish/files/read_file.h"
-#include "planish/job/asset_job.h"
-#include "planish/job/baked_maps.h"
-#include "planish/job/details.h"
+#include "planish/job/fit_file.h"
 #include "planish/job/forecast.h"
-#include "planish/job/job_fit.h"
+#include "planish/job/input.h"
 #include "planish/job/job_input.h"
 #include "planish/job/job_outputs.h"
-#include "planish/job/output_levels.h"
-#include "planish/job/page/job_page.h"
-#include "planish/job/point_input.h"
-#include "planish/job/text.h"
-#include "planish/job/timed.h"
+#include "planish/job/job_text.h"
+#include "planish/job/page/page.h"
+#include "planish/solve/backend.h"
+#include "planish/surface/evaluate.h"
 
 namespace planish {
+
+// A step comes again for every level: one that starts anew is the next of its name.
+void JobProgress::advance() {
+  if (steps_.empty()) {
+    share_ = fraction_;
+    return;
+  }
+  const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(std::min(place_, steps_.size()));
+  const auto found = std::ranges::find(from, steps_.end(), step_, &PlannedStep::name);
+  if (found != steps_.end()) place_ = static_cast<std::size_t>(found - steps_.begin());
+  if (place_ >= steps_.size()) return;
+  double before = 0, all = 0;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    if (i < place_) before += steps_[i].weight;
+    all += steps_[i].weight;
+  }
+  const double share = (before + fraction_ * steps_[place_].weight) / all;
+  share_ = std::clamp(share, share_, 1.0);
+}
+
+void JobProgress::update(std::string_view step, double fraction) {
+  const double sane =
+      std::lerp(begin_, end_, std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0);
+  const bool is_planned = place_ < steps_.size() && steps_[place_].name == step;
+  if (is_planned && step == step_ && sane < fraction_) ++place_;
+  step_ = step;
+  fraction_ = sane;
+  advance();
+  if (visit_) visit_(step_, fraction_, share_);
+}
+
 namespace {
 
 void write_report(const Job& job, const JobReport& report, StagedFiles& staged) {
@@ -246,6 +277,100 @@ JobResult run(Job job, Backend& backend, const JobWatch& watch) {
                                                    short_number(job.limits.cpu_seconds))));
   }
   return result;
+}
+
+namespace {
+
+// The command's word for stdin and stdout, which are the host's here.
+void require_file(const std::filesystem::path& path, std::string_view where) {
+  if (path == "-") refuse(where, "a file is wanted; one of that name is \"./-\"");
+}
+
+Job file_job(const std::filesystem::path& input, const std::filesystem::path& output,
+             const FitFileOptions& options) {
+  require_file(input, "input");
+  require_file(output, "output");
+  require_file(options.cage, "cage");
+  require_file(options.report, "report");
+  require_file(options.page, "page");
+  require_file(options.source, "source");
+  Job job;
+  job.input = input.string();
+  job.name = visible(input.stem());
+  job.label = input_name(job.input);
+  job.settings = options.settings;
+  job.outputs = {surface_request(job.settings, output.string(), "output")};
+  if (!options.cage.empty())
+    job.outputs.push_back(
+        {.path = options.cage.string(), .kind = OutputKind::Cage, .where = "cage"});
+  job.report = options.report.string();
+  job.page = options.page.string();
+  job.source = options.source.string();
+  job.digests = is_reported(job);
+  job.limits = options.limits;
+  job.overwrites = true;
+  return job;
+}
+
+// Of the callbacks, which must outlive it.
+JobWatch watch_of(const Callbacks& callbacks) {
+  return {.progress = [&](std::string_view step, double,
+                          double share) { callbacks.report(step, share); },
+          .cancelled = callbacks.cancelled,
+          .warning = [&](const Warning& warning) { callbacks.warn(warning); }};
+}
+
+FileFit file_fit(JobResult&& result) {
+  FileFit done;
+  done.fitted = std::move(result.fitted.front());
+  std::vector<Warning>& warnings = done.fitted.warnings;
+  if (result.report.meshes.empty()) warnings.clear();  // the report has them
+  warnings.insert(warnings.end(), result.report.warnings.begin(), result.report.warnings.end());
+  done.further.assign(std::make_move_iterator(result.fitted.begin() + 1),
+                      std::make_move_iterator(result.fitted.end()));
+  WrittenOutput& written = result.report.outputs.front();
+  done.vertex_count = written.vertices;
+  done.face_count = written.faces;
+  done.byte_count = written.bytes;
+  done.step = std::move(written.step);
+  return done;
+}
+
+}  // namespace
+
+WrittenOutput write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
+                                   Backend& backend, const SurfaceFileOptions& options) {
+  require_file(path, "path");
+  std::ranges::for_each(options.settings.levels, require_level);
+  Job job;
+  job.name = options.name;
+  job.input = "-";  // no file, whose stem would be the name
+  job.settings = options.settings;
+  job.settings.scheme = fitted.options.scheme;
+  job.settings.tolerance = fitted.options.tolerance;
+  job.outputs = {surface_request(job.settings, path.string(), "path")};
+  job.digests = job.measures = false;
+  PathClaims claims({.overwrite = true});
+  if (options.inputs != nullptr) claims.add_inputs(*options.inputs);
+  const HostScope host(options.callbacks);
+  std::vector<WrittenOutput> written;
+  backend.run_on_host([&] {
+    written = write_fitted(fitted, std::move(job), claims, backend, watch_of(options.callbacks));
+  });
+  options.callbacks.report("write", 1);
+  return std::move(written.front());
+}
+
+FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                 const FitFileOptions& options) {
+  std::unique_ptr<Backend> own;
+  if (options.backend == nullptr)
+    own = make_cpu_backend({.solve_precision = solve_precision(options.settings)});
+  Backend& backend = own ? *own : *options.backend;
+  const Callbacks& callbacks = options.callbacks;
+  JobResult result = run(file_job(input, output, options), backend, watch_of(callbacks));
+  callbacks.report("write", 1);
+  return file_fit(std::move(result));
 }
 
 }  // namespace planish

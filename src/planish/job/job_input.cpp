@@ -1,16 +1,26 @@
 #include "planish/job/job_input.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <span>
+#include <string>
 #include <utility>
 
-#include "planish/core/counted.h"
+#include "planish/adaptive/adaptive_tessellation.h"
 #include "planish/core/error.h"
+#include "planish/core/guards.h"
+#include "planish/core/words.h"
+#include "planish/edit/editor.h"
 #include "planish/files/formats.h"
-#include "planish/job/point_input.h"
-#include "planish/job/text.h"
-#include "planish/limit/adaptive_tessellation.h"
+#include "planish/job/input.h"
+#include "planish/job/job_settings.h"
+#include "planish/job/job_text.h"
+#include "planish/job/report.h"
 #include "planish/mesh/check.h"
-#include "planish/pipeline/choose_fit.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/fit_report.h"
+#include "planish/pipeline/fit_steps.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
 
@@ -271,6 +281,164 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
                  name_of(report.fit.method), lacks_tiles ? ", no output 3D Tiles" : "",
                  lacks_step ? ", no output STEP" : "", lacks_levels ? ", STEP has no levels" : ""),
        count, -1});
+}
+
+namespace {
+
+// Vertices of the mesh as it was fitted by those of the input: several where sheets were separated.
+class VerticesOfInput {
+ public:
+  explicit VerticesOfInput(const FittedMesh& fitted)
+      : sources_(fitted.source_vertices), order_(sources_.size()) {
+    count_ = fitted.mesh.vertex_count();
+    std::iota(order_.begin(), order_.end(), 0);
+    std::ranges::stable_sort(order_, {}, [&](std::int32_t v) { return source(v); });
+  }
+
+  // Calls take(vertex) for all of a vertex of the input.
+  template <class Take>
+  void for_each(std::int32_t given, const std::string& where, const Take& take) const {
+    if (sources_.empty()) {
+      if (given >= count_)
+        refuse(where, "there is no vertex {}; the mesh has 0 to {}", given, count_ - 1);
+      return take(given);
+    }
+    const auto found =
+        std::ranges::equal_range(order_, given, {}, [&](std::int32_t v) { return source(v); });
+    if (found.empty())
+      refuse(where,
+             "there is no vertex {} once the mesh is mended: it is not in the "
+             "input, or became another",
+             given);
+    for (const std::int32_t vertex : found) take(vertex);
+  }
+
+ private:
+  [[nodiscard]] std::int32_t source(std::int32_t v) const { return sources_[v]; }
+
+  std::span<const std::int32_t> sources_;
+  std::vector<std::int32_t> order_;
+  std::int32_t count_ = 0;
+};
+
+void apply_move(Editor& editor, const VerticesOfInput& input, const SceneMove& move) {
+  if (move.undo > 0) {
+    for (std::int64_t i = 0; i < move.undo; ++i) {
+      if (!editor.can_undo()) refuse(move.where, "there are no {} moves to take back", move.undo);
+      editor.undo();
+    }
+    return;
+  }
+  std::vector<std::int32_t> vertices;
+  std::vector<glm::dvec3> to;
+  for (std::size_t i = 0; i < move.vertices.size(); ++i) {
+    input.for_each(move.vertices[i], move.where, [&](std::int32_t vertex) {
+      vertices.push_back(vertex);
+      if (!move.to.empty()) to.push_back(move.to[i]);
+    });
+  }
+  try {
+    if (!move.to.empty()) {
+      editor.move(vertices, to);
+    } else if (move.radius > 0) {
+      editor.transform(editor.select(vertices, move.radius), move.map);
+    } else {
+      Selection all{vertices, std::vector<double>(vertices.size(), 1.0)};
+      editor.transform(all, move.map);
+    }
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::InvalidArgument) throw;
+    refuse(move.where, error.what());
+  }
+}
+
+// The editor of all moves; why there is none stands where they do.
+Editor editor_of(const FittedMesh& fitted, const SceneMove& first, int undo_steps) {
+  try {
+    return Editor(fitted, EditorOptions{0, fitted.options, undo_steps});
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::InvalidArgument) throw;
+    refuse(first.where, error.what());
+  }
+}
+
+// Moves vertices of what was fitted, one move after another, each solving what it reaches. Throws
+// Error{InvalidArgument} with the move's place: for vertices that the input has not, or that
+// became others when the mesh was mended; where the fit cannot be edited.
+MovedFigures apply_moves(FittedMesh& fitted, std::span<const SceneMove> moves) {
+  const VerticesOfInput input(fitted);
+  Editor editor = editor_of(fitted, moves.front(), static_cast<int>(moves.size()));
+  for (const SceneMove& move : moves) apply_move(editor, input, move);
+  MovedFigures figures;
+  figures.moves = std::ssize(moves);
+  const auto points = editor.points();
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    const double way = glm::length(points[v] - fitted.mesh.positions[v]);
+    if (way == 0) continue;
+    ++figures.vertices;
+    figures.farthest = std::max(figures.farthest, way / fitted.fit.placement.diagonal);
+  }
+  FittedMesh now = edited(fitted, editor);
+  now.fit.timing = fitted.fit.timing;
+  fitted = std::move(now);
+  return figures;
+}
+
+void note_fit(JobReport& report, FittedMesh& fitted) {
+  report.fit = fitted.figures();
+  settle(report.settings, fitted);
+  report.input.welded += fitted.welded_count;
+  report.timing.choose = fitted.choose_milliseconds;
+  Fit& result = fitted.fit;
+  report.timing.check += result.timing.check;
+  report.timing.topology += result.timing.topology;
+  report.timing.stencils += result.timing.stencils;
+  report.timing.upload += result.timing.upload;
+  report.timing.solve += result.timing.solve;
+  result.interpolation.displacement = {};  // nobody needs it any more
+}
+
+}  // namespace
+
+void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+               JobReport& report, const JobContext& context) {
+  context.progress.update("fit", 0);
+  const std::string name = ready.name;
+  made.fitted = fit_prepared(std::move(ready), backend);
+  made.fitted.split_normals = report.settings.creases.split_normals;
+  if (!moves.empty()) {
+    if (report.points)
+      refuse(moves.front().where, "moves are of vertices of a mesh; the input holds points");
+    report.moved =
+        timed(made.fitted.fit.timing.solve, [&] { return apply_moves(made.fitted, moves); });
+  }
+  const PreparedMesh& prepared = *made.fitted.fit.prepared;
+  timed(report.timing.check, [&] {
+    report.input.statistics = statistics(prepared);
+    made.folds = folded_edges(made.fitted.mesh, *prepared.topology);
+  });
+  report.input.folded_edges = made.folds.count;
+  report.input.folded_edge_area = made.folds.area;
+  // Said of the fit where it is made; here of moves.
+  if (const auto missed = convergence_warning(made.fitted, name)) {
+    report.falls_short = true;
+    add_warning(report, context, *missed);
+  }
+  note_fit(report, made.fitted);
+}
+
+void fit_cage(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+              JobReport& report, const JobContext& context) {
+  if (has_own_cage(made.fitted)) return;
+  const std::string name = ready.name;
+  FittedMesh& cage = made.cage.emplace(
+      timed(report.timing.choose, [&] { return fit_prepared(std::move(ready), backend); }));
+  cage.split_normals = report.settings.creases.split_normals;
+  if (!moves.empty()) timed(report.timing.choose, [&] { return apply_moves(cage, moves); });
+  if (const auto missed = convergence_warning(cage, name + ": control cage")) {
+    report.falls_short = true;
+    add_warning(report, context, *missed);
+  }
 }
 
 }  // namespace planish

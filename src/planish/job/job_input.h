@@ -1,17 +1,33 @@
 #pragma once
 
+#include <chrono>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/files/file_materials.h"
+#include "planish/files/materials.h"
 #include "planish/job/input.h"
 #include "planish/job/job.h"
-#include "planish/mesh/folded_edges.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/fit_mesh.h"
 
 namespace planish {
+
+/// Runs `work` and adds the milliseconds it took to `total`.
+template <class Work>
+auto timed(double& total, const Work& work) {
+  struct Stopwatch {
+    double& total;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    ~Stopwatch() {
+      total += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+                   .count();
+    }
+  } stopwatch{total};
+  return work();
+}
 
 /// What a job's steps share.
 struct JobContext {
@@ -75,5 +91,15 @@ void require_points(const Job& job, const std::string& name, std::int64_t count)
 /// Warns "unused-settings" of flags that have no effect on what the input turned out to be.
 void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
                              const JobContext& context);
+
+/// fit_prepared() into `made` and the moves of its vertices, noted in the report: figures, times,
+/// and exit code 5 with a warning where the solve does not converge. Throws as that.
+void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+               JobReport& report, const JobContext& context);
+
+/// The same of a control cage, after it, into JobInput::cage; nothing where the surface has that
+/// cage itself.
+void fit_cage(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+              JobReport& report, const JobContext& context);
 
 }  // namespace planish

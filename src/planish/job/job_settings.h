@@ -1,16 +1,54 @@
 #pragma once
 
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 #include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/option.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/settings.h"
 #include "planish/reconstruct/reconstruct.h"
 
 namespace planish {
+
+/// A setting as it was given: its name as in a scene file, the place ("--solver",
+/// "scene.json:9: jobs[0].solve.solver") and the value as text.
+struct GivenSetting {
+  std::string name, where, value;
+};
+
+/// One of a job's "moves", which come after its fit: vertices of the input to positions, or by an
+/// affine map; or moves that are taken back.
+struct SceneMove {
+  std::string where;                   ///< in its scene file
+  std::vector<std::int32_t> vertices;  ///< of the input, from 0
+  std::vector<glm::dvec3> to;          ///< one a vertex; empty: the map moves them
+  glm::dmat4 map{1.0};
+  double radius = 0;      ///< above 0: those around them move along, see select_around()
+  std::int64_t undo = 0;  ///< above 0: so many moves are taken back, and nothing else
+};
+
+struct Input;  // input.h
+
+/// Points that stand in for a mesh: drawn from the interpolating surface through its vertices, by
+/// area.
+struct Sampling {
+  std::int64_t points = 0;
+  bool poisson_disk = true;  ///< no two near each other; else independent
+  std::uint32_t seed = 1;
+  double noise = 0;     ///< standard deviation along each axis, of the diagonal
+  double outliers = 0;  ///< further points, even in the bounding box, as a part of `points`
+  /// What draws them: the same points for the same mesh and sampling.
+  PointCloud (*draw)(const Input& mesh, const Sampling& sampling,
+                     const Callbacks& callbacks) = nullptr;
+};
 
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file: the rows of
 /// option_table() and point_option_table().

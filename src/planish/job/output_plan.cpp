@@ -1,5 +1,5 @@
 #include "planish/job/output_plan.h"
-#include "planish/core/number_text.h"
+#include "planish/core/error.h"
 
 #include <unistd.h>
 
@@ -7,12 +7,12 @@
 #include <climits>
 
 #include "planish/core/error.h"
-#include "planish/core/refuse.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/tiles/tileset.h"
+#include "planish/core/guards.h"
+#include "planish/core/words.h"
+#include "planish/files/tiles/tile.h"
 #include "planish/files/tiles/write_tiles.h"
-#include "planish/job/input_path.h"
-#include "planish/job/text.h"
+#include "planish/job/input.h"
+#include "planish/job/job_text.h"
 
 namespace planish {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "planish/files/formats.h"
-#include "planish/files/input_files.h"
+#include "planish/files/mesh_file.h"
 #include "planish/job/job_settings.h"
 
 namespace planish {

@@ -6,16 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include "planish/backend/backend.h"
 #include "planish/job/job_settings.h"
 #include "planish/job/output_plan.h"
-#include "planish/job/sampling.h"
+#include "planish/measure/vertex_fields.h"
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/write_fitted_step.h"
 #include "planish/reconstruct/reconstruct.h"
-#include "planish/surface/surface_quality.h"
-#include "planish/surface/texture_slide.h"
+#include "planish/solve/backend.h"
+#include "planish/surface/quality_sum.h"
 
 namespace planish {
 

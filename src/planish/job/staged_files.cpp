@@ -1,20 +1,83 @@
 #include "planish/job/staged_files.h"
-#include "planish/core/stop.h"
 
+#include <dirent.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
+#include <set>
+#include <string>
+#include <string_view>
 
-#include "planish/core/formatted.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
+#include "planish/core/json.h"
 #include "planish/core/output_file.h"
-#include "planish/core/rename_file.h"
-#include "planish/core/visible_text.h"
-#include "planish/job/temporary_folders.h"
+#include "planish/core/words.h"
+#include "planish/files/gltf/gltf_payload.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/files/read_file.h"
 
 namespace planish {
+namespace {
+
+struct Folders {
+  std::mutex moving;
+  std::mutex mutex;  // of all
+  std::set<std::filesystem::path> all;
+};
+
+// Never destroyed: a thread that waits for signals outlives main().
+Folders& folders() {
+  static auto* const instance = new Folders;
+  return *instance;
+}
+
+// By its name in an open folder.
+void remove_at(int folder, const char* name) noexcept {
+  if (::unlinkat(folder, name, 0) == 0) return;
+  const int opened = ::openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (opened < 0) return;
+  DIR* const entries = ::fdopendir(opened);
+  if (entries == nullptr) {
+    ::close(opened);
+    return;
+  }
+  while (const dirent* const entry = ::readdir(entries)) {
+    const std::string_view inside = entry->d_name;
+    if (inside != "." && inside != "..") remove_at(opened, entry->d_name);
+  }
+  ::closedir(entries);
+  ::unlinkat(folder, name, AT_REMOVEDIR);
+}
+
+}  // namespace
+
+void remove_folder(const std::filesystem::path& folder) noexcept {
+  remove_at(AT_FDCWD, folder.c_str());
+}
+
+void add_temporary_folder(const std::filesystem::path& folder) {
+  const std::scoped_lock lock(folders().mutex);
+  folders().all.insert(folder);
+}
+
+void forget_temporary_folder(const std::filesystem::path& folder) {
+  const std::scoped_lock lock(folders().mutex);
+  folders().all.erase(folder);
+}
+
+std::unique_lock<std::mutex> while_files_move() { return std::unique_lock(folders().moving); }
+
+void remove_temporary_folders() {
+  folders().mutex.lock();  // for good
+  for (const auto& folder : folders().all) remove_folder(folder);
+}
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -142,6 +205,44 @@ void StagedFiles::put_away(const File& file) const {
     } while (fs::exists(fs::symlink_status(away, ignored)));
     rename(old, away, true, file.target);
   }
+}
+
+namespace {
+
+// Documents of ours are far smaller.
+constexpr std::uintmax_t kMostDocumentBytes = std::uintmax_t{1} << 26;
+
+// How many buffers a document names that are named as its own would be.
+std::size_t own_buffers(const fs::path& document) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(document, error)) ||
+      fs::file_size(document, error) > kMostDocumentBytes || error)
+    return 0;
+  const RawVector<std::byte> text = read_named(document, document, FileReach::Anywhere).bytes;
+  const auto* const letters = reinterpret_cast<const char*>(text.data());
+  const nlohmann::json json = nlohmann::json::parse(letters, letters + text.size(), nullptr, false);
+  if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return 0;
+  std::size_t count = 0;
+  for (const nlohmann::json& buffer : json["buffers"]) {
+    const std::string name = encode_uri(gltf_buffer_path(document, count).filename().string());
+    if (!buffer.is_object() || buffer.value("uri", nlohmann::json()) != name) break;
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+void stage_further_buffers(const PlannedOutput& planned, const fs::path& written,
+                           StagedFiles& staged) {
+  std::size_t count = 1;
+  for (; fs::exists(gltf_buffer_path(written, count)); ++count) {
+    const fs::path buffer = gltf_buffer_path(planned.path, count);
+    (void)staged.stage(buffer);
+  }
+  if (!staged.overwrites()) return;
+  for (const std::size_t end = own_buffers(planned.path); count < end; ++count)
+    staged.remove_later(gltf_buffer_path(planned.path, count));
 }
 
 }  // namespace planish

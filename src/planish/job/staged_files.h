@@ -1,13 +1,30 @@
 #pragma once
 
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/job/output_plan.h"
 
 namespace planish {
+
+/// A hidden folder of files that are not in place yet, in the list of the process.
+void add_temporary_folder(const std::filesystem::path& folder);
+void forget_temporary_folder(const std::filesystem::path& folder);
+
+/// Removes it with all that it holds, as far as that can be. Takes no memory by `new`: what ran out
+/// of that ends here, and std::filesystem::remove_all() would end the process.
+void remove_folder(const std::filesystem::path& folder) noexcept;
+
+/// Held while files are put in place, so that all of them are there or none.
+[[nodiscard]] std::unique_lock<std::mutex> while_files_move();
+
+/// Removes all folders of the list, and lets nobody add one any more: for who ends the process
+/// while jobs are under way, which must hold while_files_move().
+void remove_temporary_folders();
 
 /// Files that appear together: each is written into a hidden folder beside its place, commit()
 /// moves all of them. Without commit the folders vanish with everything in them.
@@ -69,5 +86,11 @@ class StagedFiles {
   std::vector<File> files_;
   std::vector<std::filesystem::path> remains_;
 };
+
+/// Stages the buffers behind the first of a .gltf that stands in `written`. With --force, those
+/// that the document in its place names beyond them, and that are named as its buffers are, go with
+/// it: nobody else's. Throws Error{UnwritableOutput} where one exists and may not be replaced.
+void stage_further_buffers(const PlannedOutput& planned, const std::filesystem::path& written,
+                           StagedFiles& staged);
 
 }  // namespace planish

@@ -1,11 +1,90 @@
 #include "planish/mesh/mesh_parts.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <string>
 #include <tuple>
 
-#include "planish/mesh/disjoint_sets.h"
+#include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
+#include "planish/mesh/edge_groups.h"
+#include "planish/mesh/sound_topology.h"
 
 namespace planish {
+
+std::vector<std::uint8_t> hole_flags(const PolygonMesh& mesh) {
+  std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.face_count()), 0);
+  for (std::size_t i = 0; i < mesh.hole_faces.size(); ++i) {
+    const std::int32_t face = mesh.hole_faces[i];
+    if (face < 0 || face >= mesh.face_count())
+      throw Error(ErrorCode::UnusableMesh,
+                  formatted("hole {} is face {} of {}", i, face, mesh.face_count()),
+                  static_cast<std::int64_t>(i));
+    flags[face] = 1;
+  }
+  return flags;
+}
+
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+template <class Body>
+void for_each(std::size_t count, const Body& body) {
+  parallel_each(count, kGrain, [&](std::size_t i) { body(i); });
+}
+
+}  // namespace
+
+UsedMesh without_unused_vertices(const PolygonMesh& mesh) {
+  RawVector<std::uint8_t> is_named(mesh.positions.size());
+  for_each(is_named.size(), [&](std::size_t v) { is_named[v] = 0; });
+  for_each(mesh.face_vertices.size(), [&](std::size_t c) {
+    std::atomic_ref(is_named[mesh.face_vertices[c]]).store(1, std::memory_order_relaxed);
+  });
+  const auto is_used = [&](std::size_t v) { return is_named[v] != 0; };
+  const SelectedBlocks blocks = count_selected(is_named.size(), is_used);
+  UsedMesh used;
+  used.vertices.resize(blocks.total);
+  RawVector<std::int32_t> new_index(mesh.positions.size());
+  for_each(new_index.size(), [&](std::size_t v) { new_index[v] = -1; });
+  for_selected(is_named.size(), blocks, is_used, [&](std::size_t v, std::int32_t number) {
+    used.vertices[number] = static_cast<std::int32_t>(v);
+    new_index[v] = number;
+  });
+  if (used.vertices.size() == mesh.positions.size()) {
+    used.mesh = mesh;
+    return used;
+  }
+  used.mesh.face_offsets = mesh.face_offsets;
+  used.mesh.uvs = mesh.uvs;
+  used.mesh.face_uvs = mesh.face_uvs;
+  used.mesh.groups = mesh.groups;
+  used.mesh.face_groups = mesh.face_groups;
+  used.mesh.hole_faces = mesh.hole_faces;
+  used.mesh.positions.resize(used.vertices.size());
+  used.mesh.colors.resize(mesh.colors.empty() ? 0 : used.vertices.size());
+  for_each(used.vertices.size(), [&](std::size_t v) {
+    used.mesh.positions[v] = mesh.positions[used.vertices[v]];
+    if (!mesh.colors.empty()) used.mesh.colors[v] = mesh.colors[used.vertices[v]];
+  });
+  used.mesh.attributes = attributes_of(mesh.attributes, used.vertices);
+  used.mesh.face_vertices.resize(mesh.face_vertices.size());
+  for_each(mesh.face_vertices.size(),
+           [&](std::size_t c) { used.mesh.face_vertices[c] = new_index[mesh.face_vertices[c]]; });
+  for (const CreaseEdge& crease : mesh.creases) {
+    used.mesh.creases.push_back({new_index[crease.v0], new_index[crease.v1], crease.sharpness});
+  }
+  for (const CornerVertex& corner : mesh.corners) {
+    if (new_index[corner.vertex] >= 0) {
+      used.mesh.corners.push_back({new_index[corner.vertex], corner.sharpness});
+    }
+  }
+  return used;
+}
 
 namespace {
 
@@ -110,6 +189,102 @@ PolygonMesh some_faces(const PolygonMesh& mesh, std::span<const std::uint8_t> is
 void add_other_faces(PolygonMesh& to, const PolygonMesh& mesh,
                      std::span<const std::uint8_t> is_kept) {
   add_faces(to, mesh, [&](std::int32_t f) { return is_kept[f] == 0; });
+}
+
+namespace {
+
+void check_sizes(std::span<const PolygonMesh> meshes, std::int32_t most) {
+  std::size_t vertices = 0, corners = 0, faces = 0, uvs = 0;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    vertices += meshes[i].positions.size();
+    corners += meshes[i].face_vertices.size();
+    faces += arrays_of(meshes[i]).face_count();
+    uvs += meshes[i].uvs.size();
+    const std::size_t largest = std::max({vertices, corners, faces, uvs});
+    if (largest > static_cast<std::size_t>(most))
+      throw Error(ErrorCode::UnusableMesh,
+                  formatted("mesh {} would make {} vertices, corners, faces or uvs of one mesh, "
+                            "more than the {} that it may have; merge fewer meshes",
+                            i, largest, most),
+                  static_cast<std::int64_t>(i));
+  }
+}
+
+void check_indices(std::span<const PolygonMesh> meshes) {
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const std::optional<MeshProblem> problem = first_index_problem(arrays_of(meshes[i]));
+    if (problem)
+      throw Error(ErrorCode::UnusableMesh, formatted("mesh {}: {}", i, problem->message),
+                  static_cast<std::int64_t>(i));
+  }
+}
+
+void append_shifted(std::vector<std::int32_t>& to, const std::vector<std::int32_t>& from,
+                    std::int32_t shift) {
+  for (const std::int32_t index : from) to.push_back(index < 0 ? index : index + shift);
+}
+
+// What some have, filled up for those without.
+struct Wanted {
+  bool uvs = false, colors = false, groups = false;
+};
+
+void append_extras(PolygonMesh& all, const PolygonMesh& mesh, const Wanted& wanted) {
+  if (wanted.uvs) {
+    const auto first = static_cast<std::int32_t>(all.uvs.size());
+    all.uvs.insert(all.uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
+    append_shifted(all.face_uvs, mesh.face_uvs, first);
+    all.face_uvs.resize(all.face_vertices.size(), -1);
+  }
+  if (wanted.colors) {
+    all.colors.insert(all.colors.end(), mesh.colors.begin(), mesh.colors.end());
+    all.colors.resize(all.positions.size(), glm::vec4(1));
+  }
+  if (!wanted.groups) return;
+  const auto first = static_cast<std::int32_t>(all.groups.size());
+  all.groups.insert(all.groups.end(), mesh.groups.begin(), mesh.groups.end());
+  append_shifted(all.face_groups, mesh.face_groups, first);
+  const auto face_count = static_cast<std::size_t>(all.face_count());
+  if (all.face_groups.size() == face_count) return;
+  all.groups.emplace_back();
+  all.face_groups.resize(face_count, static_cast<std::int32_t>(all.groups.size()) - 1);
+}
+
+void append(PolygonMesh& all, const PolygonMesh& mesh, const Wanted& wanted) {
+  const std::int32_t first_vertex = all.vertex_count(), first_face = all.face_count();
+  const auto first_corner = static_cast<std::int32_t>(all.face_vertices.size());
+  all.positions.insert(all.positions.end(), mesh.positions.begin(), mesh.positions.end());
+  append_shifted(all.face_vertices, mesh.face_vertices, first_vertex);
+  for (std::size_t f = 1; f < mesh.face_offsets.size(); ++f)
+    all.face_offsets.push_back(first_corner + mesh.face_offsets[f]);
+  for (const CreaseEdge& edge : mesh.creases)
+    all.creases.push_back({edge.v0 + first_vertex, edge.v1 + first_vertex, edge.sharpness});
+  for (const CornerVertex& corner : mesh.corners)
+    all.corners.push_back({corner.vertex + first_vertex, corner.sharpness});
+  append_shifted(all.hole_faces, mesh.hole_faces, first_face);
+  append_extras(all, mesh, wanted);
+}
+
+}  // namespace
+
+MergedMeshes merged_meshes(std::span<const PolygonMesh> meshes, std::int32_t most) {
+  check_sizes(meshes, most);
+  check_indices(meshes);
+  Wanted wanted;
+  for (const PolygonMesh& mesh : meshes) {
+    wanted.uvs |= !mesh.face_uvs.empty();
+    wanted.colors |= !mesh.colors.empty();
+    wanted.groups |= !mesh.face_groups.empty();
+  }
+  MergedMeshes merged;
+  for (const PolygonMesh& mesh : meshes) {
+    merged.first_vertices.push_back(merged.mesh.vertex_count());
+    merged.first_faces.push_back(merged.mesh.face_count());
+    append(merged.mesh, mesh, wanted);
+  }
+  merged.first_vertices.push_back(merged.mesh.vertex_count());
+  merged.first_faces.push_back(merged.mesh.face_count());
+  return merged;
 }
 
 }  // namespace planish

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "planish/core/raw_vector.h"
@@ -119,5 +121,74 @@ class MeshTopology {
   RawVector<std::int32_t> face_offsets_, corner_vertex_, corner_face_, twin_, corner_edge_;
   RawVector<std::int32_t> edge_corner_, vertex_first_, vertex_corners_;
 };
+
+/// What fit(), evaluate() and reports want to know of a mesh's faces, found once for all of them:
+/// that the mesh passes check(), and how its corners meet. Holds as long as faces, tags and the
+/// number of vertices stay; positions may change.
+struct PreparedMesh {
+  RawVector<std::int32_t> vertices;              ///< those that faces name, ascending
+  std::shared_ptr<const MeshTopology> topology;  ///< over these vertices, numbered anew
+  std::int32_t given_vertex_count = 0;           ///< with unused ones
+
+  [[nodiscard]] bool uses_all() const {
+    return static_cast<std::int32_t>(vertices.size()) == given_vertex_count;
+  }
+};
+
+/// Null where the mesh has a problem that check() reports.
+[[nodiscard]] std::shared_ptr<const PreparedMesh> prepare_if_sound(const PolygonMesh& mesh);
+
+/// Throws as require_usable().
+[[nodiscard]] std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh,
+                                                               std::string_view name);
+
+/// Of a mesh whose faces name all vertices and have been found sound; `topology` is its.
+[[nodiscard]] std::shared_ptr<const PreparedMesh> prepared_whole(
+    const PolygonMesh& mesh, std::shared_ptr<const MeshTopology> topology);
+
+/// A mesh without the vertices that no face names: the given mesh itself where there are none, else
+/// a copy.
+struct UsedPart {
+  std::shared_ptr<const PreparedMesh> prepared;
+  std::unique_ptr<const PolygonMesh> copy;
+  const PolygonMesh& mesh;
+  std::span<const std::int32_t> vertices;  ///< the original index of each vertex, ascending
+};
+
+/// `mesh` is the one that was prepared, but for positions, and must outlive the result. Corner tags
+/// of unused vertices are dropped.
+[[nodiscard]] UsedPart used_part(const PolygonMesh& mesh,
+                                 std::shared_ptr<const PreparedMesh> prepared);
+UsedPart used_part(PolygonMesh&& mesh, std::shared_ptr<const PreparedMesh> prepared) = delete;
+
+/// A place on the surface of a mesh's face, as OpenSubdiv's Bfr::Parameterization has it. On a face
+/// of four, (u, v) in [0, 1]^2 with corner i at (0, 0), (1, 0), (1, 1), (0, 1). On others (u, v)
+/// lies in one of m tiles of half a unit, one a corner, at (i % d, i / d): its origin is at the
+/// corner, u runs along the face's edge to the next one, and (1/2, 1/2) is the face's centre; d = 2
+/// up to four faces, 3 up to nine, then 1 + floor(sqrt(m - 1)).
+struct SurfaceParameter {
+  std::int32_t face = 0;
+  double u = 0, v = 0;
+};
+
+/// The same seen from the corner that it belongs to: u runs from the corner's vertex to the
+/// midpoint of its leading edge, v to that of its trailing edge, both from 0 to 1; (1, 1) is the
+/// face's centre.
+struct CornerParameter {
+  std::int32_t corner = 0;
+  double u = 0, v = 0;
+  /// How derivatives by (u, v) become those by a SurfaceParameter's, see PatchPoint::turned() with
+  /// factor 2.
+  int turn_c = 1, turn_s = 0;
+};
+
+/// Throws Error{InvalidArgument} for a face that is none, and for places further than 1e-9 outside
+/// it; nearer ones are taken to the border.
+[[nodiscard]] CornerParameter corner_parameter(const MeshTopology& topology,
+                                               const SurfaceParameter& at);
+
+/// The inverse. (u, v) must be in [0, 1]^2.
+[[nodiscard]] SurfaceParameter surface_parameter(const MeshTopology& topology, std::int32_t corner,
+                                                 double u, double v);
 
 }  // namespace planish

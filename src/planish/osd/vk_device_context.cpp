@@ -2,18 +2,73 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <map>
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "planish/core/error.h"
-#include "planish/osd/submission.h"
-#include "planish/vulkan/device/buffer.h"
+#include "planish/osd/vk_vertex_buffer.h"
+#include "planish/vulkan/device/bindings.h"
 #include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/device/driver.h"
 
 namespace planish::osd {
-
 namespace {
+
+// A command buffer that is sent without waiting, used again once it is done.
+class Submission {
+ public:
+  Submission(vulkan::Context& context, std::uint32_t queueFamily);
+  // Waits for it.
+  ~Submission();
+  Submission(Submission const&) = delete;
+  Submission& operator=(Submission const&) = delete;
+
+  // Returns whether nothing is under way, after up to `nanoseconds`; then `resources` are let go.
+  bool IsDone(std::uint64_t nanoseconds);
+
+  // Keeps a resource until it is done.
+  void Hold(std::shared_ptr<void> const& resource) {
+    if (_pending) _resources.push_back(resource);
+  }
+
+  // Records, submits and returns. Must be done. What it does is ordered after, and sees, what
+  // earlier submissions to the queue did.
+  void Submit(VkQueue queue, std::function<void(VkCommandBuffer)> const& record,
+              std::shared_ptr<void> resources);
+
+ private:
+  vulkan::FencedCommands _commands;
+  bool _pending = false;
+  std::vector<std::shared_ptr<void>> _resources;
+};
+
+Submission::Submission(vulkan::Context& context, std::uint32_t queueFamily)
+    : _commands(context, queueFamily) {}
+
+Submission::~Submission() {
+  if (_pending) (void)_commands.wait(UINT64_MAX);
+}
+
+bool Submission::IsDone(std::uint64_t nanoseconds) {
+  if (!_pending) return true;
+  VkResult const result = _commands.wait(nanoseconds);
+  if (result == VK_TIMEOUT) return false;
+  vulkan::check(result, "vkWaitForFences");
+  _pending = false;
+  _resources.clear();
+  return true;
+}
+
+void Submission::Submit(VkQueue queue, std::function<void(VkCommandBuffer)> const& record,
+                        std::shared_ptr<void> resources) {
+  _commands.submit(queue, record);
+  _pending = true;
+  _resources.push_back(std::move(resources));
+}
 
 // Staging from this size on is for tables, which are uploaded once, and is not kept.
 constexpr std::uint64_t kLargeBytes = 16u << 20;
@@ -136,6 +191,54 @@ std::shared_ptr<vulkan::Buffer> VkDeviceContext::GetStaging(std::uint64_t size) 
   auto buffer = std::make_shared<vulkan::Buffer>(_state->context, size, vulkan::MemoryUse::Upload);
   if (size < kLargeBytes) _state->staging.push_back(buffer);
   return buffer;
+}
+
+VkVertexBuffer* VkVertexBuffer::Create(int numElements, int numVertices,
+                                       VkDeviceContext* deviceContext) {
+  if (numElements < 1 || numVertices < 0)
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("VkVertexBuffer of {} vertices of {} floats: neither may be negative or no float",
+                  numVertices, numElements));
+  return new VkVertexBuffer(numElements, numVertices, *deviceContext);
+}
+
+VkVertexBuffer::VkVertexBuffer(int numElements, int numVertices, VkDeviceContext& deviceContext)
+    : _numElements(numElements),
+      _numVertices(numVertices),
+      _deviceContext(deviceContext),
+      _buffer(std::make_shared<vulkan::Buffer>(
+          deviceContext.GetContext(), std::uint64_t(numElements) * numVertices * sizeof(float),
+          vulkan::MemoryUse::Device, "planish vertex buffer")) {}
+
+VkVertexBuffer::~VkVertexBuffer() { _deviceContext.Retire(_buffer); }
+
+VkBuffer VkVertexBuffer::BindVBO(VkDeviceContext*) const { return _buffer->handle(); }
+
+void VkVertexBuffer::CheckRange(int startVertex, int numVertices) const {
+  if (startVertex < 0 || numVertices < 0 || startVertex > _numVertices - numVertices)
+    throw Error(ErrorCode::InvalidArgument,
+                formatted("VkVertexBuffer: vertices {} to {} of {}", startVertex,
+                          std::int64_t(startVertex) + numVertices, _numVertices),
+                startVertex);
+}
+
+void VkVertexBuffer::UpdateData(float const* src, int startVertex, int numVertices,
+                                VkDeviceContext* deviceContext) {
+  CheckRange(startVertex, numVertices);
+  std::span<float const> const floats(src, std::size_t(numVertices) * _numElements);
+  deviceContext->Upload(_buffer->handle(),
+                        std::uint64_t(startVertex) * _numElements * sizeof(float),
+                        std::as_bytes(floats));
+}
+
+void VkVertexBuffer::ReadData(float* dst, int startVertex, int numVertices,
+                              VkDeviceContext* deviceContext) const {
+  CheckRange(startVertex, numVertices);
+  std::uint64_t const vertexBytes = _numElements * sizeof(float);
+  std::vector<std::byte> const bytes = deviceContext->Download(
+      _buffer->handle(), startVertex * vertexBytes, numVertices * vertexBytes);
+  if (!bytes.empty()) std::memcpy(dst, bytes.data(), bytes.size());
 }
 
 }  // namespace planish::osd

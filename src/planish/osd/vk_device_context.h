@@ -20,7 +20,7 @@ namespace planish::osd {
 /// and Synchronize() waits.
 ///
 /// Every call begins with a barrier that orders it after all compute and transfer commands before
-/// it (vulkan::kExitScope to vulkan::kEntryScope of scope.h); what follows the last call is the
+/// it (vulkan::kExitScope to vulkan::kEntryScope of context.h); what follows the last call is the
 /// host's to order. Externally synchronised: one for each thread; any number may share a
 /// vulkan::Context, which outlives them.
 class VkDeviceContext {

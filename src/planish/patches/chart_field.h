@@ -11,11 +11,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "planish/core/range.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_mesh.h"
-#include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
 
 namespace planish {

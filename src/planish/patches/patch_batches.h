@@ -8,7 +8,7 @@
 #include "planish/patches/face_kernel.h"
 #include "planish/patches/patch_kernel.h"
 #include "planish/patches/patch_plan.h"
-#include "planish/patches/point_rows.h"
+#include "planish/patches/patch_surface.h"
 
 namespace planish {
 

@@ -6,16 +6,98 @@
 #include <span>
 #include <vector>
 
-#include "planish/core/range.h"
-#include "planish/mesh/placement.h"
+#include "planish/core/raw_vector.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_kernel.h"
 #include "planish/patches/patch_mesh.h"
-#include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
-#include "planish/patches/patch_runner.h"
-#include "planish/patches/patch_templates.h"
 
 namespace planish {
+
+/// Limit points of vertices, faces and edges that patches make along, in any order: their rows,
+/// positions in model coordinates and normals.
+class PointRows {
+ public:
+  /// Drops all and takes room for so many.
+  void reset(std::size_t capacity) {
+    rows_.resize(capacity);
+    positions_.resize(capacity);
+    normals_.resize(capacity);
+    count_ = 0;
+  }
+  /// There must be room. A point without values gets them later.
+  void add(std::int32_t row) { rows_[count_++] = row; }
+  void add(std::int32_t row, const double* position, const float* normal) {
+    rows_[count_] = row;
+    positions_[count_] = {position[0], position[1], position[2]};
+    normals_[count_++] = {normal[0], normal[1], normal[2]};
+  }
+
+  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] std::span<const std::int32_t> rows() const { return {rows_.data(), count_}; }
+  [[nodiscard]] std::span<glm::dvec3> positions() { return {positions_.data(), count_}; }
+  [[nodiscard]] std::span<glm::vec3> normals() { return {normals_.data(), count_}; }
+
+ private:
+  RawVector<std::int32_t> rows_;
+  RawVector<glm::dvec3> positions_;
+  RawVector<glm::vec3> normals_;
+  std::size_t count_ = 0;
+};
+
+class PatchBatches;
+
+/// Evaluates patches: each is gathered into a batch of its class, which runs as soon as it is full,
+/// its indices still in the nearest cache. Safe to use from many threads; all of it must outlive
+/// the runner.
+class PatchRunner {
+ public:
+  PatchRunner(const PatchMesh& mesh, const PatchNumbering& numbering, const PatchClasses& classes,
+              const PatchPlanner& planner, PatchKernel kernel);
+
+  /// Whether corners can make the rows of vertices, faces and edges along: at level 2, of quads.
+  [[nodiscard]] bool makes_points() const;
+
+  // All return whether a normal came out zero.
+  /// All rows of a tile, whose first one is the output's first; of one of corners in `points` those
+  /// of the vertices, faces and edges that its corners stand for: see
+  /// PatchNumbering::item_corner().
+  bool run_tile(const PatchTile& tile, const PatchOutput& output, const double* state,
+                PointRows* points = nullptr) const;
+  /// All samples of some corners, in the order of PatchSamples one corner after another; points as
+  /// above.
+  bool run_grids(std::span<const std::int32_t> corners, const PatchOutput& output,
+                 const double* state, PointRows* points = nullptr) const;
+  /// Rows of vertices, faces, edges and further sectors, anyhow.
+  bool run_points(std::span<const std::int32_t> rows, const PatchOutput& output,
+                  const double* state) const;
+  /// What a plan lists.
+  bool run_plan(const PatchPlan& plan, const PatchOutput& output, const double* state) const;
+
+ private:
+  template <bool kQuads>
+  void add_corner(std::int32_t corner, std::int32_t target, PatchBatches& run) const;
+  template <bool kQuads>
+  void add_point(PatchNumbering::Part part, std::int64_t item, std::int32_t target,
+                 PatchBatches& run) const;
+  template <bool kQuads>
+  void add_tile(const PatchTile& tile, PatchBatches& run) const;
+  static RawVector<std::int32_t>& further_points();
+  static void begin_points(std::int64_t corner_count, PointRows* points);
+  bool finish_points(const PatchOutput& output, const double* state, PointRows* points) const;
+  void add_place(const PatchPlace& place, std::int32_t target, PatchBatches& run) const;
+  // Whether tiles of that part need no plan: not those with two sides of a cut or hidden faces.
+  [[nodiscard]] bool runs_at_once(PatchNumbering::Part part) const;
+  static PatchPlan& empty_plan();
+
+  const PatchMesh& mesh_;
+  const MeshTopology& topology_;
+  const PatchNumbering& numbering_;
+  const PatchClasses& classes_;
+  const PatchPlanner& planner_;
+  PatchKernel kernel_;
+  bool quads_ = false;  // every face has four corners
+};
 
 struct PatchSurfaceOptions {
   int level = 2;  ///< 0: limit points of the vertices
@@ -109,6 +191,23 @@ class PatchSurface {
   PatchPlanner planner_;
   PatchRunner runner_;
   std::vector<PatchTile> tiles_;
+};
+
+/// What a backend also is that evaluates patches on its device. For the others there is
+/// PatchSurface::rows().
+class PatchEvaluator {
+ public:
+  virtual ~PatchEvaluator() = default;
+
+  struct Row {
+    glm::vec3 position;  ///< in the coordinates of the state
+    glm::vec3 normal;    ///< zero where tangents are parallel
+  };
+
+  /// All rows of a surface with these points of level 1, in the device's precision. Throws
+  /// Error{OutOfMemory}, naming the limit, and Error{DeviceLost}.
+  virtual void evaluate_patches(const PatchSurface& surface, std::span<const glm::dvec3> state,
+                                std::span<Row> rows) = 0;
 };
 
 }  // namespace planish

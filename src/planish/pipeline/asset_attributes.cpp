@@ -1,25 +1,233 @@
-// Based on: Khronos Group, "glTF 2.0 Specification", sections 3.7.2.2 (morph targets) and 3.7.3.3
-// (skinned meshes: weights sum to 1).
 #include "planish/pipeline/asset_attributes.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
 #include <map>
 #include <mutex>
 #include <ranges>
 #include <string>
+#include <utility>
 
+#include "planish/adaptive/adaptive_blocks.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
-#include "planish/pipeline/attribute_fields.h"
-#include "planish/pipeline/linear_surface.h"
+#include "planish/core/words.h"
 #include "planish/surface/evaluate.h"
+#include "planish/surface/memory_need.h"
 
 namespace planish {
 namespace {
+
+bool is_same_name(const std::string& a, const std::string& b) {
+  return lower_case(a) == lower_case(b);
+}
+
+void require_memory_of(std::uint64_t count, std::int64_t rows) {
+  const std::uint64_t needed = sizeof(float) * count * static_cast<std::uint64_t>(rows),
+                      free = available_memory_bytes();
+  if (needed > free)
+    throw Error(ErrorCode::OutOfMemory, formatted("{} numbers of vertices at {} rows need {} MiB "
+                                                  "of memory where {} are free; take a lower level",
+                                                  count, rows, needed >> 20, free >> 20));
+}
+
+constexpr int kWidestField = 4;  // glTF's VEC4
+
+VertexAttribute column_of(const VertexAttribute& of, int column) {
+  VertexAttribute made = attribute_of_size(formatted("{}_{}", of.name, column), 1, of.count());
+  for (std::size_t i = 0; i < made.values.size(); ++i)
+    made.values[i] =
+        of.values[static_cast<std::size_t>(of.width) * i + static_cast<std::size_t>(column)];
+  return made;
+}
+
+}  // namespace
+
+std::vector<float> rows_of_vertices(std::span<const float> given, int width,
+                                    const FittedMesh& fitted, const SurfaceBlocks& surface) {
+  const auto numbers = static_cast<std::size_t>(width);
+  std::vector<glm::vec4> vertices(fitted.mesh.positions.size(), glm::vec4(0.0f));
+  const std::size_t own = vertices.size() - fitted.added_vertices.size();
+  for (std::size_t v = 0; v < own; ++v) {
+    const std::size_t source =
+        fitted.source_vertices.empty() ? v : static_cast<std::size_t>(fitted.source_vertices[v]);
+    for (std::size_t k = 0; k < numbers; ++k)
+      vertices[v][static_cast<int>(k)] = given[numbers * source + k];
+  }
+  for (std::size_t v = own; v < vertices.size(); ++v) {
+    const AddedVertex& added = fitted.added_vertices[v - own];
+    for (int k = 0; k < 3; ++k)
+      vertices[v] += static_cast<float>(added.weights[k]) * vertices[added.vertices[k]];
+  }
+  std::vector<glm::vec4> made(static_cast<std::size_t>(surface.info().row_count));
+  (void)surface.rows_of(vertices, made);
+  std::vector<float> values(numbers * made.size());
+  for (std::size_t i = 0; i < made.size(); ++i)
+    for (std::size_t k = 0; k < numbers; ++k)
+      values[numbers * i + k] = made[i][static_cast<int>(k)];
+  return values;
+}
+
+std::vector<VertexAttribute> add_attributes(const SurfaceBlocks& surface,
+                                            std::vector<NamedField>& fields,
+                                            const Callbacks& callbacks) {
+  const std::vector<AttributeName>& given = surface.info().attributes;
+  std::vector<std::size_t> wanted;
+  std::uint64_t numbers = 0;
+  std::string left_out;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const bool is_taken = std::ranges::any_of(
+        fields, [&](const NamedField& field) { return is_same_name(field.name, given[k].name); });
+    if (is_taken) {
+      left_out += (left_out.empty() ? "" : ", ") + given[k].name;
+    } else {
+      wanted.push_back(k);
+      numbers += static_cast<std::uint64_t>(given[k].width);
+    }
+  }
+  if (!left_out.empty())
+    callbacks.warn({"left-out-properties",
+                    "properties of the vertices are left out: " + left_out +
+                        "; fields of the surface have these names",
+                    static_cast<std::int64_t>(given.size() - wanted.size())});
+  require_memory_of(numbers, surface.info().row_count);
+  std::vector<VertexAttribute> made;
+  for (const std::size_t k : wanted) {
+    VertexAttribute all = all_rows(surface, k);
+    if (all.width <= kWidestField) {
+      made.push_back(std::move(all));
+    } else {
+      for (int column = 0; column < all.width; ++column) made.push_back(column_of(all, column));
+    }
+  }
+  for (const VertexAttribute& attribute : made)
+    fields.push_back({attribute.name, attribute.values, attribute.width});
+  return made;
+}
+
+namespace {
+
+constexpr std::size_t kVertexGrain = 4096;
+
+// Finer than float32 holds, whatever the tolerance of positions is.
+constexpr double kTolerance = 1e-8;
+
+// The most that a surface may miss what it is to go through, of the numbers' extent.
+constexpr double kLargestMiss = 1e-5;
+
+// `surface`: of Doo-Sabin.
+LimitSystem system_of(const FittedMesh& fitted, const DooSabinSurface* surface) {
+  const UsedPart used = used_part(fitted.mesh, fitted.fit.prepared);
+  const MeshTopology& topology = *used.prepared->topology;
+  FitOptions options = fitted.options;
+  options.callbacks = {};
+  options.solver = Solver::Chebyshev;
+  if (surface != nullptr) {
+    const SharpFeatures& features = surface->patches().features();
+    return doo_sabin_system(used.mesh, Subdivision(topology, features, options.weights), options);
+  }
+  PrimalSplit split(used.mesh, {*primal_scheme(options.scheme), options.sharp, &topology});
+  split.refine(1);
+  return primal_system(split, options);
+}
+
+}  // namespace
+
+LinearSurface::LinearSurface(const FittedMesh& fitted, const SurfaceBlocks& rows, Backend& backend)
+    : fitted_(fitted),
+      rows_(rows),
+      backend_(backend),
+      fitted_surface_(is_doo_sabin()
+                          ? fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options())
+                          : nullptr),
+      system_(system_of(fitted, fitted_surface_.get())) {}
+
+EvaluateOptions LinearSurface::options() const {
+  return fitted_.evaluate_options(rows_.info().level);
+}
+
+std::unique_ptr<PolygonMesh> LinearSurface::cage_through(std::span<const glm::dvec3> given,
+                                                         const Callbacks& callbacks) const {
+  const UsedPart used = used_part(fitted_.mesh, fitted_.fit.prepared);
+  RawVector<glm::dvec3> values(used.vertices.size());
+  parallel_each(values.size(), kVertexGrain,
+                [&](std::size_t v) { values[v] = given[used.vertices[v]]; });
+  InterpolationOptions interpolation;
+  interpolation.tolerance = kTolerance;
+  interpolation.spectral_bound = system_.spectral_bound;
+  interpolation.callbacks.progress = callbacks.progress;
+  interpolation.callbacks.cancelled = callbacks.cancelled;
+  const Interpolation solved = interpolate(backend_, system_.masks.view(), values, interpolation);
+  if (!(solved.error.max <= kLargestMiss))
+    throw Error(ErrorCode::InvalidArgument,
+                "this scheme has no surface through what the vertices have, joints or morph "
+                "targets; take --scheme doo-sabin, which always has one, or merge the scene "
+                "(--asset merge)");
+  auto cage = std::make_unique<PolygonMesh>(fitted_.mesh);
+  parallel_each(values.size(), kVertexGrain, [&](std::size_t v) {
+    cage->positions[used.vertices[v]] = values[v] + solved.displacement[v];
+  });
+  return cage;
+}
+
+LinearSurface::Rows LinearSurface::at_rows(Rows made) const {
+  if (!is_doo_sabin()) {
+    made.whole_ = std::make_unique<const SurfaceMesh>(evaluate(*made.cage_, backend_, options()));
+    made.blocks_ = blocks_of(*made.whole_, fitted_.mesh);
+  } else if (const auto* const adaptive = dynamic_cast<const AdaptiveBlocks*>(&rows_)) {
+    made.whole_ =
+        std::make_unique<const SurfaceMesh>(adaptive->rows_on(LimitSurface(made.surface_)));
+    made.blocks_ = blocks_of(*made.whole_, PolygonMesh{});
+  } else {
+    made.blocks_ = made.surface_->level(rows_.info().level);
+  }
+  return made;
+}
+
+LinearSurface::Rows LinearSurface::through(std::span<const glm::dvec3> given,
+                                           const Callbacks& callbacks) const {
+  Rows made;
+  made.cage_ = cage_through(given, callbacks);
+  if (is_doo_sabin())
+    made.surface_ = std::make_shared<const DooSabinSurface>(*made.cage_, Placement{}, options());
+  return at_rows(std::move(made));
+}
+
+LinearSurface::Rows LinearSurface::moved(std::span<const glm::dvec3> moves,
+                                         const Callbacks& callbacks) const {
+  Rows made;
+  std::unique_ptr<PolygonMesh> by = cage_through(moves, callbacks);
+  if (!is_doo_sabin()) {
+    parallel_each(by->positions.size(), kVertexGrain,
+                  [&](std::size_t v) { by->positions[v] += fitted_.fit.cage.positions[v]; });
+    made.cage_ = std::move(by);
+    return at_rows(std::move(made));
+  }
+  const DooSabinSurface& base = *fitted_surface_;
+  const DooSabinSurface mover(*by, Placement{}, options());
+  const auto size = static_cast<std::size_t>(base.patches().state_size());
+  auto sum = std::make_unique<LevelOne>();
+  sum->placement = base.placement();
+  sum->state.resize(size);
+  parallel_each(size, kVertexGrain, [&](std::size_t i) {
+    sum->state[i] = base.state()[i] + mover.state()[i] / base.placement().diagonal;
+  });
+  made.level_one_ = std::move(sum);
+  made.surface_ =
+      std::make_shared<const DooSabinSurface>(fitted_.mesh, *made.level_one_, options());
+  return at_rows(std::move(made));
+}
+
+namespace {
+
+// Based on: Khronos Group, "glTF 2.0 Specification", sections 3.7.2.2 (morph targets) and 3.7.3.3
+// (skinned meshes: weights sum to 1).
 
 constexpr int kJointsOfSet = 4;
 

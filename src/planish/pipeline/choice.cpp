@@ -1,15 +1,25 @@
 #include "planish/pipeline/choice.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
 
-#include "planish/core/counted.h"
-#include "planish/core/formatted.h"
-#include "planish/core/number_text.h"
-#include "planish/pipeline/option_words.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
+#include "planish/core/words.h"
+#include "planish/measure/figures.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/pipeline/fit_steps.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/quads/pair_triangles.h"
 
 namespace planish {
-
 namespace {
 
 // How a surface is better than another, which `name` names.
@@ -140,6 +150,493 @@ void explain(Choice& choice, std::int64_t added_vertices) {
           why);
       return;
   }
+}
+
+namespace {
+
+// Where fewer vertices tell anything, the mesh is one of flat and sharp parts.
+constexpr double kFewTell = 0.05;
+
+bool are_mostly_triangles(const PolygonMesh& mesh) {
+  std::int64_t count = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) count += mesh.face_size(f) == 3 ? 1 : 0;
+  return 2 * count >= mesh.face_count();
+}
+
+}  // namespace
+
+Halves look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                   std::optional<double> crease_degrees) {
+  if (!are_mostly_triangles(mesh)) return Halves::No;
+  const HalvedVertices found = halved_vertices(mesh, prepared, pair_options(crease_degrees));
+  const auto tell = static_cast<double>(found.telling);
+  if (tell <= kFewTell * static_cast<double>(found.looked_at)) return Halves::Maybe;
+  const double share = static_cast<double>(found.regular) / tell;
+  if (share >= kPlainShare && found.telling >= kPlainCount) return Halves::Plain;
+  if (found.regular == found.telling && found.telling >= kPlainAll) return Halves::Plain;
+  return share >= kHalvedShare ? Halves::Maybe : Halves::No;
+}
+
+std::vector<Halves> look_halved_by_parts(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                                         std::optional<double> crease_degrees) {
+  const MeshParts parts = mesh_parts(mesh);
+  if (parts.count <= 1) return {look_halved(mesh, prepared, crease_degrees)};
+  std::vector<Halves> looks;
+  for (const PolygonMesh& part : meshes_of(parts, mesh))
+    looks.push_back(look_halved(part, *prepare_mesh(part, "part"), crease_degrees));
+  return looks;
+}
+
+namespace {
+
+// Degrees by which faces turn at their edges: where it is less, facets of a fine surface through
+// the given vertices are no more visible than those that are written.
+constexpr double kWorthRefining = 1;
+// Of the time: joined triangles, where these may not be all, and where they mostly are.
+constexpr double kQuadsEntered = 0.3, kPlainEntered = 0.6;
+// And all of one kind of faces, where parts may have different ones.
+constexpr double kAllEntered = 0.7;
+// Of the time of the surfaces of one mesh, a fit, twice of the fair method, and a measure.
+constexpr double kFit = 0.1, kMeasure = 0.05;
+
+// Shares of the time, one after another.
+class Shares {
+ public:
+  explicit Shares(const Callbacks& whole) : whole_(whole) {}
+  Callbacks next(double part) {
+    const double begin = std::exchange(at_, std::min(at_ + part, 1.0));
+    return share_of(whole_, begin, at_);
+  }
+
+ private:
+  const Callbacks& whole_;
+  double at_ = 0;
+};
+
+double sum_of(const FitTiming& timing) {
+  return timing.check + timing.topology + timing.stencils + timing.upload + timing.solve;
+}
+
+double milliseconds_since(std::chrono::steady_clock::time_point began) {
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+  return took.count();
+}
+
+void leave_found(FittedMesh& fitted, FoundCreases&& left) {
+  fitted.rounded_count = std::ssize(fitted.found.edges) - std::ssize(left.edges);
+  fitted.found = std::move(left);
+}
+
+// By the method that its options name.
+FittedMesh fit_one(FittedMesh ready, const std::string& name, Backend& backend,
+                   const Callbacks& caller) {
+  const WarningList warnings(ready.warnings, caller);
+  ready.options.callbacks = caller;
+  ready.options.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };
+  try {
+    if (!ready.found.is_empty() && ready.options.method == InterpolationMethod::Fair) {
+      CreasedFit creased = fit_with_found_creases(ready.mesh, ready.found, backend, ready.options);
+      leave_found(ready, std::move(creased.found));
+      ready.fit = std::move(creased.fit);
+    } else {
+      ready.fit = fit(ready.mesh, backend, ready.options);
+    }
+  } catch (const Error& error) {
+    // fit() knows no name: say it again with the name.
+    if (error.code() != ErrorCode::UnusableMesh) throw;
+    throw Error(error.code(), name + ": " + error.what(), error.element());
+  }
+  ready.options.callbacks = {};
+  return ready;
+}
+
+SurfaceQuality quality_of(const FittedMesh& fitted, int level, const Callbacks& callbacks) {
+  const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
+  const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
+  return surface_quality(*surface->level(level), fitted.mesh, folds.is_beside, callbacks);
+}
+
+// Folds beside what is sharp hide between the places of coarser levels. The fair method looks for
+// them by itself, see DeepLook; those of a dense mesh are not to be seen.
+bool may_hide_folds(const FittedMesh& fitted) {
+  return fitted.options.method == InterpolationMethod::Progressive && !fitted.found.edges.empty() &&
+         !fitted.density.is_dense();
+}
+
+// Where level 1 neither misses the tolerance nor folds.
+bool is_sound(FittedMesh& fitted, const Callbacks& callbacks) {
+  if (!fitted.fit.interpolation.converged) return false;
+  if (!fitted.level_one_quality) fitted.level_one_quality = quality_of(fitted, 1, callbacks);
+  return fitted.level_one_quality->folded_area_elsewhere < kSoundFoldedArea;
+}
+
+// Whether no other surface can be much nearer to the shape.
+bool is_close(FittedMesh& fitted, const Callbacks& callbacks) {
+  if (!is_sound(fitted, share_of(callbacks, 0, 0.5)) ||
+      fitted.level_one_quality->rms_normal_deviation >= kChoiceWeights.close_degrees)
+    return false;
+  // Level 2 tells needles and hubs that look whole between the places of level 1. Those of a dense
+  // mesh are near enough to each other.
+  return fitted.density.is_dense() ||
+         quality_of(fitted, may_hide_folds(fitted) ? 3 : 2, share_of(callbacks, 0.5, 1))
+                 .folded_area_elsewhere < kSoundFoldedArea;
+}
+
+// The surfaces that were made: the best one is kept, of the others what they are like.
+class Contest {
+ public:
+  // Of the parts of a mesh that is ready; they must outlive it.
+  Contest(const MeshParts& parts, const ReadyFit& ready)
+      : parts_(parts), given_counts_(counted(parts.of_faces(ready.fitted.mesh))) {
+    for (const Halves look : ready.looks) is_by_lot_.push_back(look == Halves::No);
+    is_by_lot_.resize(given_counts_.size(), false);
+  }
+
+  // `faces`: of each part, or one for all. `alone`: why no other method was tried.
+  void add(FittedMesh&& fitted, const std::vector<CandidateFaces>& faces,
+           const Callbacks& callbacks, const std::string& alone = {}) {
+    Candidate candidate{.faces = faces.size() > 1 ? CandidateFaces::Mixed : faces.front(),
+                        .method = fitted.options.method,
+                        .alone = alone,
+                        .converged = fitted.fit.interpolation.converged};
+    if (!best_) {
+      first_ = std::move(candidate);
+      best_ = std::move(fitted);
+      return;
+    }
+    if (choice_.candidates.empty()) {
+      measure(first_, {first_.faces}, *best_, share_of(callbacks, 0, 0.5));
+      enter(choice_, first_);
+    }
+    measure(candidate, faces, fitted, share_of(callbacks, 0.5, 1));
+    if (enter(choice_, candidate)) best_ = std::move(fitted);
+  }
+
+  [[nodiscard]] FittedMesh& best() { return *best_; }
+  [[nodiscard]] const Choice& choice() const { return choice_; }
+  // Why no other faces were tried.
+  void note_faces(std::string reason) { choice_.faces_reason = std::move(reason); }
+
+  FittedMesh take() {
+    if (choice_.candidates.empty()) enter(choice_, first_);  // it needed no measure
+    explain(choice_, std::ssize(best_->added_vertices));
+    best_->choice = std::move(choice_);
+    return *std::move(best_);
+  }
+
+ private:
+  void measure(Candidate& candidate, const std::vector<CandidateFaces>& faces,
+               const FittedMesh& fitted, const Callbacks& callbacks) const {
+    const std::vector<std::int32_t> of_face = parts_of(fitted);
+    const std::vector<CandidateFaces> own =
+        faces.size() > 1 ? faces : faces_of_parts(fitted, of_face, faces.front());
+    const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
+    const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
+    // With added vertices level 1 is as fine as level 2 is without.
+    std::array<std::vector<PartSums>, 2> at_level;
+    for (const int level : {1, 2}) {
+      const auto is_of_level = [&](CandidateFaces part) {
+        return (part == CandidateFaces::Refined) == (level == 1);
+      };
+      if (std::ranges::any_of(own, is_of_level))
+        at_level[level - 1] = quality_of_parts(*surface->level(level), fitted.mesh, folds.is_beside,
+                                               {of_face, parts_.count},
+                                               share_of(callbacks, 0.5 * (level - 1), 0.5 * level));
+    }
+    std::vector<double> doubts(own.size(), 0.0), added_counts(own.size(), 0.0);
+    for (const AddedVertex& added : fitted.added_vertices) {
+      const std::int32_t part = parts_.of_vertex[added.vertices[0]];
+      doubts[part] += added.doubt;
+      ++added_counts[part];
+    }
+    std::vector<PartSums> hidden;
+    if (may_hide_folds(fitted))
+      hidden = quality_of_parts(*surface->level(3), fitted.mesh, folds.is_beside,
+                                {of_face, parts_.count}, {});
+    PartSums all;
+    for (std::size_t p = 0; p < own.size(); ++p) {
+      PartSums part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
+      if (!hidden.empty())
+        part.folded_elsewhere = std::max(part.folded_elsewhere, share(hidden[p]) * part.area);
+      candidate.parts.push_back({.faces = own[p],
+                                 .is_by_lot = own[p] == CandidateFaces::Quads && is_by_lot_[p],
+                                 .folded_area = share(part),
+                                 .bending = part.bending,
+                                 .doubt = doubts[p] / std::max(added_counts[p], 1.0)});
+      all.area += part.area;
+      all.folded_elsewhere += part.folded_elsewhere;
+      all.bending += part.bending;
+    }
+    candidate.folded_area = share(all);
+    candidate.bending = all.bending;
+  }
+
+  // Of each face. Added vertices are of the part whose faces they were put on.
+  [[nodiscard]] std::vector<std::int32_t> parts_of(const FittedMesh& fitted) const {
+    std::vector<std::int32_t> of_face(static_cast<std::size_t>(fitted.mesh.face_count()));
+    const auto given = fitted.mesh.vertex_count() - std::ssize(fitted.added_vertices);
+    for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
+      const std::int32_t v = fitted.mesh.face(f)[0];
+      of_face[f] = parts_.of_vertex[v < given ? v : fitted.added_vertices[v - given].vertices[0]];
+    }
+    return of_face;
+  }
+
+  // A part in which nothing was joined or added has the given faces.
+  [[nodiscard]] std::vector<CandidateFaces> faces_of_parts(const FittedMesh& fitted,
+                                                           std::span<const std::int32_t> of_face,
+                                                           CandidateFaces wanted) const {
+    std::vector<CandidateFaces> own(static_cast<std::size_t>(parts_.count), CandidateFaces::Given);
+    if (wanted == CandidateFaces::Quads) {
+      const std::vector<std::int64_t> counts = counted(of_face);
+      for (std::size_t p = 0; p < own.size(); ++p)
+        if (counts[p] < given_counts_[p]) own[p] = wanted;
+    }
+    for (const AddedVertex& added : fitted.added_vertices)
+      own[parts_.of_vertex[added.vertices[0]]] = CandidateFaces::Refined;
+    return own;
+  }
+
+  static double share(const PartSums& part) {
+    return part.area > 0 ? part.folded_elsewhere / part.area : 0;
+  }
+
+  // Faces of each part.
+  [[nodiscard]] std::vector<std::int64_t> counted(std::span<const std::int32_t> of_face) const {
+    std::vector<std::int64_t> counts(static_cast<std::size_t>(parts_.count), 0);
+    for (const std::int32_t part : of_face) ++counts[part];
+    return counts;
+  }
+
+  const MeshParts& parts_;
+  std::vector<std::int64_t> given_counts_;
+  std::vector<bool> is_by_lot_;
+  std::optional<FittedMesh> best_;
+  Candidate first_;
+  Choice choice_;
+};
+
+// A mesh that is ready for the progressive method, for the fair one: copied, without a fit.
+FittedMesh for_fair(const FittedMesh& progressive, const ReadyFit& ready) {
+  FittedMesh fair = without_fit(progressive);
+  ReadyMesh made;
+  if (ready.given) {
+    made = make_ready(PolygonMesh(*ready.given),
+                      preparation_of(ready.options, InterpolationMethod::Fair, ready.may_join));
+  } else {
+    made = ready_again(progressive);
+    if (ready.options.repairs) make_fair(made);
+  }
+  take(fair, std::move(made), ready.name, {fair.warnings, {}});
+  fair.options.method = InterpolationMethod::Fair;
+  return fair;
+}
+
+// Faces to which none were added, after the others.
+void add_others(RefinedMesh& made, const PolygonMesh& mesh, std::span<const std::uint8_t> faces) {
+  std::vector<std::int32_t> some, others;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) (faces[f] != 0 ? some : others).push_back(f);
+  for (std::int32_t& face : made.source_faces) face = some[face];
+  made.source_faces.insert(made.source_faces.end(), others.begin(), others.end());
+  add_other_faces(made.mesh, mesh, faces);
+}
+
+// The same with vertices added, fitted; empty where none are. `faces`: where they may be added, one
+// per face; empty: everywhere.
+std::optional<FittedMesh> refined_of(const FittedMesh& fair, std::span<const std::uint8_t> faces,
+                                     const std::string& name, Backend& backend,
+                                     const Callbacks& callbacks) {
+  std::optional<RefinedMesh> made;
+  if (faces.empty()) {
+    made = refine_mesh(fair.mesh, *fair.fit.prepared);
+  } else {
+    const PolygonMesh some = some_faces(fair.mesh, faces);
+    made = refine_mesh(some, *prepare_mesh(some, name));
+    if (made) add_others(*made, fair.mesh, faces);
+  }
+  if (!made) return std::nullopt;
+  const std::int64_t added_faces = made->mesh.face_count() - std::ranges::count(faces, 0);
+  FittedMesh refined = without_fit(fair);
+  refined.options.prepared = nullptr;
+  refined.mesh = std::move(made->mesh);
+  refined = fit_one(std::move(refined), name, backend, callbacks);  // what was taken back stays so
+  refined.found = fair.found;
+  refined.rounded_count = fair.rounded_count;
+  refined.added_vertices = std::move(made->added);
+  refined.paired_count = fair.paired_count;
+  refined.density.is_refined = 2 * added_faces > refined.mesh.face_count();
+  refined.source_vertices = fair.source_vertices;
+  std::vector<std::int32_t>& sources = refined.source_vertices;
+  if (sources.empty()) {
+    sources.resize(refined.mesh.positions.size() - refined.added_vertices.size());
+    std::iota(sources.begin(), sources.end(), 0);
+  }
+  sources.resize(refined.mesh.positions.size(), -1);
+  if (!fair.source_faces.empty())
+    for (std::int32_t& face : made->source_faces) face = fair.source_faces[face];
+  refined.source_faces = std::move(made->source_faces);
+  return refined;
+}
+
+// The surfaces of one mesh. `adds`: with vertices added, too.
+void enter_surfaces(Contest& contest, ReadyFit ready, CandidateFaces faces, bool adds,
+                    Backend& backend, const Callbacks& callbacks) {
+  Shares shares(callbacks);
+  if (!ready.chooses_method) {
+    FittedMesh made = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
+    return contest.add(std::move(made), {faces}, shares.next(kMeasure));
+  }
+  const auto is_enough = [&](FittedMesh& first) {
+    if (!is_close(first, shares.next(kMeasure))) return false;
+    contest.add(std::move(first), {faces}, shares.next(kMeasure),
+                "it does not fold, and its normals are near the faces'");
+    return true;
+  };
+  // First the one that is likelier to be enough.
+  std::optional<FittedMesh> fair;
+  if (!ready.given && !ready.fitted.found.edges.empty()) {
+    fair = fit_one(for_fair(ready.fitted, ready), ready.name, backend, shares.next(2 * kFit));
+    if (is_enough(*fair)) return;
+  }
+  FittedMesh progressive = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
+  if (!fair) {
+    if (is_enough(progressive)) return;
+    fair = fit_one(for_fair(progressive, ready), ready.name, backend, shares.next(2 * kFit));
+  }
+  std::optional<FittedMesh> refined;
+  if (adds) refined = refined_of(*fair, {}, ready.name, backend, shares.next(2 * kFit));
+  // The fair one first: where both are alike it passes the vertices to rounding.
+  contest.add(*std::move(fair), {faces}, shares.next(kMeasure));
+  contest.add(std::move(progressive), {faces}, shares.next(kMeasure));
+  if (refined) contest.add(*std::move(refined), {CandidateFaces::Refined}, shares.next(kMeasure));
+}
+
+// One per face of the mesh: whether its part has such faces.
+std::vector<std::uint8_t> faces_of(const PolygonMesh& mesh, const MeshParts& parts,
+                                   const std::vector<CandidateFaces>& of_parts,
+                                   CandidateFaces wanted) {
+  std::vector<std::uint8_t> flags;
+  for (const std::int32_t part : parts.of_faces(mesh))
+    flags.push_back(of_parts[part] == wanted ? 1 : 0);
+  return flags;
+}
+
+// Where parts of the mesh have different faces best, the surface of these: fair, for vertices are
+// added to fair surfaces, and else both methods are alike or only that one was left.
+void enter_mixed(Contest& contest, ReadyFit ready, const MeshParts& parts, Backend& backend,
+                 const Callbacks& callbacks) {
+  if (contest.choice().candidates.empty()) return;
+  const std::vector<CandidateFaces> best = best_faces(contest.choice());
+  if (std::ranges::all_of(best, [&](CandidateFaces faces) { return faces == best.front(); }))
+    return;
+  Shares shares(callbacks);
+  FittedMesh& mixed = ready.fitted;
+  ready.may_join = faces_of(mixed.mesh, parts, best, CandidateFaces::Quads);
+  if (ready.given) {
+    ready.options.quads = QuadChoice::On;
+  } else {
+    ReadyMesh made = ready_again(mixed);
+    pair_up(made, ready.options.crease_degrees, ready.may_join);
+    take(mixed, std::move(made), ready.name, {mixed.warnings, {}});
+  }
+  FittedMesh fair = fit_one(for_fair(mixed, ready), ready.name, backend, shares.next(4 * kFit));
+  const auto refines = faces_of(fair.mesh, parts, best, CandidateFaces::Refined);
+  if (std::ranges::find(refines, 1) != refines.end())
+    if (auto refined = refined_of(fair, refines, ready.name, backend, shares.next(4 * kFit)))
+      fair = *std::move(refined);
+  contest.add(std::move(fair), best, shares.next(kMeasure));
+}
+
+// What is sharp though nobody asked for it.
+std::string features_text(const FittedMesh& fitted, const MeshFitOptions& options) {
+  if (!fitted.finds_features || options.finds_features) return {};
+  // Some may have been taken back.
+  const auto edges = std::ssize(fitted.found.edges);
+  if (edges > 0)
+    return "; " + counted(edges, "edge") +
+           " kept sharp, where two surfaces meet (--creases use rounds " +
+           (edges == 1 ? "it" : "them") + ")";
+  return fitted.found.corners.empty()
+             ? ""
+             : "; corners of its outline and tips are kept (--creases use rounds them)";
+}
+
+}  // namespace
+
+bool may_refine(const ReadyFit& ready) {
+  const MeshFitOptions& options = ready.options;
+  const FittedMesh& mesh = ready.fitted;
+  const bool is_free = options.stands_alone && options.fit.scheme == Scheme::DooSabin &&
+                       options.fit.within == 0.0 && options.fit.fair_decisions == nullptr;
+  if (!is_free || mesh.paired_count > 0) return false;
+  if (options.refine != RefineChoice::Auto)
+    return options.refine == RefineChoice::On &&
+           options.method.value_or(InterpolationMethod::Fair) == InterpolationMethod::Fair;
+  return !options.method && !ready.is_plainly_halved && !mesh.density.is_dense() &&
+         rms_turn(mesh.mesh, *mesh.options.prepared) >= kWorthRefining;
+}
+
+bool is_open(const ReadyFit& ready) {
+  return ready.chooses_method || ready.paired || may_refine(ready);
+}
+
+FittedMesh choose_fit(ReadyFit ready, Backend& backend) {
+  const auto began = std::chrono::steady_clock::now();
+  const MeshFitOptions options = ready.options;
+  const std::string name = ready.name;
+  const Callbacks& caller = options.fit.callbacks;
+  const HostScope host(caller);
+  const bool chooses_method = ready.chooses_method;
+  const bool may_add = may_refine(ready), adds = may_add && options.refine == RefineChoice::Auto;
+  if (!chooses_method && !ready.paired && !may_add)
+    return fit_one(std::move(ready.fitted), name, backend, caller);
+  const std::size_t told = ready.fitted.warnings.size();
+  Callbacks silent = caller;  // warnings are those of the surface that is taken
+  silent.warning = {};
+  const MeshParts parts = mesh_parts(ready.fitted.mesh);
+  Contest contest(parts, ready);
+  std::optional<ReadyFit> kept;  // for parts that have different faces
+  bool is_done = false;
+  double begun = 0;
+  if (ready.paired) {
+    begun = ready.is_plainly_halved ? kPlainEntered : kQuadsEntered;
+    // Mostly that is of no use any more.
+    if (ready.is_plainly_halved) ready.fitted.options.prepared.reset();
+    ReadyFit paired = std::move(*std::exchange(ready.paired, nullptr));
+    paired.fitted.warnings = ready.fitted.warnings;
+    enter_surfaces(contest, std::move(paired), CandidateFaces::Quads, false, backend,
+                   share_of(silent, 0, begun));
+    is_done = ready.is_plainly_halved && is_sound(contest.best(), {.cancelled = caller.cancelled});
+    if (is_done)
+      contest.note_faces(
+          "triangles joined to quads, whose halves they are (--quads off leaves them)");
+  }
+  if (!is_done) {
+    auto& prepared = ready.fitted.options.prepared;
+    if (!prepared) prepared = prepare_mesh(ready.fitted.mesh, name);
+    const bool may_mix = parts.count > 1 && ready.chooses_method;
+    if (may_mix) kept = ready;
+    enter_surfaces(contest, std::move(ready), CandidateFaces::Given, adds, backend,
+                   share_of(silent, begun, may_mix ? kAllEntered : 1));
+    if (kept)
+      enter_mixed(contest, *std::move(kept), parts, backend, share_of(silent, kAllEntered, 1));
+  }
+  FittedMesh taken = contest.take();
+  if (options.refine == RefineChoice::On && may_add &&
+      taken.options.method == InterpolationMethod::Fair) {
+    if (auto refined = refined_of(taken, {}, name, backend, silent)) {
+      refined->choice = std::move(taken.choice);
+      taken = *std::move(refined);
+    }
+  }
+  if (chooses_method) {
+    taken.choice->reason += features_text(taken, options);
+  } else {
+    taken.choice->reason.clear();  // the method was named
+  }
+  for (std::size_t i = told; i < taken.warnings.size(); ++i) caller.warn(taken.warnings[i]);
+  taken.choose_milliseconds = milliseconds_since(began) - sum_of(taken.fit.timing);
+  return taken;
 }
 
 }  // namespace planish

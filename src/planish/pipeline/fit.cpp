@@ -1,26 +1,198 @@
-// Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3: a
-// polygon mesh in, the control mesh of the interpolating subdivision surface out.
 #include "planish/pipeline/fit.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <string>
 
-#include "planish/core/formatted.h"
-#include "planish/core/host_scope.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
-#include "planish/pipeline/bend_least.h"
-#include "planish/pipeline/limit_system.h"
-#include "planish/pipeline/solve_fair.h"
+#include "planish/doosabin/limit_masks.h"
+#include "planish/fair/bending.h"
+#include "planish/measure/figures.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/pipeline/fit_steps.h"
+#include "planish/primal/primal_stencils.h"
 #include "planish/surface/level_one_mesh.h"
-#include "planish/surface/subdivided_mesh.h"
 
 namespace planish {
+namespace {
+
+// Where the least eigenvalue is smaller than this, or unknown. With too large a bound the Chebyshev
+// semi-iteration still converges for every eigenvalue in (0, 1], only slower; with too small a one
+// it takes its time for all. 1/100 costs three times the steps of Doo-Sabin's 1/4 and a half.
+constexpr double kLeastBound = 0.01;
+
+// What an estimate is lowered by, since the smallest Ritz value comes from above.
+constexpr double kEstimateMargin = 0.9;
+
+void require_solver_fits(const FitOptions& options, bool self_adjoint, int sharp_edges,
+                         int corners) {
+  if (options.solver != Solver::ConjugateGradients || self_adjoint) return;
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("the solver cg needs a closed mesh without creases and corners, and this "
+                        "one has {} boundary or crease edges and {} corners; take chebyshev",
+                        sharp_edges, corners));
+}
+
+}  // namespace
+
+LimitSystem doo_sabin_system(const PolygonMesh& mesh, const Subdivision& subdivision,
+                             const FitOptions& options) {
+  const SharpFeatures& features = subdivision.features();
+  require_solver_fits(options, is_self_adjoint(features), features.sharp_edge_count,
+                      features.corner_count);
+  LimitSystem system{summed_limit_masks(subdivision)};
+  system.spectral_bound = spectral_bound(mesh, options.weights);
+  system.smallest_eigenvalue = system.spectral_bound;
+  if (options.solver == Solver::ConjugateGradients) {
+    system.row_weights = valences(subdivision.topology());
+  }
+  return system;
+}
+
+LimitSystem primal_system(const PrimalSplit& split, const FitOptions& options) {
+  LimitSystem system{{primal_limit_masks(split), {}}};
+  const Spectrum spectrum = primal_spectrum(split, system.masks.rows.view());
+  require_solver_fits(options, spectrum.self_adjoint, split.sharp_edge_count(),
+                      split.corner_count());
+  const double smallest = spectrum.smallest * (spectrum.proven ? 1.0 : kEstimateMargin);
+  system.spectral_bound = std::clamp(smallest, kLeastBound, 0.9);
+  system.smallest_eigenvalue = spectrum.smallest;
+  if (options.solver == Solver::ConjugateGradients) system.row_weights = primal_row_weights(split);
+  return system;
+}
 
 namespace {
+
+void measure(std::span<const glm::dvec3> moves, double bound, FairHalo* halo, WithinFit& within) {
+  std::vector<double> squares(moves.size());
+  std::int64_t count = 0;
+  for (std::size_t v = 0; v < moves.size(); ++v) {
+    const double distance = glm::length(moves[v]);
+    squares[v] = distance * distance;
+    if (!owns_vertex(halo, static_cast<std::int32_t>(v))) continue;
+    ++count;
+    within.distance.max = std::max(within.distance.max, distance);
+    within.at_bound += distance >= (1 - 1e-9) * bound ? 1 : 0;
+  }
+  const double sum = halo == nullptr ? std::accumulate(squares.begin(), squares.end(), 0.0)
+                                     : halo->sum_of_vertices(squares);
+  within.distance.rms = std::sqrt(sum / static_cast<double>(sum_of_parts(halo, count)));
+  within.at_bound = sum_of_parts(halo, within.at_bound);
+  if (halo != nullptr) within.distance.max = halo->largest(within.distance.max);
+}
+
+// What must not grow: bending at level 1, and folds as a report of level 1 or 2 has them.
+struct Measured {
+  SurfaceQuality quality;
+  std::array<double, 4> folds{};
+
+  [[nodiscard]] bool folds_more_than(const Measured& other) const {
+    for (std::size_t i = 0; i < folds.size(); ++i)
+      if (folds[i] > other.folds[i]) return true;
+    return false;
+  }
+};
+
+SurfaceQuality quality_at(int level, const PolygonMesh& mesh, const Fit& fit, Backend& backend,
+                          const FitOptions& options) {
+  EvaluateOptions evaluation;
+  evaluation.level = level;
+  evaluation.scheme = options.scheme;
+  evaluation.weights = options.weights;
+  evaluation.sharp = options.sharp;
+  if (options.scheme != Scheme::DooSabin)
+    return surface_quality(evaluate(mesh, fit, backend, evaluation), mesh);
+  return surface_quality(*fitted_surface(mesh, fit, evaluation)->level(level), mesh,
+                         folded_edges(mesh, *fit.prepared->topology).is_beside, {});
+}
+
+Measured measured_surface(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
+                          const FitOptions& options) {
+  Measured result{quality_at(kBendingLevel, mesh, fit, backend, options)};
+  const SurfaceQuality finer = quality_at(kBendingLevel + 1, mesh, fit, backend, options);
+  result.folds = {result.quality.folded_area, result.quality.folded_area_elsewhere,
+                  finer.folded_area, finer.folded_area_elsewhere};
+  return result;
+}
+
+// Bounds that are tried, each half of the one before.
+constexpr int kMostBounds = 10;
+
+}  // namespace
+
+std::optional<WithinFit> bend_least(const MeshTopology& topology, const SharpFeatures& features,
+                                    const Placement& placement, const FitOptions& options,
+                                    std::span<glm::dvec3> points, FairHalo* halo) {
+  if (options.within == 0.0) return {};
+  const BendingTable table = make_bending_table(topology, features, points);
+  WithinFit within{leave_within(options.within, table, points)};
+  const double bound = within.bound(options.tolerance);
+  if (!(bound > 0)) return within;
+  const LeastBending least = least_bending_moves(table, points, bound, halo);
+  measure(least.moves, bound, halo, within);
+  within.bending_before = least.bending_before;
+  within.bending_after = least.bending_after;
+  // They are what a file could say of them.
+  parallel_each(points.size(), [&](std::size_t v) {
+    points[v] = placement.to_unit(placement.to_model(points[v] + least.moves[v]));
+  });
+  return within;
+}
+
+void leave_vertices(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
+                    Fit& result) {
+  const UsedPart used = used_part(mesh, result.prepared);
+  std::vector<glm::dvec3> given(used.vertices.size());
+  parallel_each(given.size(), [&](std::size_t v) {
+    given[v] = result.placement.to_unit(used.mesh.positions[v]);
+  });
+  const BendingTable table =
+      make_bending_table(*result.prepared->topology, *result.features, given);
+  WithinFit& within = result.within.emplace(leave_within(options.within, table, given));
+  const double bound = within.bound(options.tolerance);
+  if (!(bound > 0)) return;
+  const Measured exact = measured_surface(mesh, result, backend, options);
+  within.exact = within.left = exact.quality;
+  FitOptions trying = options;
+  trying.prepared = result.prepared;
+  RoundParts rounds(options.callbacks, 0.5);
+  double part = bound;
+  for (int i = 0; i < kMostBounds && part > options.tolerance; ++i, part *= 0.5) {
+    trying.callbacks = rounds.next();
+    const LeastBending least = least_bending_moves(table, given, part);
+    if (i == 0) result.within->bending_before = result.within->bending_after = least.bending_before;
+    std::vector<glm::dvec3> points(mesh.positions.begin(), mesh.positions.end());
+    parallel_each(given.size(), [&](std::size_t v) {
+      points[used.vertices[v]] = result.placement.to_model(given[v] + least.moves[v]);
+    });
+    Fit next = fit_through(mesh, std::move(points), backend, trying);
+    const Measured found = measured_surface(mesh, next, backend, options);
+    const bool is_better = found.quality.bending < result.within->left->bending &&
+                           !found.folds_more_than(exact) &&
+                           (next.interpolation.converged || !result.interpolation.converged);
+    if (!is_better && !result.points.empty()) return;
+    if (!is_better) continue;
+    next.within = std::move(result.within);
+    next.within->left = found.quality;
+    next.within->bending_after = least.bending_after;
+    next.within->distance = {};
+    next.within->at_bound = 0;
+    measure(least.moves, bound, nullptr, *next.within);
+    result = std::move(next);
+  }
+}
+
+namespace {
+
+// Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3: a
+// polygon mesh in, the control mesh of the interpolating subdivision surface out.
 
 constexpr std::size_t kGrain = 4096;
 
@@ -152,10 +324,6 @@ void fit_primal(Fit& result, const UsedPart& used, PrimalScheme scheme,
   result.corner_count = split.corner_count();
   solve_progressive(result, primal_system(split, options), given, backend, options, watch);
 }
-
-}  // namespace
-
-namespace {
 
 // Through `points`, or where there are none through the given vertices.
 Fit fitted(const PolygonMesh& mesh, std::vector<glm::dvec3> points, Backend& backend,

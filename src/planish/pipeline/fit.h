@@ -4,22 +4,17 @@
 #include <memory>
 #include <optional>
 
-#include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
-#include "planish/doosabin/face_rule.h"
-#include "planish/doosabin/sharp_features.h"
+#include "planish/doosabin/subdivision.h"
 #include "planish/fair/fair_net.h"
-#include "planish/fair/interpolation_method.h"
-#include "planish/fair/leave_within.h"
-#include "planish/interpolate/progressive.h"
-#include "planish/mesh/placement.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/mesh/prepared_mesh.h"
 #include "planish/primal/scheme.h"
+#include "planish/solve/backend.h"
+#include "planish/solve/progressive.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/level_one.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/surface/quality_sum.h"
 
 namespace planish {
 
@@ -39,7 +34,7 @@ struct FitOptions {
   /// Of the fair method without `fair_decisions`: planes are kept, see find_kept_planes().
   bool keeps_planes = false;
   /// Of the diagonal: a surface that bends less and passes every given vertex at no more than this
-  /// (see bend_least.h); 0: through them. Empty: kNoiseBound of the noise that is measured. What is
+  /// (see fit_steps.h); 0: through them. Empty: kNoiseBound of the noise that is measured. What is
   /// not above the tolerance is 0.
   std::optional<double> within = 0.0;
   SharpFeatureOptions sharp;
@@ -100,7 +95,7 @@ struct Fit {
 
 /// Finds the control points: check, limit stencils, progressive interpolation; or the fair net.
 /// Warns "folds-left" where a fair net still has edges or faces that are turned over, and
-/// "concave-faces" where it is of a mesh with such faces (see mesh/convex_faces.h). Throws
+/// "concave-faces" where it is of a mesh with such faces (see mend/repair.h). Throws
 /// Error{UnusableMesh} (also for Loop on other faces than triangles), Error{InvalidArgument}
 /// (conjugate gradients on a mesh that is not closed and smooth; the fair method with another
 /// scheme than Doo-Sabin), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result:

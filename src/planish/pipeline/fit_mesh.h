@@ -1,32 +1,76 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include "planish/backend/backend.h"
-#include "planish/backend/cpu_backend.h"
+#include "planish/adaptive/adaptive_tessellation.h"
 #include "planish/core/callbacks.h"
-#include "planish/mesh/mesh_density.h"
-#include "planish/mesh/pair_triangles.h"
+#include "planish/features/find_features.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/statistics.h"
 #include "planish/pipeline/choice.h"
 #include "planish/pipeline/fit.h"
-#include "planish/pipeline/found_creases.h"
-#include "planish/pipeline/look_halved.h"
+#include "planish/quads/pair_triangles.h"
 #include "planish/refine/refine_mesh.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/solve/backend.h"
+#include "planish/surface/quality_sum.h"
 
 namespace planish {
 
+/// What was found to be sharp of a mesh, its own tags aside: edges by their vertices, the smaller
+/// first, and corners; both ascending.
+struct FoundCreases {
+  std::vector<std::array<std::int32_t, 2>> edges;
+  std::vector<std::int32_t> corners;
+
+  [[nodiscard]] bool is_empty() const { return edges.empty() && corners.empty(); }
+};
+
+/// Tags it. Throws Error{UnusableMesh} for what is no vertex of the mesh.
+void add_tags(PolygonMesh& mesh, const FoundCreases& found);
+
+/// Tags what find_features() finds. `prepared` is the mesh's, and stays so.
+[[nodiscard]] FoundCreases add_features(PolygonMesh& mesh,
+                                        const std::shared_ptr<const PreparedMesh>& prepared,
+                                        const FeatureRules& rules = {},
+                                        const std::function<void(double)>& done = {});
+
+/// Takes back what was found at one of these vertices, of the tags and of `found`.
+void leave_smooth(PolygonMesh& mesh, FoundCreases& found, std::span<const std::int32_t> vertices);
+
+/// The share of the area that may fold before all found creases are taken back, part of it before
+/// as large a part of them is, but for a few: an edge that is rounded is seen from far, a fold of
+/// so little is not.
+inline constexpr double kWorthAllCreases = 3e-3;
+
+/// A fair surface whose creases only help.
+struct CreasedFit {
+  Fit fit;
+  FoundCreases found;  ///< what was not taken back
+};
+
+/// Fits by the fair method a mesh whose creases were found. Where the surface is folded at level 3
+/// (see DeepLook), found creases around are taken back, four rounds at most; where folds
+/// remain, all of them; each time if the folds, by the worst of levels 1 to 3, are worth it (see
+/// kWorthAllCreases). `mesh` has the tags of what is given out then. A mesh that does not fold
+/// costs a look at its folds. options.prepared is the mesh's, or null. Warnings are those of the
+/// fit that is given out; throws as fit().
+[[nodiscard]] CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found,
+                                                Backend& backend, const FitOptions& options);
+
 struct MeshFitOptions {
-  /// Empty: of Doo-Sabin the better one by measurement (see choose_fit.h), else progressive.
+  /// Empty: of Doo-Sabin the better one by measurement (see fit_steps.h), else progressive.
   std::optional<InterpolationMethod> method;
   /// See repair(), weld_short_edges() and without_flat_triangles(); and cuts concave faces for fair
   /// surfaces.
@@ -41,7 +85,7 @@ struct MeshFitOptions {
   bool finds_features = false;           ///< sharp is what find_features() finds, too
   /// The same where the method and crease_degrees are empty and the mesh has no tags.
   bool chooses_creases = true;
-  /// Of Doo-Sabin alone auto joins anything, and where the surface is better (see choose_fit.h).
+  /// Of Doo-Sabin alone auto joins anything, and where the surface is better (see fit_steps.h).
   QuadChoice quads = QuadChoice::Auto;
   /// Adds vertices (see refine_mesh()) to meshes of triangles that stand alone, of the fair method
   /// with FitOptions::within 0; auto: where the method is chosen, too, and the surface bends less.
@@ -174,5 +218,15 @@ using FileExtras =
 /// The point that vertices of a glTF are best stored about: 0, or the centre of a model so far from
 /// it that float32 would lose digits.
 [[nodiscard]] glm::dvec3 storage_origin(const Placement& placement);
+
+/// Triangles of a fit's Doo-Sabin surface as fine as it is curved, in one call: tessellate() of
+/// fitted_surface(). Of the options `diagonal` is not looked at: errors are parts of the fit's.
+/// Throws as both.
+[[nodiscard]] SurfaceMesh tessellate(const PolygonMesh& mesh, const Fit& fit,
+                                     AdaptiveOptions options, const EvaluateOptions& evaluate = {});
+
+/// The same of a mesh that fit_mesh() fitted. Throws Error{InvalidArgument} for another scheme than
+/// Doo-Sabin, too.
+[[nodiscard]] SurfaceMesh tessellate(const FittedMesh& fitted, const AdaptiveOptions& options);
 
 }  // namespace planish

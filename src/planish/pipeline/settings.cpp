@@ -1,12 +1,579 @@
 #include "planish/pipeline/settings.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "planish/core/refuse.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
+#include "planish/core/words.h"
+#include "planish/files/tiles/write_tiles.h"
+#include "planish/mend/repair.h"
+#include "planish/pipeline/fit_steps.h"
 #include "planish/pipeline/option_table.h"
-#include "planish/pipeline/option_words.h"
+#include "planish/surface/bake_normals.h"
 
 namespace planish {
+namespace {
+
+// The texts that it takes, as a regular expression.
+constexpr std::string_view kCreasesPattern =
+    "^(choose|use|ignore|normals|auto(:0*(180(\\.0+)?|(1[0-7][0-9]|[1-9]?[0-9])(\\.[0-9]+)?)(e-[0-"
+    "9]+)?)?)"
+    "$";
+
+// Digits, with a point or without, of 0 to 180; e-5 may follow, as it does in headers of cages.
+// What kCreasesPattern takes: a regular expression cannot tell the size of other numbers.
+bool parse_angle(std::string_view text, double& degrees) {
+  constexpr std::string_view kDigits = "0123456789";
+  const std::size_t exponent = std::min(text.find("e-"), text.size());
+  const std::string_view mantissa = text.substr(0, exponent);
+  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+  const auto is_digits = [&](std::string_view part) {
+    return !part.empty() && part.find_first_not_of(kDigits) == std::string_view::npos;
+  };
+  return is_digits(mantissa.substr(0, point)) &&
+         (point == mantissa.size() || is_digits(mantissa.substr(point + 1))) &&
+         (exponent == text.size() || is_digits(text.substr(exponent + 2))) &&
+         parse_number(mantissa, degrees) && degrees <= 180 && parse_number(text, degrees);
+}
+
+// "use", "ignore", "normals", "auto" or "auto:22.5". Throws Error{InvalidArgument}: `where`, the
+// text and what is wanted.
+CreaseChoice parse_creases(std::string_view text, std::string_view where) {
+  constexpr std::array<std::string_view, 5> kKnown{"choose", "use", "ignore", "normals", "auto"};
+  const std::string shown = "\"" + visible(text) + "\"";
+  const std::string no_choice = shown + " is not one of choose, use, ignore, normals, auto:DEGREES";
+  double degrees = 0;
+  if (text == "choose") return {.chooses = true};
+  if (text == "use") return {};
+  if (text == "ignore") return {.use_tags = false};
+  if (text == "normals") return {.split_normals = true};
+  if (text == "auto") return {.finds_features = true};
+  if (parse_number(text, degrees))
+    refuse(where, no_choice + "; did you mean auto:" + visible(text) + "?");
+  if (!text.starts_with("auto:")) refuse(where, no_choice + did_you_mean(text, kKnown));
+  const std::string_view angle = text.substr(5);
+  if (!parse_angle(angle, degrees))
+    refuse(where, "\"" + visible(angle) + "\" is no angle of 0 to 180 degrees such as 22.5");
+  return {.dihedral_degrees = degrees};
+}
+
+}  // namespace
+
+// The rows of option_table() about what is written.
+
+namespace {
+
+using Kind = OptionKind;
+using Needs = OptionNeeds;
+using Stage = OptionStage;
+using Where = std::string_view;
+
+constexpr std::array kUpWords{OptionWord<UpAxis>{"y", UpAxis::Y},
+                              OptionWord<UpAxis>{"z", UpAxis::Z}};
+constexpr std::array kAssetWords{OptionWord<AssetChoice>{"keep", AssetChoice::Keep},
+                                 OptionWord<AssetChoice>{"merge", AssetChoice::Merge}};
+constexpr std::array kLodWords{OptionWord<LodChoice>{"files", LodChoice::Files},
+                               OptionWord<LodChoice>{"msft", LodChoice::Msft}};
+constexpr std::array kReachWords{OptionWord<FileReach>{"beside", FileReach::Beside},
+                                 OptionWord<FileReach>{"anywhere", FileReach::Anywhere}};
+constexpr std::array kCompressionWords{
+    OptionWord<GltfCompression>{"none", GltfCompression::None},
+    OptionWord<GltfCompression>{"quantize", GltfCompression::Quantize},
+    OptionWord<GltfCompression>{"meshopt", GltfCompression::Meshopt}};
+constexpr std::array kFieldWords{
+    OptionWord<bool FieldChoice::*>{"error", &FieldChoice::error},
+    OptionWord<bool FieldChoice::*>{"deviation", &FieldChoice::deviation},
+    OptionWord<bool FieldChoice::*>{"fold", &FieldChoice::fold},
+    OptionWord<bool FieldChoice::*>{"curvature", &FieldChoice::curvature}};
+
+constexpr std::string_view kTilesHaveLevels = "tiles have levels; take levels";
+
+// A list of words, each switching one on.
+FitOption attributes_option() {
+  FitOption option{{.name = "attributes",
+                    .stage = Stage::Output,
+                    .kind = Kind::Words,
+                    .example = "error,curvature",
+                    .help = "figures of each vertex, written into glTF, PLY and USD",
+                    .ranks = {"", "tiles of ranks carry no figures of vertices; leave it out"}},
+                   [](FitSettings& settings, const OptionValue& value, Where) {
+                     settings.attributes = {};
+                     for (const std::int64_t index : value.wholes)
+                       settings.attributes.*kFieldWords[static_cast<std::size_t>(index)].value =
+                           true;
+                   },
+                   {}};
+  for (const auto& word : kFieldWords) option.words.push_back(word.text);
+  return option;
+}
+
+FitOption bake_option() {
+  return {
+      {.name = "bake",
+       .stage = Stage::Output,
+       .kind = Kind::Whole,
+       .limits = {.least = kLeastBakeSize, .most = kMostBakeSize},
+       .choices = "N",
+       .example = "1024",
+       .help = "glTF: the input's own mesh with normal textures of N x N texels, by its texture "
+               "coordinates, with which it looks as the surface does",
+       .ranks = {"", "ranks write 3D Tiles; planish fit bakes"}},
+      [](FitSettings& settings, const OptionValue& value, Where) {
+        settings.bake = static_cast<int>(value.whole);
+      },
+      {}};
+}
+
+FitOption device_option() {
+  return {{.name = "device",
+           .stage = Stage::Output,
+           .kind = Kind::Text,
+           .choices = "auto|cpu|vulkan|INDEX|NAME|UUID",
+           .initial = "auto",
+           .help = "auto: the CPU; vulkan: the best Vulkan device; see planish devices",
+           .ranks = {"auto|cpu", "ranks work on the CPU; take cpu"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            if (value.text.empty()) refuse(where, "is empty; planish devices lists what there is");
+            settings.device = value.text;
+          },
+          [](const FitSettings& settings) { return settings.device; }};
+}
+
+FitOption skirts_option() {
+  return {
+      {.name = "skirts",
+       .stage = Stage::Output,
+       .kind = Kind::Switch,
+       .needs = Needs::Tiles,
+       .initial = "false",
+       .help = "hide gaps between 3D Tiles of different levels behind strips along their edges"},
+      [](FitSettings& settings, const OptionValue& value, Where) { settings.skirts = value.is_on; },
+      {}};
+}
+
+FitOption levels_option() {
+  return {{.name = "levels",
+           .stage = Stage::Fineness,
+           .kind = Kind::Wholes,
+           .needs = Needs::Fineness,
+           .limits = {.least = 0, .most = kMaxLevel, .wanted = "levels are 0 to 6"},
+           .choices = "auto|L[,L2,...]",
+           .initial = "auto",
+           .example = "3,1",
+           .help = "quad splits, 0 to 6; several write NAME_LOD0.glb, ...; 3D Tiles have 1 to it; "
+                   "auto: 2, dense meshes 1",
+           .entry = "level",
+           .word = "auto"},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.levels_by_density = value.wholes.empty();
+            settings.levels = {2};
+            if (!settings.levels_by_density)
+              settings.levels.assign(value.wholes.begin(), value.wholes.end());
+          },
+          {}};
+}
+
+FitOption chord_errors_option() {
+  return {{.name = "chord_errors",
+           .stage = Stage::Fineness,
+           .kind = Kind::Numbers,
+           .needs = Needs::Fineness,
+           .limits = {.least = 0,
+                      .most = 1,
+                      .above_least = true,
+                      .wanted = "parts of the diagonal above 0 to 1 are wanted, such as 0.001"},
+           .choices = "E[,E2,...]",
+           .example = "0.01,0.001",
+           .help = "instead of levels: triangles within so much of the surface, relative to the "
+                   "diagonal; several write NAME_LOD0.glb, ...",
+           .flag = "--chord-error",
+           .entry = "chord error",
+           .ranks = {"", kTilesHaveLevels}},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.adaptive.chord_errors = value.numbers;
+          },
+          {}};
+}
+
+// Of files in general, and of glTF.
+std::vector<FitOption> file_options() {
+  return {
+      word_option({.name = "up",
+                   .stage = Stage::Output,
+                   .initial = "y",
+                   .help = "z turns a Z-up input upright for glTF, and is told to USD"},
+                  kUpWords, &FitSettings::up),
+      attributes_option(),
+      word_option({.name = "asset",
+                   .stage = Stage::Output,
+                   .initial = "keep",
+                   .help = "a glTF that becomes a glTF: each mesh by itself, nodes, materials, "
+                           "textures, skins and animations as they are; or the scene as one mesh"},
+                  kAssetWords, &FitSettings::asset),
+      word_option({.name = "lods",
+                   .stage = Stage::Output,
+                   .initial = "files",
+                   .help = "several levels are a file each, or levels of detail of a glTF that "
+                           "becomes a glTF, in one file (MSFT_lod)"},
+                  kLodWords, &FitSettings::lods),
+      word_option({.name = "textures",
+                   .stage = Stage::Input,
+                   .initial = "beside",
+                   .help = "textures, materials and buffers that the input names: those in its "
+                           "folder or below, or anywhere",
+                   .ranks = {"beside", "ranks read no textures; take beside"}},
+                  kReachWords, &FitSettings::textures),
+      word_option({.name = "compress",
+                   .stage = Stage::Output,
+                   .initial = "none",
+                   .help = "smaller glTF within the tolerance: quantize has 16-bit numbers, "
+                           "meshopt packs them too, for readers such as three.js and Babylon.js "
+                           "(Blender 3.4 has none)",
+                   .ranks = {"none", "tiles of ranks are not compressed; take none"}},
+                  kCompressionWords, &FitSettings::compression),
+      bake_option(),
+      device_option(),
+  };
+}
+
+std::vector<FitOption> tile_options() {
+  return {
+      whole_option({.name = "tile_vertices",
+                    .stage = Stage::Output,
+                    .needs = Needs::Tiles,
+                    .limits = {kLeastTileVertices, 1 << 24},  // what viewers load at once
+                    .choices = "N",
+                    .initial = "262144",
+                    .help = "about so many has each file of 3D Tiles"},
+                   &FitSettings::tile_vertices),
+      skirts_option(),
+  };
+}
+
+std::vector<FitOption> step_options() {
+  std::vector<FitOption> rows{
+      word_option({.name = "step_unit",
+                   .initial = "auto",
+                   .help = "STEP: what the coordinates are in, which stay as they are; auto: "
+                           "metres of a glTF, else mm"},
+                  kStepUnitWords, &FitSettings::step, &StepSettings::unit),
+      number_option({.name = "step_angle",
+                     .limits = {.least = 0,
+                                .most = kMostBrepAngle,
+                                .above_least = true,
+                                .wanted = "above 0 to 90 degrees are wanted"},
+                     .choices = "DEGREES",
+                     .initial = "0.25",
+                     .help = "STEP: most degrees by which normals jump where faces meet"},
+                    &FitSettings::step, &StepSettings::faces, &BrepOptions::angle),
+      number_option({.name = "step_tolerance",
+                     .limits = {.least = 0,
+                                .most = 1,
+                                .above_least = true,
+                                .wanted = "a fraction of the bounding-box diagonal above 0 and up "
+                                          "to 1 is wanted, such as 1e-6"},
+                     .choices = "T",
+                     .initial = "1e-6",
+                     .help = "STEP: most that faces leave the surface, of the diagonal"},
+                    &FitSettings::step, &StepSettings::faces, &BrepOptions::deviation),
+      whole_option({.name = "step_face_size",
+                    .limits = {.least = 1, .most = kMostFaceSize},
+                    .choices = "N",
+                    .initial = "16",
+                    .help = "STEP: most quads along a face, of which one of the mesh has two; "
+                            "programs measure long faces badly"},
+                   &FitSettings::step, &StepSettings::faces, &BrepOptions::face_size),
+  };
+  for (FitOption& row : rows) {
+    row.stage = Stage::Output;
+    row.needs = Needs::Step;
+    row.ranks = {"", "ranks write 3D Tiles; planish fit writes STEP"};
+  }
+  return rows;
+}
+
+std::vector<FitOption> fineness_options() {
+  return {levels_option(), chord_errors_option(),
+          number_option({.name = "angle",
+                         .stage = Stage::Fineness,
+                         .needs = Needs::Fineness,
+                         .limits = {.least = 0,
+                                    .most = 180,
+                                    .above_least = true,
+                                    .wanted = "above 0 to 180 degrees are wanted"},
+                         .choices = "DEGREES",
+                         .example = "10",
+                         .help = "instead of levels, or besides --chord-error: most degrees that "
+                                 "the surface turns beneath a triangle",
+                         .ranks = {"", kTilesHaveLevels}},
+                        &FitSettings::adaptive, &AdaptiveChoice::angle)};
+}
+
+constexpr std::array kPrecisionWords{
+    OptionWord<PrecisionChoice>{"auto", PrecisionChoice::Auto},
+    OptionWord<PrecisionChoice>{"float", PrecisionChoice::Float},
+    OptionWord<PrecisionChoice>{"double", PrecisionChoice::Double}};
+constexpr std::array kRepairWords{OptionWord<RepairChoice>{"safe", RepairChoice::Safe},
+                                  OptionWord<RepairChoice>{"none", RepairChoice::None}};
+constexpr std::array kInterpolationWords{
+    OptionWord<InterpolationChoice>{"auto", InterpolationChoice::Auto},
+    OptionWord<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
+    OptionWord<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
+
+FitOption preset_option() {
+  return {{.name = "preset",
+           .kind = Kind::Word,
+           .words = {"paper"},
+           .help = "averaged weights and the plain iteration, as published"},
+          [](FitSettings& settings, const OptionValue&, Where) {
+            settings.interpolation = InterpolationChoice::Progressive;
+            settings.weights = Weights::Averaged;
+            settings.solver = Solver::Plain;
+          },
+          {}};
+}
+
+FitOption creases_option() {
+  return {{.name = "creases",
+           .stage = Stage::Shape,
+           .kind = Kind::Text,
+           .choices = "choose|use|ignore|normals|auto[:DEGREES]",
+           .initial = "choose",
+           .example = "auto:40",
+           .help = "sharp edges: tagged or found ones, tagged, none; split normals, found ones or "
+                   "turns above too",
+           .pattern = kCreasesPattern,
+           .ranks = {"choose|use|ignore",
+                     "edges are not looked for over ranks; tag them in the file, and take use"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            settings.creases = parse_creases(value.text, where);
+          },
+          [](const FitSettings& settings) {
+            const CreaseChoice& creases = settings.creases;
+            if (creases.split_normals) return std::string("normals");
+            if (creases.chooses) return std::string("choose");
+            return creases_text(creases.use_tags, creases.finds_features, creases.dihedral_degrees);
+          }};
+}
+
+FitOption within_option() {
+  static constexpr std::string_view kWanted =
+      "auto, 0, or a fraction of the bounding-box diagonal above the tolerance and less than 0.1 "
+      "is "
+      "wanted, such as 0.001";
+  return {
+      {.name = "within",
+       .stage = Stage::Shape,
+       .kind = Kind::TextOrNumber,
+       .choices = "0|E|auto",
+       .example = "0.001",
+       .help = "leave vertices by up to this fraction of the diagonal to bend least; auto: by the "
+               "noise that is measured",
+       .ranks = {"!auto", "ranks do not measure noise; say how far, such as 0.001"}},
+      [](FitSettings& settings, const OptionValue& value, Where where) {
+        settings.within = {};
+        if (value.text == "auto") {
+          settings.within.is_measured = true;
+          return;
+        }
+        double within = 0;
+        if (!parse_number(value.text, within) || !(within >= 0 && within < kMostWithin))
+          refuse(where, "\"" + visible(value.text) + "\" is neither; " + std::string(kWanted));
+        settings.within.of_diagonal = within;
+      },
+      [](const FitSettings& settings) {
+        if (settings.within.is_measured) return std::string("auto");
+        return settings.within.of_diagonal ? shortest(*settings.within.of_diagonal) : std::string();
+      }};
+}
+
+FitOption weld_option() {
+  static constexpr std::string_view kWanted =
+      "0, or a fraction of the bounding-box diagonal from 1e-12 to less than 0.1, is wanted, such "
+      "as 1e-6";
+  return {{.name = "weld",
+           .stage = Stage::Shape,
+           .kind = Kind::Number,
+           .needs = Needs::Faces,
+           .limits = {.least = 0, .most = 0.1, .below_most = true, .wanted = kWanted},
+           .choices = "T",
+           .example = "1e-6",
+           .help = "meshes: make vertices one that lie within this fraction of the diagonal",
+           .ranks = {"",
+                     "nothing is welded over ranks; planish fit IN --weld T --max-iterations 0 "
+                     "--cage WELDED.obj writes the welded mesh"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            if (!can_weld_within(value.number))
+              refuse(where, shortest(value.number) + " is out of range; " + std::string(kWanted));
+            settings.weld = value.number;
+          },
+          [](const FitSettings& settings) {
+            return settings.weld ? shortest(*settings.weld) : std::string();
+          }};
+}
+
+FitOption crease_edges_option() {
+  return {{.name = "crease_edges",
+           .kind = Kind::Edges,
+           .example = "[[0, 1]]",
+           .help = "sharp edges besides those that the file tags: pairs of its vertices, counted "
+                   "from 0"},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.crease_edges.clear();
+            for (std::size_t i = 0; i + 1 < value.wholes.size(); i += 2)
+              settings.crease_edges.push_back({static_cast<std::int32_t>(value.wholes[i]),
+                                               static_cast<std::int32_t>(value.wholes[i + 1])});
+          },
+          {}};
+}
+
+FitOption corner_vertices_option() {
+  return {{.name = "corner_vertices",
+           .kind = Kind::Vertices,
+           .example = "[0]",
+           .help = "sharp vertices besides those that the file tags, counted from 0"},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.corner_vertices.clear();
+            for (const std::int64_t vertex : value.wholes)
+              settings.corner_vertices.push_back({static_cast<std::int32_t>(vertex)});
+          },
+          {}};
+}
+
+void append(std::vector<FitOption>& table, std::vector<FitOption> rows) {
+  std::ranges::move(rows, std::back_inserter(table));
+}
+
+std::vector<FitOption> make_table() {
+  std::vector<FitOption> table{
+      preset_option(),
+      word_option({.name = "scheme",
+                   .stage = Stage::Shape,
+                   .initial = "doo-sabin",
+                   .help = "subdivision scheme; catmull-clark and loop as OpenSubdiv has them",
+                   .ranks = {"doo-sabin", "take doo-sabin"}},
+                  kSchemeWords, &FitSettings::scheme),
+      word_option({.name = "interpolation",
+                   .stage = Stage::Shape,
+                   .initial = "auto",
+                   .help = "progressive: as in the paper; fair: without folds on uneven meshes; "
+                           "auto: the better of both by measurement, fair for points, progressive "
+                           "for --cage",
+                   .keyword = "method"},
+                  kInterpolationWords, &FitSettings::interpolation),
+      word_option({.name = "weights",
+                   .stage = Stage::Shape,
+                   .initial = "doo-sabin",
+                   .help = "subdivision weights: Doo & Sabin 1978, or the paper's averages"},
+                  kWeightsWords, &FitSettings::weights),
+      word_option({.name = "solver",
+                   .needs = Needs::Progressive,
+                   .initial = "chebyshev",
+                   .help = "chebyshev; plain as in the paper; cg for closed smooth meshes",
+                   .ranks = {"chebyshev|plain", "take chebyshev or plain"}},
+                  kSolverWords, &FitSettings::solver),
+      word_option({.name = "precision",
+                   .needs = Needs::Progressive,
+                   .initial = "auto",
+                   .help = "of the solve on the CPU; auto takes double for tolerances below 1e-8",
+                   .ranks = {"auto|double", "ranks solve in double precision; take double"}},
+                  kPrecisionWords, &FitSettings::precision),
+      word_option({.name = "boundary",
+                   .stage = Stage::Shape,
+                   .initial = "edge",
+                   .help = "open boundaries are smooth curves, or have corners where one face "
+                           "meets them"},
+                  kBoundaryWords, &FitSettings::boundary),
+      creases_option(),
+      word_option({.name = "repair",
+                   .stage = Stage::Shape,
+                   .initial = "safe",
+                   .help = "safe mends winding, non-manifold and degenerate parts, and cuts "
+                           "concave faces for fair surfaces; none leaves them and refuses what "
+                           "cannot be used",
+                   .ranks = {"none",
+                             "nothing is mended over ranks; planish fit IN --max-iterations 0 "
+                             "--cage MENDED.obj writes the mended mesh"}},
+                  kRepairWords, &FitSettings::repair),
+      word_option({.name = "quads",
+                   .stage = Stage::Shape,
+                   .initial = "auto",
+                   .help = "join triangles to quads; auto: where that is better",
+                   .ranks = {"auto|off",
+                             "nothing is joined over ranks; planish fit IN --quads on "
+                             "--max-iterations 0 --cage QUADS.obj writes the mesh of quads"}},
+                  kQuadWords, &FitSettings::quads),
+      word_option({.name = "refine",
+                   .stage = Stage::Shape,
+                   .initial = "auto",
+                   .help = "add vertices between those of uneven triangles, on a smooth guess of "
+                           "the surface; auto: where it bends less for them",
+                   .ranks = {"auto|off", "no vertices are added over ranks"}},
+                  kRefineWords, &FitSettings::refine),
+  };
+  append(table, file_options());
+  append(
+      table,
+      {
+          number_option({.name = "tolerance",
+                         .limits = {.least = 0,
+                                    .most = 1,
+                                    .above_least = true,
+                                    .wanted = "a fraction of the bounding-box diagonal above 0 and "
+                                              "up to 1 is wanted, such as 1e-6"},
+                         .choices = "T",
+                         .initial = "1e-6",
+                         .help = "largest vertex error, of the bounding box's diagonal"},
+                        &FitSettings::tolerance),
+          whole_option({.name = "max_iterations",
+                        .needs = Needs::Progressive,
+                        .limits = {0, 1'000'000},  // no solve that converges at all needs as many
+                        .choices = "N",
+                        .initial = "200",
+                        .help = "give up after so many"},
+                       &FitSettings::max_iterations),
+          whole_option({.name = "polish",
+                        .needs = Needs::Fair,
+                        .limits = {0, 1'000},  // quality is settled by ten
+                        .choices = "N",
+                        .initial = "8",
+                        .help = "steps that even out the curvature of a fair surface"},
+                       &FitSettings::polish_steps),
+          within_option(),
+          weld_option(),
+      });
+  append(table, tile_options());
+  append(table, step_options());
+  append(table, {crease_edges_option(), corner_vertices_option()});
+  append(table, fineness_options());
+  return table;
+}
+
+}  // namespace
+
+const std::vector<FitOption>& option_table() {
+  static const std::vector<FitOption> table = make_table();
+  return table;
+}
+
+const FitOption& fit_option(std::string_view name) {
+  const FitOption* option = find_option(option_table(), name);
+  PLANISH_ASSERT(option != nullptr);
+  return *option;
+}
+
+std::string option_text(const FitSettings& settings, std::string_view name) {
+  return fit_option(name).get(settings);
+}
+
+std::string flag_of_option(std::string_view name) { return flag_of(fit_option(name)); }
 
 MeshFitOptions mesh_fit_options(const FitSettings& settings) {
   MeshFitOptions options;

@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/files/formats.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/measure/vertex_fields.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
 #include "planish/pipeline/write_fitted_step.h"
-#include "planish/surface/vertex_fields.h"
+#include "planish/solve/backend.h"
 
 namespace planish {
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "planish/core/error.h"
-#include "planish/core/safe_length.h"
+#include "planish/core/vectors.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/mesh_arrays.h"
-#include "planish/mesh/placement.h"
-#include "planish/pipeline/make_ready.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/sound_topology.h"
+#include "planish/pipeline/fit_steps.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one_mesh.h"
 

@@ -4,15 +4,14 @@
 #include <optional>
 #include <string>
 
-#include "planish/backend/backend.h"
-#include "planish/doosabin/face_rule.h"
-#include "planish/doosabin/sharp_features.h"
-#include "planish/fair/interpolation_method.h"
-#include "planish/mesh/pair_triangles.h"
+#include "planish/doosabin/subdivision.h"
+#include "planish/fair/fair_net.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/pipeline/found_creases.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "planish/primal/scheme.h"
+#include "planish/quads/pair_triangles.h"
 #include "planish/refine/refine_mesh.h"
+#include "planish/solve/backend.h"
 
 namespace planish {
 

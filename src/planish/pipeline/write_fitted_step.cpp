@@ -2,21 +2,18 @@
 
 #include <algorithm>
 
-#include "planish/brep/catmull_clark_splines.h"
-#include "planish/brep/doo_sabin_splines.h"
-#include "planish/core/counted.h"
-#include "planish/core/formatted.h"
-#include "planish/core/host_scope.h"
-#include "planish/core/number_text.h"
+#include "planish/brep/subdivision_splines.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
 #include "planish/core/parallel.h"
-#include "planish/core/refuse.h"
-#include "planish/core/safe_length.h"
-#include "planish/core/visible_text.h"
+#include "planish/core/vectors.h"
+#include "planish/core/words.h"
 #include "planish/files/formats.h"
-#include "planish/files/gltf/gltf_materials.h"
-#include "planish/pipeline/option_words.h"
-#include "planish/surface/block_quality.h"
-#include "planish/surface/surface_quality.h"
+#include "planish/files/materials.h"
+#include "planish/measure/figures.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/surface/quality_sum.h"
 
 namespace planish {
 namespace {

@@ -7,16 +7,15 @@
 #include <string>
 #include <string_view>
 
-#include "planish/brep/check_brep.h"
-#include "planish/brep/make_brep.h"
+#include "planish/brep/brep.h"
 #include "planish/brep/write_step.h"
 #include "planish/core/callbacks.h"
-#include "planish/limit/limit_surface.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/queries/limit_surface.h"
 
 namespace planish {
 
-struct GltfMaterials;  // gltf_materials.h
+struct GltfMaterials;  // materials.h
 
 /// How a surface becomes STEP.
 struct StepSettings {

@@ -1,28 +1,232 @@
-// Based on: the witnesses of V. de Silva, G. Carlsson, "Topological Estimation Using Witness
-// Complexes", 2004 (few points carry the shape, all judge it), and M. Garland, P. Heckbert, "Fast
-// Polygonal Approximation of Terrains and Height Fields", 1995 (insertion where the error is).
-#include "planish/reconstruct/coarse_mesh.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <utility>
 
-#include "planish/core/counted.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
+#include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/words.h"
 #include "planish/reconstruct/point_tree.h"
-#include "planish/reconstruct/thin_points.h"
-#include "planish/reconstruct/turn_by_normals.h"
-#include "planish/reconstruct/witnesses.h"
+#include "planish/reconstruct/reconstruct_steps.h"
 
 namespace planish {
 namespace {
 
+constexpr std::size_t kPointsPerLook = 1 << 14;  // at the host
+
+// Samples by cells that are as wide as the radius, in a hash table.
+class SampleGrid {
+ public:
+  explicit SampleGrid(double radius) : radius_(radius), slots_(1 << 12) {}
+
+  // Samples that are near are in the cell or beside it. Points of one cell often follow each
+  // other: what is near is looked up for the first.
+  [[nodiscard]] bool has_near(const glm::dvec3& place) {
+    const Cell cell = cell_of(place);
+    if (!knows_cell_ || !(cell == cell_)) {
+      knows_cell_ = true;
+      cell_ = cell;
+      list_nearby();
+    }
+    for (const glm::dvec3& sample : nearby_) {
+      const glm::dvec3 offset = sample - place;
+      if (glm::dot(offset, offset) < radius_ * radius_) return true;
+    }
+    return false;
+  }
+  void add(const glm::dvec3& place) {
+    const Cell cell = cell_of(place);
+    Slot& slot = slot_of(cell);
+    if (slot.head < 0) {
+      slot.cell = cell;
+      ++used_;
+    }
+    next_.push_back(slot.head);
+    slot.head = static_cast<std::int32_t>(places_.size());
+    places_.push_back(place);
+    if (knows_cell_ && cell == cell_) nearby_.push_back(place);
+    if (4 * used_ > 3 * slots_.size()) grow();
+  }
+
+ private:
+  // Whole numbers as doubles: clouds far larger than the radius have no cells beyond reach.
+  using Cell = glm::dvec3;
+  struct Slot {
+    Cell cell{0.0};
+    std::int32_t head = -1;
+  };
+
+  [[nodiscard]] Cell cell_of(const glm::dvec3& place) const { return glm::floor(place / radius_); }
+  [[nodiscard]] Slot& slot_of(const Cell& cell) {
+    std::uint64_t hash = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      hash ^= static_cast<std::uint64_t>(static_cast<std::int64_t>(std::fmod(cell[axis], 0x1p62)));
+      hash *= 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    std::size_t at = hash & (slots_.size() - 1);
+    while (slots_[at].head >= 0 && !(slots_[at].cell == cell)) at = (at + 1) & (slots_.size() - 1);
+    return slots_[at];
+  }
+  void grow() {
+    std::vector<Slot> before(2 * slots_.size());
+    std::swap(before, slots_);
+    for (const Slot& slot : before)
+      if (slot.head >= 0) slot_of(slot.cell) = slot;
+  }
+  void list_nearby() {
+    nearby_.clear();
+    for (int i = 0; i < 27; ++i) {
+      const Cell beside = cell_ + glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+      for (std::int32_t s = slot_of(beside).head; s >= 0; s = next_[s])
+        nearby_.push_back(places_[s]);
+    }
+  }
+
+  double radius_;
+  std::vector<Slot> slots_;
+  std::size_t used_ = 0;
+  std::vector<glm::dvec3> places_;
+  std::vector<std::int32_t> next_;  // sample of the same cell
+  bool knows_cell_ = false;
+  Cell cell_{0.0};
+  std::vector<glm::dvec3> nearby_;  // samples in and beside cell_
+};
+
+}  // namespace
+
+std::vector<std::int32_t> thin_points(const OrderedPoints& points,
+                                      std::optional<std::span<const std::int32_t>> asked,
+                                      double radius, std::span<const std::int32_t> samples) {
+  SampleGrid grid(radius);
+  for (const std::int32_t sample : samples) grid.add(points[sample]);
+  std::vector<std::int32_t> chosen;
+  const std::size_t count = asked ? asked->size() : points.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % kPointsPerLook == 0) check_stop();
+    const std::int32_t point = asked ? (*asked)[i] : static_cast<std::int32_t>(i);
+    const glm::dvec3 place = points[point];
+    if (grid.has_near(place)) continue;
+    grid.add(place);
+    chosen.push_back(point);
+  }
+  return chosen;
+}
+
+namespace {
+
+// Searches that start from each other; so many that the first, from the tree's root, does not
+// matter.
+constexpr std::size_t kSearchesOfPiece = 2048;
+
 using Indices = std::vector<std::int32_t>;
+
+// Calls body(i, hit) for the points of a piece.
+template <class PointAt, class Body>
+void search_piece(const TriangleTree& tree, std::size_t begin, std::size_t end,
+                  const PointAt& point_at, const Body& body) {
+  std::int32_t start = -1;
+  for (std::size_t i = begin; i < end; ++i) {
+    const TriangleTree::Hit hit = tree.nearest(point_at(i), start);
+    start = hit.place;
+    body(i, hit);
+  }
+}
+
+TriangleTree tree_of(const OrderedPoints& points, const WitnessedMesh& mesh) {
+  std::vector<glm::dvec3> places;
+  places.reserve(mesh.vertex_points.size());
+  for (const std::int32_t point : mesh.vertex_points) places.push_back(points[point]);
+  return {places, mesh.triangles};
+}
+
+void append(Indices& all, const Indices& part) { all.insert(all.end(), part.begin(), part.end()); }
+
+}  // namespace
+
+Indices find_carriers(const OrderedPoints& points, WitnessedMesh& mesh, double tolerance,
+                      double limit, LoopProgress& progress) {
+  mesh.carriers.assign(points.size(), -1);
+  if (mesh.triangles.empty() || mesh.vertex_points.size() == points.size()) return {};
+  const TriangleTree tree = tree_of(points, mesh);
+  const auto beyond_in = [&](std::size_t begin, std::size_t end) {
+    Indices beyond;
+    auto vertex = std::ranges::lower_bound(mesh.vertex_points, static_cast<std::int32_t>(begin));
+    search_piece(
+        tree, begin, end, [&](std::size_t i) { return points[i]; },
+        [&](std::size_t i, const TriangleTree::Hit& hit) {
+          const auto point = static_cast<std::int32_t>(i);
+          if (vertex != mesh.vertex_points.end() && *vertex == point) {
+            ++vertex;
+            return;
+          }
+          if (hit.squared_distance <= tolerance * tolerance) mesh.carriers[i] = hit.triangle;
+          if (!(hit.squared_distance <= limit * limit)) beyond.push_back(point);
+        });
+    progress.add(static_cast<std::int64_t>(end - begin));
+    return beyond;
+  };
+  return ordered_reduce(points.size(), kSearchesOfPiece, Indices(), beyond_in, append);
+}
+
+Indices points_beyond(const OrderedPoints& points, std::span<const std::int32_t> asked,
+                      const WitnessedMesh& mesh, double limit) {
+  if (asked.empty()) return {};
+  const TriangleTree tree = tree_of(points, mesh);
+  const auto beyond_in = [&](std::size_t begin, std::size_t end) {
+    Indices beyond;
+    search_piece(
+        tree, begin, end, [&](std::size_t i) { return points[asked[i]]; },
+        [&](std::size_t i, const TriangleTree::Hit& hit) {
+          if (!(hit.squared_distance <= limit * limit)) beyond.push_back(asked[i]);
+        });
+    return beyond;
+  };
+  return ordered_reduce(asked.size(), kSearchesOfPiece, Indices(), beyond_in, append);
+}
+
+PointDistances measure_distances(const OrderedPoints& points, std::span<const Triangle> triangles) {
+  if (points.size() == 0) return {};
+  PLANISH_ASSERT(!triangles.empty());
+  struct Sum {
+    double largest = -1, squares = 0;
+    std::int64_t farthest = -1;
+  };
+  const TriangleTree tree(points, triangles);
+  const auto sum_of = [&](std::size_t begin, std::size_t end) {
+    Sum sum;
+    search_piece(
+        tree, begin, end, [&](std::size_t i) { return points[i]; },
+        [&](std::size_t i, const TriangleTree::Hit& hit) {
+          sum.squares += hit.squared_distance;
+          if (hit.squared_distance <= sum.largest) return;
+          sum.largest = hit.squared_distance;
+          sum.farthest = static_cast<std::int64_t>(i);
+        });
+    return sum;
+  };
+  const auto join = [](Sum& all, const Sum& part) {
+    all.squares += part.squares;
+    if (part.largest <= all.largest) return;
+    all.largest = part.largest;
+    all.farthest = part.farthest;
+  };
+  const Sum sum = ordered_reduce(points.size(), kSearchesOfPiece, Sum(), sum_of, join);
+  return {.max = std::sqrt(sum.largest),
+          .rms = std::sqrt(sum.squares / static_cast<double>(points.size())),
+          .farthest = sum.farthest};
+}
+
+namespace {
+
+// Based on: the witnesses of V. de Silva, G. Carlsson, "Topological Estimation Using Witness
+// Complexes", 2004 (few points carry the shape, all judge it), and M. Garland, P. Heckbert, "Fast
+// Polygonal Approximation of Terrains and Height Fields", 1995 (insertion where the error is).
 
 // A mesh that is just within the tolerance leaves collapses no room: so near all are to be to the
 // first. What the second is too far from is little, and needs but be within the tolerance.

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
 #include "planish/core/raw_vector.h"
 #include "planish/surface/quality_sum.h"
 

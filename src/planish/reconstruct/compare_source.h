@@ -2,9 +2,9 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/reconstruct/triangle_tree.h"
+#include "planish/reconstruct/spatial_search.h"
+#include "planish/surface/quality_sum.h"
 #include "planish/surface/surface_blocks.h"
-#include "planish/surface/surface_quality.h"
 
 namespace planish {
 

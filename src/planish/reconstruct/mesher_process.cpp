@@ -15,8 +15,8 @@
 #include <string>
 #include <system_error>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
 #include "planish/reconstruct/mesher_protocol.h"
 
 extern char** environ;

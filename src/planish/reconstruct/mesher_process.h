@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "planish/mesh/triangles.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 

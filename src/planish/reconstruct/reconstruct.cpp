@@ -1,35 +1,157 @@
-// Based on: the first step of "Smooth Surface Reconstruction using Doo-Sabin Subdivision
-// Surfaces": an approximating mesh within a tolerance of every point, vertices a subset of them.
 #include "planish/reconstruct/reconstruct.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
-#include "planish/core/counted.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
-#include "planish/core/number_text.h"
+#include "planish/core/words.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/pair_triangles.h"
-#include "planish/mesh/triangle_edges.h"
-#include "planish/mesh/used_vertices.h"
-#include "planish/reconstruct/choose_by_noise.h"
-#include "planish/reconstruct/chosen.h"
-#include "planish/reconstruct/coarse_mesh.h"
-#include "planish/reconstruct/ordered_points.h"
-#include "planish/reconstruct/point_critic.h"
-#include "planish/reconstruct/point_warnings.h"
-#include "planish/reconstruct/smooth_points.h"
-#include "planish/reconstruct/straight_points.h"
-#include "planish/reconstruct/turn_by_normals.h"
-#include "planish/reconstruct/witnesses.h"
+#include "planish/mesh/edge_groups.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/quads/pair_triangles.h"
+#include "planish/reconstruct/reconstruct_steps.h"
+#include "planish/reconstruct/spatial_search.h"
 
 namespace planish {
 namespace {
+
+// How far points, of which there must be some, lie at most from the line through two of them that
+// are far apart. `Points` has size() and places by index.
+template <class Points>
+double distance_from_line(const Points& points) {
+  const auto farthest_from = [&](const glm::dvec3& place) {
+    glm::dvec3 farthest = place;
+    double most = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const glm::dvec3 point = points[i];
+      const glm::dvec3 off = point - place;
+      if (glm::dot(off, off) <= most) continue;
+      most = glm::dot(off, off);
+      farthest = point;
+    }
+    return farthest;
+  };
+  const glm::dvec3 from = farthest_from(points[0]), along = farthest_from(from) - from;
+  const double length = glm::length(along);
+  if (!(length > 0)) return 0;
+  double most = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    most = std::max(most, glm::length(glm::cross(along, points[i] - from)));
+  return most / length;
+}
+
+constexpr double kDefaultTolerance = 1e-4;
+// Noise in spacings, up to which one round of smoothing does, and above which two do not.
+constexpr double kLightSpacings = 0.08, kHeavySpacings = 0.3;
+
+// How often points are moved before they are meshed, unless that is asked for.
+std::int32_t smooth_rounds_for(const Reconstruction& result) {
+  const double spacings = result.noise / result.spacing;
+  return spacings > kHeavySpacings ? 4 : spacings > kLightSpacings ? 2 : 1;
+}
+
+// Sets how often points are moved and how far they are kept from the mesh, as asked for, or as
+// result.noise, -1 where it was not measured, wants it with result.spacing and result.diagonal.
+// Warns "tolerance-below-noise".
+void choose_by_noise(const ReconstructOptions& options, Reconstruction& result) {
+  const double noise = std::max(result.noise / result.diagonal, 0.0);
+  const double asked = options.tolerance.value_or(kDefaultTolerance);
+  // At tolerance 0 every point is to be a vertex, as it is.
+  const bool is_noisy = noise > kDefaultTolerance && asked > 0;
+  result.smooth_rounds = options.smooth_rounds.value_or(is_noisy ? smooth_rounds_for(result) : 0);
+  result.tolerance = options.tolerance.value_or(is_noisy ? noise : kDefaultTolerance);
+  const double sensible = (result.smooth_rounds > 0 ? 0.5 : 1.0) * noise;  // half is left
+  if (is_noisy && asked < sensible && options.tolerance)
+    options.callbacks.warn({.code = "tolerance-below-noise",
+                            .message = "the points scatter by more than --tolerance-mesh, so that "
+                                       "vertices are spent on their noise; " +
+                                       std::to_string(sensible) + " would leave fewer"});
+}
+
+// A tolerance of more spacings than 10^12 points of one surface have.
+constexpr double kMostSpacings = 300;
+
+// Warns of points that were removed for lying far from all others, and of those that stick out.
+void tell_outliers(const Callbacks& callbacks, std::int64_t outliers, std::int64_t strays) {
+  const auto tell = [&](std::int64_t count, std::string_view one, std::string_view many) {
+    if (count == 0) return;
+    callbacks.warn(
+        {.code = "outliers-removed",
+         .message = counted(count, "point") +
+                    (count == 1 ? std::string(one) + " and was" : std::string(many) + " and were") +
+                    " removed; --outliers off keeps them all",
+         .count = count});
+  };
+  tell(outliers, " lies far from all others", " lie far from all others");
+  tell(strays, " sticks out of the surface around it", " stick out of the surface around them");
+}
+
+// Warns of a tolerance that is hundreds of times the spacing.
+// Such parts vanish without being points that are left out.
+void warn_of_scale(const Reconstruction& result, const Callbacks& callbacks) {
+  const double spacing = result.spacing / result.diagonal;
+  if (!(result.tolerance > kMostSpacings * spacing)) return;
+  callbacks.warn(
+      {.code = "coarse-tolerance",
+       .message = formatted(
+           "points lie {} of the diagonal apart, and the mesh may be off by {} of it: smaller "
+           "parts lose their shape, as those of a cloud do whose parts lie far from each other; "
+           "--tolerance-mesh {} keeps them, or each in a file of its own",
+           short_number(spacing), short_number(result.tolerance), short_number(spacing / 2))});
+}
+
+// Warns of what an open or broken mesh lacks: it is no silent success.
+void warn_of_mesh(const Reconstruction& result, const ReconstructOptions& options) {
+  const Callbacks& callbacks = options.callbacks;
+  const MeshStatistics& facts = result.statistics;
+  if (facts.boundary_loop_count > 0)
+    callbacks.warn(
+        {.code = "open-mesh",
+         .message = formatted(
+             "the mesh is open: {}{} left, genus {}; --fill-holes N closes loops of up to N edges",
+             counted(facts.boundary_loop_count, "boundary loop"),
+             facts.boundary_loop_count == 1 ? " is" : " are", facts.genus),
+         .count = facts.boundary_loop_count});
+  if (facts.component_count > 1)
+    callbacks.warn(
+        {.code = "several-components",
+         .message = formatted("the mesh has {} components; --components largest keeps one",
+                              facts.component_count),
+         .count = facts.component_count});
+  if (result.dropped_component_count > 0)
+    callbacks.warn({.code = "components-dropped",
+                    .message = counted(result.dropped_component_count, "smaller component") +
+                               (result.dropped_component_count == 1 ? " was" : " were") +
+                               " dropped; --components all keeps all",
+                    .count = result.dropped_component_count});
+  if (result.strayed_count > 0)
+    callbacks.warn({.code = "points-left-out",
+                    .message = formatted(
+                        "{} of {}{} farther than the tolerance from the mesh", result.strayed_count,
+                        counted(std::ssize(result.used_points), "point"),
+                        result.strayed_count == 1 ? " fits into no triangle and lies"
+                                                  : " fit into no triangle and lie"),
+                    .count = result.strayed_count});
+  if (options.target_vertices > 0 && facts.vertex_count > options.target_vertices)
+    callbacks.warn(
+        {.code = "target-not-reached",
+         .message = formatted("{} are left of {} aimed at; a larger --tolerance-mesh allows fewer",
+                              counted(facts.vertex_count, "vertex"), options.target_vertices),
+         .count = facts.vertex_count});
+}
+
+// Based on: the first step of "Smooth Surface Reconstruction using Doo-Sabin Subdivision
+// Surfaces": an approximating mesh within a tolerance of every point, vertices a subset of them.
 
 constexpr std::int32_t kMostSmoothRounds = 100;
 constexpr std::size_t kFewestPoints = 4;

@@ -1,20 +1,131 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/mesh/point_cloud.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/statistics.h"
-#include "planish/mesh/triangles.h"
-#include "planish/reconstruct/clean.h"
-#include "planish/reconstruct/repair_triangles.h"
-#include "planish/reconstruct/simplify.h"
-#include "planish/reconstruct/triangle_tree.h"
+#include "planish/reconstruct/spatial_search.h"
 
 namespace planish {
+
+enum class OutlierRule {
+  Off,
+  Auto,      ///< as Distance with the defaults, without those that are a sparse part of the shape,
+             ///< and points that stick out of the surface around them
+  Distance,  ///< remove what is farther than `factor` medians from its neighbours
+};
+
+struct CleanOptions {
+  OutlierRule outliers = OutlierRule::Auto;
+  std::int32_t neighbour_count = 12;  ///< 1 to 100
+  double factor = 2.0;                ///< positive
+  Callbacks callbacks;
+};
+
+/// Share of points above which OutlierRule::Auto takes sparse points for a part of the shape in any
+/// case; fewer where they lie on smooth sheets of their own.
+inline constexpr double kMostOutliers = 0.05;
+
+/// What is left of a cloud.
+struct CleanPoints {
+  std::vector<std::int32_t> kept;  ///< indices of the points that stay, ascending
+  std::int64_t duplicate_count = 0;
+  std::int64_t outlier_count = 0;  ///< far from all others
+  std::int64_t stray_count = 0;    ///< off the surface around them
+  double spacing = 0;  ///< median over the kept points of the mean distance to the 6 nearest
+};
+
+/// Removes all but the first of points at the same place, then outliers: points whose mean
+/// distance to their nearest `neighbour_count` points exceeds `factor` times the median of that
+/// distance; by OutlierRule::Auto then points whose distance to the quadratic fit of their
+/// neighbours (clean.cpp) is above 5 of its standard deviations and 0.2 of the spacing. Throws
+/// Error{InvalidArgument}, Error{Cancelled}. Warns "uneven-density".
+[[nodiscard]] CleanPoints clean(std::span<const glm::dvec3> points,
+                                const CleanOptions& options = {});
+
+/// Which connected parts of a mesh stay.
+struct ComponentRule {
+  /// Auto: those of at least a fiftieth of the largest one's triangles.
+  enum class Keep { Auto, Largest, All, AtLeast } keep = Keep::Auto;
+  std::int64_t least_faces = 0;  ///< of Keep::AtLeast
+};
+
+struct TriangleRepairOptions {
+  std::int32_t longest_filled_loop = 16;  ///< edges of a hole; 0 fills none, at most 1000
+  ComponentRule components;
+  Callbacks callbacks;
+};
+
+/// An oriented manifold, with or without boundary, and what was done to get it.
+struct RepairedTriangles {
+  std::vector<Triangle> triangles;
+  std::int64_t dropped_triangle_count = 0;  ///< repeated, bridging, or against manifold
+  std::int64_t filled_loop_count = 0;
+  std::int64_t dropped_component_count = 0;
+};
+
+/// Makes triangles with any winding an oriented manifold: drops what prevents it and
+/// open_bridges(), keeps the asked components, fills short boundary loops with the flattest patch
+/// (largest dihedral angle, then area, at its least), and turns every component outwards (by its
+/// volume; an open one by the volume over its centroid; one without volume as its first triangle
+/// is). Corners must be different indices of `positions`. Throws Error{InvalidArgument} for the
+/// options, Error{Cancelled}.
+[[nodiscard]] RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
+                                                 std::vector<Triangle> triangles,
+                                                 const TriangleRepairOptions& options = {});
+
+/// A triangle mesh through some points of a cloud, and what it says of the others.
+struct WitnessedMesh {
+  std::vector<std::int32_t> vertex_points;  ///< the point at each vertex, ascending
+  std::vector<Triangle> triangles;          ///< corners are indices of vertex_points
+  /// The nearest triangle of each point of the cloud; -1 for those at a vertex and those beyond
+  /// the tolerance of all triangles.
+  std::vector<std::int32_t> carriers;
+};
+
+enum class Spacing {
+  Adaptive,  ///< as few vertices as the tolerance allows: flat parts get large triangles
+  Even,      ///< neighbouring edges of similar length and no small angles: more vertices
+};
+
+struct SimplifyOptions {
+  double tolerance = 0;              ///< a length, above 0
+  std::int64_t target_vertices = 0;  ///< stop there; 0: go as far as the tolerance allows
+  Spacing spacing = Spacing::Adaptive;
+  double least_angle = -1;        ///< degrees, 0 to 45; below 0: by spacing
+  std::int32_t max_valence = -1;  ///< at least 6; below 0: by spacing
+  Callbacks callbacks;
+};
+
+/// The limits that stand for "by spacing".
+[[nodiscard]] double default_least_angle(Spacing spacing);
+[[nodiscard]] std::int32_t default_max_valence(Spacing spacing);
+
+struct SimplifiedMesh {
+  std::vector<Triangle> triangles;  ///< corners are indices of the given positions
+  std::int64_t vertex_count = 0;
+  std::int64_t collapse_count = 0, flip_count = 0, move_count = 0;
+  std::int64_t strayed_count = 0;  ///< points that were beyond the tolerance to begin with
+};
+
+/// Removes vertices from an oriented manifold so that every position, vertex of the given mesh or
+/// not, stays within the tolerance of the mesh; those beyond it at first are counted and left out.
+/// Vertices stay where they are; components, genus and boundary loops are kept; no new triangle
+/// has an angle below the limit, unless those it replaces were worse.
+/// Throws Error{InvalidArgument} for the options, Error{Cancelled}.
+[[nodiscard]] SimplifiedMesh simplify(std::span<const glm::dvec3> positions,
+                                      std::span<const Triangle> triangles,
+                                      const SimplifyOptions& options);
+
+/// The same for a mesh through some of many points, whose carriers are known: those without one are
+/// left out.
+[[nodiscard]] SimplifiedMesh simplify(const OrderedPoints& points, WitnessedMesh mesh,
+                                      const SimplifyOptions& options);
 
 struct ReconstructOptions {
   /// A fraction of the diagonal of the points used; 0 keeps every point. Else 1e-4, or the noise

@@ -1,22 +1,191 @@
-#include "planish/reconstruct/repair_triangles.h"
-
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "planish/core/assert.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
-#include "planish/core/stop.h"
-#include "planish/mesh/disjoint_sets.h"
-#include "planish/mesh/triangle_edges.h"
-#include "planish/reconstruct/fill_hole.h"
-#include "planish/reconstruct/open_bridges.h"
+#include "planish/core/guards.h"
+#include "planish/mesh/edge_groups.h"
+#include "planish/reconstruct/reconstruct.h"
+#include "planish/reconstruct/reconstruct_steps.h"
 
 namespace planish {
+namespace {
+
+// Times the least circumradius at any of a triangle's corners. The least is a measure of the
+// spacing that long thin triangles beside do not disturb, be the points random (5 at most in
+// 100,000), noisy, in lines far apart, or ten times denser on one side.
+constexpr double kBridgingRadii = 10;
+constexpr double kOpenRim = 0.2;
+
+double squared_circumradius(std::span<const glm::dvec3> positions, const Triangle& t) {
+  const glm::dvec3 ab = positions[t[1]] - positions[t[0]], bc = positions[t[2]] - positions[t[1]],
+                   ca = positions[t[0]] - positions[t[2]], cross = glm::cross(ab, ca);
+  const double area = glm::dot(cross, cross);  // four times its square
+  if (area == 0) return std::numeric_limits<double>::infinity();
+  return glm::dot(ab, ab) * glm::dot(bc, bc) * (glm::dot(ca, ca) / (4 * area));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> open_bridges(std::span<const glm::dvec3> positions,
+                                       std::span<const Triangle> triangles) {
+  std::vector<double> radii, least(positions.size(), std::numeric_limits<double>::infinity());
+  radii.reserve(triangles.size());
+  for (const Triangle& t : triangles) {
+    radii.push_back(squared_circumradius(positions, t));
+    for (const std::int32_t corner : t) least[corner] = std::min(least[corner], radii.back());
+  }
+  std::vector<std::uint8_t> marked;
+  marked.reserve(triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto [a, b, c] = triangles[t];
+    marked.push_back(radii[t] >
+                     kBridgingRadii * kBridgingRadii * std::max({least[a], least[b], least[c]}));
+  }
+  if (std::ranges::find(marked, 1) == marked.end()) return marked;
+  const std::vector<std::int32_t> twins = twins_of(triangles, positions.size());
+  DisjointSets patches(triangles.size());  // of marked triangles, or of others
+  for (std::size_t h = 0; h < twins.size(); ++h)
+    if (twins[h] >= 0 && marked[h / 3] == marked[twins[h] / 3])
+      patches.unite(static_cast<std::int32_t>(h / 3), twins[h] / 3);
+  struct Rim {
+    double open = 0, all = 0;
+    std::int32_t beyond = -1;
+    bool joins = false;          // two parts
+    bool holds_a_scrap = false;  // by what it joins
+  };
+  std::vector<Rim> rims(triangles.size());
+  std::vector<std::int64_t> sizes(triangles.size(), 0);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    sizes[patches.find(static_cast<std::int32_t>(t))] += !marked[t];
+  const std::int64_t fewest = least_part(std::ranges::max(sizes));
+  for (std::size_t h = 0; h < twins.size(); ++h) {
+    const std::int32_t beyond = twins[h] < 0 ? -1 : twins[h] / 3;
+    if (!marked[h / 3] || (beyond >= 0 && marked[beyond])) continue;
+    const Triangle& t = triangles[h / 3];
+    const double length = glm::distance(positions[t[h % 3]], positions[t[(h + 1) % 3]]);
+    Rim& rim = rims[patches.find(static_cast<std::int32_t>(h / 3))];
+    rim.all += length;
+    if (beyond < 0) {
+      rim.open += length;
+    } else {
+      const std::int32_t part = patches.find(beyond);
+      rim.joins |= rim.beyond >= 0 && rim.beyond != part;
+      rim.beyond = part;
+      rim.holds_a_scrap |= sizes[part] < fewest;
+    }
+  }
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Rim& rim = rims[patches.find(static_cast<std::int32_t>(t))];
+    marked[t] = marked[t] && !(rim.joins && rim.holds_a_scrap) && rim.open >= kOpenRim * rim.all;
+  }
+  return marked;
+}
+
+namespace {
+
+// What a partial triangulation costs; smaller is better, the angle first.
+struct Cost {
+  double turn = 2;  // 1 - cosine of the largest dihedral angle's supplement: 0 flat, 2 folded
+  double area = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool operator<(const Cost& other) const {
+    return turn < other.turn || (turn == other.turn && area < other.area);
+  }
+};
+
+class HoleFiller {
+ public:
+  HoleFiller(std::span<const glm::dvec3> positions, const Hole& hole,
+             const std::function<bool(std::int32_t, std::int32_t)>& is_edge)
+      : positions_(positions),
+        hole_(hole),
+        is_edge_(is_edge),
+        count_(static_cast<int>(hole.loop.size())),
+        costs_(hole.loop.size() * hole.loop.size()),
+        splits_(hole.loop.size() * hole.loop.size(), -1) {}
+
+  std::vector<Triangle> fill() {
+    for (int i = 0; i + 1 < count_; ++i) costs_[at(i, i + 1)] = {.turn = 0, .area = 0};
+    for (int span = 2; span < count_; ++span)
+      for (int i = 0; i + span < count_; ++i) choose(i, i + span);
+    std::vector<Triangle> triangles;
+    if (splits_[at(0, count_ - 1)] >= 0) collect(0, count_ - 1, triangles);
+    return triangles;
+  }
+
+ private:
+  [[nodiscard]] std::size_t at(int i, int k) const {
+    return static_cast<std::size_t>(i) * count_ + k;
+  }
+  [[nodiscard]] glm::dvec3 cross(int i, int j, int k) const {
+    const glm::dvec3 a = positions_[hole_.loop[i]];
+    return glm::cross(positions_[hole_.loop[j]] - a, positions_[hole_.loop[k]] - a);
+  }
+  // Normal of what lies beyond the side from i to j of a triangle inside i..j.
+  [[nodiscard]] glm::dvec3 beyond(int i, int j) const {
+    if (j == i + 1) return hole_.normals[i];
+    return glm::normalize(cross(i, splits_[at(i, j)], j));
+  }
+
+  // The best middle corner for the part of the loop from i to k.
+  void choose(int i, int k) {
+    const bool is_rim = i == 0 && k == count_ - 1;
+    if (!is_rim && is_edge_(hole_.loop[i], hole_.loop[k])) return;
+    for (int j = i + 1; j < k; ++j) {
+      const Cost& left = costs_[at(i, j)];
+      const Cost& right = costs_[at(j, k)];
+      if (!std::isfinite(left.area) || !std::isfinite(right.area)) continue;
+      const glm::dvec3 normal = cross(i, j, k);
+      const double doubled_area = glm::length(normal);
+      if (!(doubled_area > 0)) continue;
+      const auto turn_to = [&](const glm::dvec3& other) {
+        return 1 - glm::dot(normal, other) / doubled_area;
+      };
+      Cost cost{
+          .turn = std::max({left.turn, right.turn, turn_to(beyond(i, j)), turn_to(beyond(j, k))}),
+          .area = left.area + right.area + 0.5 * doubled_area};
+      if (is_rim) cost.turn = std::max(cost.turn, turn_to(hole_.normals[k]));
+      if (cost < costs_[at(i, k)]) {
+        costs_[at(i, k)] = cost;
+        splits_[at(i, k)] = j;
+      }
+    }
+  }
+
+  void collect(int i, int k, std::vector<Triangle>& triangles) const {
+    if (k == i + 1) return;
+    const int j = splits_[at(i, k)];
+    triangles.push_back({hole_.loop[i], hole_.loop[j], hole_.loop[k]});
+    collect(i, j, triangles);
+    collect(j, k, triangles);
+  }
+
+  std::span<const glm::dvec3> positions_;
+  const Hole& hole_;
+  const std::function<bool(std::int32_t, std::int32_t)>& is_edge_;
+  int count_;
+  std::vector<Cost> costs_;  // of the best triangulation from i to k
+  std::vector<int> splits_;  // its corner between i and k; -1 if there is none
+};
+
+}  // namespace
+
+std::vector<Triangle> fill_hole(std::span<const glm::dvec3> positions, const Hole& hole,
+                                const std::function<bool(std::int32_t, std::int32_t)>& is_edge) {
+  if (hole.loop.size() < 3) return {};
+  return HoleFiller(positions, hole, is_edge).fill();
+}
+
 namespace {
 
 constexpr std::int32_t kLongestLoop = 1000;
@@ -273,6 +442,56 @@ RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
   result.triangles = std::move(triangles);
   options.callbacks.report("repair", 1.0);
   return result;
+}
+
+namespace {
+
+// 1 for a triangle along the normals of its corners, -1 for one against them, 0 where they are
+// silent.
+int agreement(std::span<const glm::dvec3> positions, std::span<const glm::vec3> normals,
+              const Triangle& triangle) {
+  const glm::dvec3 &a = positions[triangle[0]], &b = positions[triangle[1]],
+                   &c = positions[triangle[2]];
+  const glm::dvec3 facing = glm::cross(b - a, c - a);
+  double sum = 0;
+  for (const std::int32_t corner : triangle) {
+    const glm::dvec3 normal = normals[corner];
+    const double length = glm::length(normal);
+    if (length > 0 && std::isfinite(length)) sum += glm::dot(facing, normal) / length;
+  }
+  return sum > 0 ? 1 : sum < 0 ? -1 : 0;
+}
+
+}  // namespace
+
+std::int64_t turn_by_normals(std::span<const glm::dvec3> positions,
+                             std::span<const glm::vec3> normals, std::span<Triangle> triangles) {
+  const std::vector<std::int32_t> twins = twins_of(triangles, positions.size());
+  std::vector<bool> reached(triangles.size(), false);
+  std::vector<std::int32_t> component;
+  std::int64_t turned_count = 0;
+  for (std::size_t start = 0; start < triangles.size(); ++start) {
+    if (reached[start]) continue;
+    reached[start] = true;
+    component.assign(1, static_cast<std::int32_t>(start));
+    bool is_open = false;
+    std::int64_t votes = 0;
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      const std::int32_t t = component[i];
+      votes += agreement(positions, normals, triangles[t]);
+      for (std::int32_t half_edge = 3 * t; half_edge < 3 * t + 3; ++half_edge) {
+        const std::int32_t twin = twins[half_edge];
+        if (twin < 0) is_open = true;
+        if (twin < 0 || reached[twin / 3]) continue;
+        reached[twin / 3] = true;
+        component.push_back(twin / 3);
+      }
+    }
+    if (!is_open || votes >= 0) continue;
+    for (const std::int32_t t : component) std::swap(triangles[t][1], triangles[t][2]);
+    ++turned_count;
+  }
+  return turned_count;
 }
 
 }  // namespace planish

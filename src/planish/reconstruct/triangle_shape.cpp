@@ -1,6 +1,6 @@
 // Based on: C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.5 (regions of a triangle
 // for the nearest point).
-#include "planish/reconstruct/triangle_shape.h"
+#include "planish/reconstruct/spatial_search.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>

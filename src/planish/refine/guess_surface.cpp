@@ -5,13 +5,291 @@
 #include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 #include <utility>
 
 #include "planish/core/parallel.h"
-#include "planish/mesh/angle_between.h"
+#include "planish/mesh/face_geometry.h"
 
 namespace planish {
+namespace {
+
+constexpr int kQuadric = 5, kCubic = 9;
+// Directions that the places leave open, relative to the best known one, are left at 0.
+constexpr double kRidge = 1e-8;
+// Tangent of half the angle by which faces turn at most where they sample a smooth surface.
+constexpr double kSteepest = 0.577;
+constexpr int kTurns = 3;
+// Places behind 60 degrees of a ball say little of the surface here.
+constexpr double kMostStretched = 2;
+// Share of the fit at a place that others decide, at least.
+constexpr double kLeastOthers = 0.05;
+constexpr int kStretchRounds = 4;
+// Corners that are looked at beside a neighbour's, each way: linear time at hubs.
+constexpr int kWalk = 16;
+
+using Coefficients = std::array<double, kCubic>;
+
+// A^T A + ridge, of which the upper half is given, as U^T D^-1 U with D on U's diagonal.
+class Normal {
+ public:
+  Normal(const std::array<Coefficients, kCubic>& matrix, int first, int last)
+      : matrix_(matrix), first_(first), last_(last) {
+    double trace = 0;
+    for (int i = first; i < last; ++i) trace += matrix_[i][i];
+    for (int i = first; i < last; ++i) matrix_[i][i] += kRidge * trace + 1e-300;
+    for (int k = first; k < last; ++k)
+      for (int i = k + 1; i < last; ++i) {
+        const double factor = matrix_[k][i] / matrix_[k][k];
+        for (int j = i; j < last; ++j) matrix_[i][j] -= factor * matrix_[k][j];
+      }
+  }
+
+  // Of A^T z.
+  [[nodiscard]] Coefficients solve(Coefficients right) const {
+    reduce(right);
+    for (int i = last_ - 1; i >= first_; --i) {
+      for (int j = i + 1; j < last_; ++j) right[i] -= matrix_[i][j] * right[j];
+      right[i] /= matrix_[i][i];
+    }
+    return right;
+  }
+  // row (A^T A)^-1 row^T
+  [[nodiscard]] double leverage(Coefficients row) const {
+    reduce(row);
+    double sum = 0;
+    for (int i = first_; i < last_; ++i) sum += row[i] * row[i] / matrix_[i][i];
+    return sum;
+  }
+
+ private:
+  void reduce(Coefficients& right) const {
+    for (int k = first_; k < last_; ++k)
+      for (int i = k + 1; i < last_; ++i) right[i] -= matrix_[k][i] / matrix_[k][k] * right[k];
+  }
+
+  std::array<Coefficients, kCubic> matrix_;
+  int first_, last_;
+};
+
+void set_axes(VertexJet& jet) {
+  const glm::dvec3 n = jet.normal;
+  jet.e1 = glm::normalize(
+      glm::cross(n, std::abs(n.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+  jet.e2 = glm::cross(n, jet.e1);
+}
+
+class JetFitter {
+ public:
+  JetFitter(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+            std::span<const char> is_sharp)
+      : positions_(positions), topology_(topology), is_sharp_(is_sharp) {}
+
+  // `sector`: corners at a vertex, counter-clockwise.
+  [[nodiscard]] VertexJet fit(std::span<const std::int32_t> sector) const {
+    const std::int32_t vertex = topology_.vertex_of(sector.front());
+    VertexJet jet{};
+    jet.origin = positions_[vertex];
+    double size = 0;
+    int edges = 0;
+    for (const std::int32_t corner : sector) {
+      const glm::dvec3 a = positions_[topology_.vertex_of(topology_.next(corner))] - jet.origin;
+      const glm::dvec3 b = positions_[topology_.vertex_of(topology_.prev(corner))] - jet.origin;
+      const glm::dvec3 cross = glm::cross(a, b);
+      const double length = glm::length(cross);
+      if (length > 0) jet.normal += cross / length * angle_between(a, b);
+      size += glm::length(a) + glm::length(b);
+      edges += 2;
+    }
+    size /= edges;
+    const double length = glm::length(jet.normal);
+    jet.normal = length > 0 ? jet.normal / length : glm::dvec3(0, 0, 1);
+    set_axes(jet);
+    if (!(size > 0)) return jet;
+    const std::vector<std::int32_t> ring = two_rings(sector, vertex);
+    const glm::dvec3 by_angle = jet.normal;
+    std::vector<Place> places = places_over(jet, ring, size);
+    const double untilted = least_squares(places, {2, kQuadric}).left;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const Coefficients s = best_of(places, 0).coefficients;
+      jet.normal = glm::normalize(jet.normal - s[0] * jet.e1 - s[1] * jet.e2);
+      set_axes(jet);
+      places = places_over(jet, ring, size);
+    }
+    const double tilted = best_of(places, 0).left;
+    const double tilt = believed(tilted, untilted);
+    jet.normal = glm::normalize(tilt * jet.normal + (1 - tilt) * by_angle);
+    set_axes(jet);
+    places = places_over(jet, ring, size);
+    const LeastSquares fit = best_of(places, 2);
+    const Coefficients& s = fit.coefficients;
+    const double share = believed(fit.left, least_squares(places, {0, 2}).left);
+    jet.doubt = 1 - share;
+    for (int i = 0; i < 3; ++i) jet.quadric[i] = share * s[2 + i] / size;
+    for (int i = 0; i < 4; ++i) jet.cubic[i] = share * s[5 + i] / (size * size);
+    return jet;
+  }
+
+ private:
+  std::span<const glm::dvec3> positions_;
+  const MeshTopology& topology_;
+  std::span<const char> is_sharp_;
+
+  [[nodiscard]] std::int32_t across(std::int32_t corner, bool ccw) const {
+    const std::int32_t edge = topology_.edge_of(ccw ? topology_.prev(corner) : corner);
+    if (is_sharp_[edge]) return -1;
+    return ccw ? topology_.ccw(corner) : topology_.cw(corner);
+  }
+
+  void add_face(std::int32_t corner, std::int32_t vertex, std::vector<std::int32_t>& ring) const {
+    for (const std::int32_t other : topology_.face(topology_.face_of(corner)))
+      if (other != vertex) ring.push_back(other);
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> two_rings(std::span<const std::int32_t> sector,
+                                                    std::int32_t vertex) const {
+    std::vector<std::int32_t> ring;
+    for (const std::int32_t corner : sector) {
+      add_face(corner, vertex, ring);
+      for (const std::int32_t start : {topology_.next(corner), topology_.prev(corner)}) {
+        for (const bool ccw : {false, true}) {
+          std::int32_t at = across(start, ccw);
+          for (int step = 0; at >= 0 && at != start && step < kWalk; ++step) {
+            add_face(at, vertex, ring);
+            at = across(at, ccw);
+          }
+        }
+      }
+    }
+    std::ranges::sort(ring);
+    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    return ring;
+  }
+
+  // A neighbour, over the jet's plane in units of the mean edge.
+  struct Place {
+    Coefficients row;
+    double height, square;  // of the weight
+  };
+  // Those coefficients that are not 0, the first two of which tilt.
+  struct Unknowns {
+    int first, last;
+  };
+
+  [[nodiscard]] std::vector<Place> places_over(const VertexJet& jet,
+                                               std::span<const std::int32_t> ring,
+                                               double size) const {
+    std::vector<Place> places;
+    places.reserve(ring.size());
+    for (const std::int32_t other : ring)
+      places.push_back(place_of((positions_[other] - jet.origin) / size, jet));
+    return places;
+  }
+
+  [[nodiscard]] static Place place_of(const glm::dvec3& to, const VertexJet& jet) {
+    const double tilt1 = glm::dot(to, jet.e1), tilt2 = glm::dot(to, jet.e2);
+    const double flat = tilt1 * tilt1 + tilt2 * tilt2, square = glm::dot(to, to);
+    const double stretch = flat > 0 ? std::min(std::sqrt(square / flat), kMostStretched) : 1;
+    const double x = stretch * tilt1, y = stretch * tilt2;
+    const double weight = 1 / (1 + square);
+    return {{tilt1, tilt2, x * x / 2, x * y, y * y / 2, x * x * x, x * x * y, x * y * y, y * y * y},
+            glm::dot(to, jet.normal),
+            weight * weight};
+  }
+
+  struct LeastSquares {
+    Coefficients coefficients{};
+    double left = 0;  // what is left of each height by the fit to all others, squares
+  };
+
+  [[nodiscard]] static LeastSquares least_squares(std::span<const Place> places,
+                                                  Unknowns unknowns) {
+    std::array<Coefficients, kCubic> matrix{};
+    Coefficients right{};
+    for (const auto& [row, height, square] : places) {
+      for (int i = unknowns.first; i < unknowns.last; ++i) {
+        for (int j = i; j < unknowns.last; ++j) matrix[i][j] += square * row[i] * row[j];
+        right[i] += square * row[i] * height;
+      }
+    }
+    const Normal normal(matrix, unknowns.first, unknowns.last);
+    LeastSquares fit{normal.solve(right)};
+    // So few places are met by any heights.
+    const bool is_open = std::ssize(places) <= unknowns.last - unknowns.first;
+    for (const auto& [row, height, square] : places) {
+      double value = 0;
+      for (int i = unknowns.first; i < unknowns.last; ++i) value += fit.coefficients[i] * row[i];
+      const double others = 1 - square * normal.leverage(row);
+      const double left = is_open ? height : (height - value) / std::max(others, kLeastOthers);
+      fit.left += square * left * left;
+    }
+    return fit;
+  }
+
+  // A cubic where it leaves less than a quadric.
+  [[nodiscard]] static LeastSquares best_of(std::span<const Place> places, int first) {
+    const LeastSquares quadric = least_squares(places, {first, kQuadric});
+    const LeastSquares cubic = least_squares(places, {first, kCubic});
+    return cubic.left < quadric.left ? cubic : quadric;
+  }
+
+  // How far what leaves so much is believed against what leaves more.
+  [[nodiscard]] static double believed(double left, double without) {
+    return without > 0 ? std::clamp(1 - left / without, 0.0, 1.0) : 0.0;
+  }
+};
+
+}  // namespace
+
+glm::dvec3 VertexJet::on_jet(const glm::dvec3& place) const {
+  const glm::dvec3 to = place - origin;
+  const double px = glm::dot(to, e1), py = glm::dot(to, e2);
+  const double flat = px * px + py * py, most = kSteepest * std::sqrt(flat);
+  double z = 0;
+  for (int round = 0; round < kStretchRounds && flat > 0; ++round) {
+    const double stretch = std::sqrt(1 + z * z / flat), x = stretch * px, y = stretch * py;
+    z = quadric[0] * x * x / 2 + quadric[1] * x * y + quadric[2] * y * y / 2 +
+        x * x * (cubic[0] * x + cubic[1] * y) + y * y * (cubic[2] * x + cubic[3] * y);
+    z = std::clamp(z, -most, most);
+  }
+  return place + (z - glm::dot(to, normal)) * normal;
+}
+
+VertexJets fit_vertex_jets(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+                           std::span<const char> is_sharp) {
+  VertexJets result;
+  result.jet_of_corner.resize(topology.corner_count());
+  // A sector starts behind a sharp edge; of a vertex without one anywhere.
+  std::vector<std::int32_t> sector_begin{0}, sector_corners;
+  sector_corners.reserve(topology.corner_count());
+  for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
+    const std::span<const std::int32_t> corners = topology.corners_at(v);
+    const std::size_t count = corners.size();
+    if (count == 0) continue;
+    std::size_t first = 0;
+    while (first < count && !is_sharp[topology.edge_of(corners[first])]) ++first;
+    if (first == count) first = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t corner = corners[(first + i) % count];
+      const bool starts = i > 0 && (is_sharp[topology.edge_of(corner)] || topology.cw(corner) < 0);
+      if (starts) sector_begin.push_back(static_cast<std::int32_t>(sector_corners.size()));
+      sector_corners.push_back(corner);
+      result.jet_of_corner[corner] = static_cast<std::int32_t>(sector_begin.size()) - 1;
+    }
+    sector_begin.push_back(static_cast<std::int32_t>(sector_corners.size()));
+  }
+  const JetFitter fitter(positions, topology, is_sharp);
+  result.jets.resize(sector_begin.size() - 1);
+  parallel_each(result.jets.size(), 256, [&](std::size_t s) {
+    const std::size_t begin = sector_begin[s];
+    result.jets[s] =
+        fitter.fit(std::span(sector_corners).subspan(begin, sector_begin[s + 1] - begin));
+  });
+  return result;
+}
+
 namespace {
 
 constexpr int kBlends = 2;
@@ -211,6 +489,122 @@ glm::dvec3 GuessSurface::at(const FacePlace& place) const {
     point += fade * (curve_point(first + i, share) - blend(foot));
   }
   return point;
+}
+
+namespace {
+
+// Rings of few edges are uneven by chance: only what is narrower is narrow.
+constexpr double kByChance = 1.5;
+constexpr double kNarrowest = 4;
+constexpr double kMostAcross = 0.25;
+
+// A symmetric 2 x 2 matrix by its axes.
+struct Axes {
+  glm::dvec2 first, second;  // unit, at right angles
+  double of_first, of_second;
+};
+
+Axes axes_of(double xx, double xy, double yy) {
+  const double middle = (xx + yy) / 2, half = (xx - yy) / 2, reach = std::hypot(half, xy);
+  glm::dvec2 first(1, 0);
+  if (reach > 0) {
+    // The longer of two equal directions.
+    first = half >= 0 ? glm::dvec2(half + reach, xy) : glm::dvec2(xy, reach - half);
+    first = glm::normalize(first);
+  }
+  return {first, glm::dvec2(-first.y, first.x), middle + reach, middle - reach};
+}
+
+struct Ring {
+  glm::dmat3 tensor{0.0};  // mean of e e^T over the edges
+  glm::dvec3 normal{0.0};
+  double length = 0;  // mean
+};
+
+std::vector<Ring> rings_of(std::span<const glm::dvec3> positions, const MeshTopology& topology) {
+  std::vector<Ring> rings(positions.size());
+  parallel_each(rings.size(), 256, [&](std::size_t v) {
+    Ring& ring = rings[v];
+    double count = 0;
+    for (const std::int32_t corner : topology.corners_at(static_cast<std::int32_t>(v))) {
+      const glm::dvec3 a = positions[topology.vertex_of(topology.next(corner))] - positions[v];
+      const glm::dvec3 b = positions[topology.vertex_of(topology.prev(corner))] - positions[v];
+      ring.normal += glm::cross(a, b);
+      for (const glm::dvec3& edge : {a, b}) {
+        ring.tensor += glm::outerProduct(edge, edge);
+        ring.length += glm::length(edge);
+        ++count;
+      }
+    }
+    if (count == 0) return;
+    ring.tensor /= count;
+    ring.length /= count;
+  });
+  return rings;
+}
+
+}  // namespace
+
+std::vector<glm::dmat3> spacing_metrics(std::span<const glm::dvec3> positions,
+                                        const MeshTopology& topology, const GuessSurface& guess,
+                                        const EvenTrianglesOptions& options) {
+  const std::vector<Ring> rings = rings_of(positions, topology);
+  std::vector<glm::dmat3> metrics(positions.size(), glm::dmat3(0));
+  parallel_each(metrics.size(), 64, [&](std::size_t v) {
+    const Ring& ring = rings[v];
+    const auto vertex = static_cast<std::int32_t>(v);
+    if (!(ring.length > 0)) return;
+    // Single rings are uneven by chance.
+    glm::dmat3 tensor = ring.tensor;
+    double count = 1;
+    for (const std::int32_t corner : topology.corners_at(vertex)) {
+      const Ring& other = rings[topology.vertex_of(topology.next(corner))];
+      const double length = other.length > 0 ? ring.length / other.length : 0;
+      tensor += length * length * other.tensor;
+      ++count;
+    }
+    tensor /= count;
+    const double area = glm::length(ring.normal);
+    const glm::dvec3 n = area > 0 ? ring.normal / area : glm::dvec3(0, 0, 1);
+    const glm::dvec3 u = glm::normalize(
+        glm::cross(n, std::abs(n.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+    const glm::dvec3 w = glm::cross(n, u);
+    const auto in_plane = [&](const glm::dmat3& of, const glm::dvec3& a, const glm::dvec3& b) {
+      return glm::dot(a, of * b);
+    };
+    const Axes shape =
+        axes_of(in_plane(tensor, u, u), in_plane(tensor, u, w), in_plane(tensor, w, w));
+    // Edges that leave the plane, as beside a spike, tell nothing of how triangles lie in it.
+    const bool is_plane = glm::dot(n, tensor * n) < kMostAcross * shape.of_second;
+    const double ratio = is_plane ? std::sqrt(shape.of_first / shape.of_second) : 1;
+    const double narrow = std::sqrt(std::clamp(ratio / kByChance, 1.0, kNarrowest));
+    // Of the mean edge's length as a whole, along and across: an area that stays.
+    const double mean = ring.length * std::sqrt(2 / (narrow * narrow + 1 / (narrow * narrow)));
+    // Ways of one mean edge.
+    const glm::dvec3 along = mean * narrow * (shape.first.x * u + shape.first.y * w);
+    const glm::dvec3 across = mean / narrow * (shape.second.x * u + shape.second.y * w);
+    const glm::dmat3 turning = guess.turning(vertex);
+    const double turn = glm::radians(options.turn);
+    const Axes bend = axes_of(in_plane(turning, along, along), in_plane(turning, along, across),
+                              in_plane(turning, across, across));
+    // How many edges should take the place of a mean one.
+    const auto parts = [&](double square) {
+      return std::clamp(std::sqrt(std::max(square, 0.0)) / turn, 1 / options.spacing,
+                        1 / options.least_spacing);
+    };
+    const glm::dvec3 dual_along = along / glm::dot(along, along),
+                     dual_across = across / glm::dot(across, across);
+    const auto direction = [&](const glm::dvec2& axis) {
+      return axis.x * dual_along + axis.y * dual_across;
+    };
+    const double first = parts(bend.of_first);
+    const double second = is_plane ? parts(bend.of_second) : first;
+    const glm::dvec3 a = first * direction(bend.first), b = second * direction(bend.second);
+    metrics[v] = glm::outerProduct(a, a) + glm::outerProduct(b, b);
+    const double trace = metrics[v][0][0] + metrics[v][1][1] + metrics[v][2][2];
+    metrics[v] += trace / 2 * glm::outerProduct(n, n);
+  });
+  return metrics;
 }
 
 }  // namespace planish

@@ -15,9 +15,9 @@
 #include <tuple>
 #include <utility>
 
-#include "planish/core/host_scope.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/parallel.h"
-#include "planish/core/unit_vector.h"
+#include "planish/core/vectors.h"
 
 namespace planish {
 namespace {

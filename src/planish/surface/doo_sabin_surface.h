@@ -8,15 +8,13 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
-#include "planish/doosabin/sharp_features.h"
+#include "planish/doosabin/subdivision.h"
 #include "planish/mesh/mesh_topology.h"
-#include "planish/mesh/placement.h"
-#include "planish/mesh/prepared_mesh.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/chart_field.h"
-#include "planish/patches/patch_evaluator.h"
 #include "planish/patches/patch_mesh.h"
+#include "planish/patches/patch_surface.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/level_one.h"
 #include "planish/surface/memory_need.h"
 #include "planish/surface/surface_blocks.h"
 

@@ -1,31 +1,176 @@
-// Doo-Sabin surfaces are collected from blocks of patches. Those of the other schemes come from the
-// chain of small stencil tables of PrimalTables, made and used in slices of rows, so that the
-// tables of the last level never stand in memory whole.
 #include "planish/surface/evaluate.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <string>
+#include <vector>
 
-#include "planish/backend/initial_residual.h"
-#include "planish/core/assert.h"
-#include "planish/core/formatted.h"
-#include "planish/core/host_scope.h"
-#include "planish/core/stop.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
+#include "planish/core/guards.h"
+#include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 #include "planish/doosabin/limit_masks.h"
-#include "planish/mesh/area_vector.h"
-#include "planish/mesh/placement.h"
+#include "planish/doosabin/vertex_ring.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/primal/primal_stencils.h"
-#include "planish/surface/attributes.h"
+#include "planish/solve/iteration.h"
+#include "planish/solve/stencil_builder.h"
+#include "planish/solve/stencil_table.h"
 #include "planish/surface/doo_sabin_surface.h"
-#include "planish/surface/primal_tables.h"
-#include "planish/surface/subdivided_mesh.h"
+#include "planish/surface/level_faces.h"
+#include "planish/surface/level_one_mesh.h"
+#include "planish/surface/memory_need.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
 
+void require_state_size(std::int64_t size, const LevelOne& level_one) {
+  if (static_cast<std::int64_t>(level_one.state.size()) == size) return;
+  throw Error(
+      ErrorCode::InvalidArgument,
+      formatted("level 1 of this mesh with these creases has {} control points, and {} are given",
+                size, level_one.state.size()));
+}
+
+std::vector<glm::dvec3> limit_points(const Subdivision& subdivision,
+                                     std::span<const glm::dvec3> state) {
+  const auto count = static_cast<std::size_t>(subdivision.topology().vertex_count());
+  std::vector<glm::dvec3> limits(count);
+  parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
+    VertexRing ring;
+    for (std::size_t v = begin; v < end; ++v) {
+      gather_ring(subdivision, static_cast<std::int32_t>(v), ring);
+      if (ring.kind == VertexKind::Corner) {
+        limits[v] = state[ring.corner_point];
+      } else if (ring.kind == VertexKind::Crease) {
+        const VertexRing::Sector& sector = ring.sectors.front();
+        limits[v] = 0.5 * (state[sector.curve0] + state[sector.curve1]);
+      } else {
+        // About one of the points: far from the origin the sum would lose digits.
+        const glm::dvec3 origin = state[ring.faces.front()];
+        glm::dvec3 sum(0.0);
+        for (const std::int32_t face : ring.faces) sum += state[face] - origin;
+        limits[v] = origin + sum / static_cast<double>(ring.faces.size());
+      }
+    }
+  });
+  return limits;
+}
+
+std::vector<glm::dvec3> limit_positions(const PolygonMesh& mesh, const LevelOne& level_one,
+                                        const SharpFeatureOptions& sharp) {
+  const SubdividedMesh base(mesh, sharp);
+  require_state_size(base.subdivision.state_size(), level_one);
+  const auto points = limit_points(base.subdivision, level_one.state);
+  std::vector<glm::dvec3> limits = mesh.positions;
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    limits[base.used.vertices[v]] = level_one.placement.to_model(points[v]);
+  }
+  return limits;
+}
+
+struct VertexStar;
+
 namespace {
+
+// A primal scheme on one mesh down to one level, as a chain of stencil tables: control points
+// -> state of level 1 -> ... -> state of state_level() -> limit points and tangents. Tables are
+// made in slices of rows.
+class PrimalTables {
+ public:
+  // Throws Error{UnusableMesh} for Loop on other faces than triangles and Error{OutOfMemory}
+  // before memory is taken.
+  PrimalTables(const UsedPart& used, PrimalScheme scheme, const EvaluateOptions& options);
+
+  // The level whose state gives the output's limit points: the output's, but at least 1.
+  [[nodiscard]] int state_level() const { return std::max(level_, 1); }
+  [[nodiscard]] std::int64_t state_size(int level) const {
+    return split_.level(level).GetNumVertices();
+  }
+  // Rows of the state of `level` >= 1 from that of level - 1, the control points for level 1.
+  [[nodiscard]] StencilTable step(int level, RowRange rows) const;
+
+  // The output's vertices.
+  [[nodiscard]] const SectorRows& rows() const { return rows_; }
+  [[nodiscard]] StencilTable limit(RowRange rows) const;
+  // The corners of the output's faces, one face after another. From level 1 on all faces have
+  // corners_per_face() of them.
+  [[nodiscard]] std::vector<std::int32_t> face_vertices() const;
+  [[nodiscard]] int corners_per_face() const {
+    return split_.scheme() == PrimalScheme::Loop ? 3 : 4;
+  }
+
+  // The topology of the output, which is its level `level`.
+  [[nodiscard]] const OpenSubdiv::Far::TopologyRefiner& refiner() const { return split_.refiner(); }
+
+ private:
+  [[nodiscard]] std::int32_t row_of(std::int32_t face, int corner, std::int32_t vertex,
+                                    VertexStar& star) const;
+
+  int level_;
+  PrimalSplit split_;
+  SectorRows rows_;
+};
+
+PrimalTables::PrimalTables(const UsedPart& used, PrimalScheme scheme,
+                           const EvaluateOptions& options)
+    : level_(options.level),
+      split_(used.mesh, {scheme, options.sharp, used.prepared->topology.get()}) {
+  const std::vector<LevelCounts> counts = split_.counts_to(state_level());
+  require_memory(counts, LastLevel::Full, RefinedAttributes::of(used.mesh),
+                 options.memory_limit_bytes);
+  split_.refine(state_level());
+  rows_ = primal_sector_rows(split_, state_level(), counts[level_].vertices);
+}
+
+StencilTable PrimalTables::step(int level, RowRange rows) const {
+  return primal_refinement_table(split_, level - 1, rows);
+}
+
+StencilTable PrimalTables::limit(RowRange rows) const {
+  return primal_limit_table(split_, state_level(), rows_, rows);
+}
+
+std::vector<std::int32_t> PrimalTables::face_vertices() const {
+  const auto& topology = split_.level(level_);
+  const auto face_count = static_cast<std::size_t>(topology.GetNumFaces());
+  std::vector<std::size_t> first(face_count + 1, 0);
+  for (std::size_t f = 0; f < face_count; ++f) {
+    first[f + 1] = first[f] + topology.GetFaceVertices(static_cast<int>(f)).size();
+  }
+  std::vector<std::int32_t> result(first.back());
+  parallel_for(face_count, 4096, [&](std::size_t begin, std::size_t end) {
+    VertexStar star;
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto vertices = topology.GetFaceVertices(static_cast<int>(f));
+      for (int k = 0; k < vertices.size(); ++k) {
+        result[first[f] + k] = row_of(static_cast<std::int32_t>(f), k, vertices[k], star);
+      }
+    }
+  });
+  return result;
+}
+
+// The row of a vertex as seen from a face of the output, of which it is corner `corner`.
+std::int32_t PrimalTables::row_of(std::int32_t face, int corner, std::int32_t vertex,
+                                  VertexStar& star) const {
+  if (!rows_.is_split(vertex)) return vertex;
+  const std::int32_t state_face =
+      level_ == 0 ? split_.level(0).GetFaceChildFaces(face)[corner] : face;
+  const int place = split_.level(state_level()).GetVertexFaces(vertex).FindIndex(state_face);
+  PLANISH_ASSERT(place >= 0);
+  gather_star(split_, state_level(), vertex, star);
+  return rows_.row(vertex, sector_of(star, place));
+}
+
+// Doo-Sabin surfaces are collected from blocks of patches. Those of the other schemes come from the
+// chain of small stencil tables of PrimalTables, made and used in slices of rows, so that the
+// tables of the last level never stand in memory whole.
 
 // Rows of a slice: large enough for all threads or a device, small enough that the allocator
 // serves the next slice from the last one's memory (measured: asking the system for fresh pages

@@ -13,9 +13,9 @@
 #include <limits>
 #include <string>
 
-#include "planish/core/counted.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/work_limits.h"
+#include "planish/core/words.h"
 
 namespace planish {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/level_counts.h"
+#include "planish/solve/stencil_table.h"
 
 namespace planish {
 

@@ -1,4 +1,4 @@
-// Based on: Pinkall & Polthier 1993 for the bending, see surface_quality.cpp, of which this is the
+// Based on: Pinkall & Polthier 1993 for the bending, see quality_sum.cpp, of which this is the
 // same arithmetic for many quads at once; atan by its series after one halving of the range.
 #include "planish/surface/quad_figures.h"
 

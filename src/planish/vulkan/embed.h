@@ -10,7 +10,7 @@
 // - DeviceSystem: the tables of one System on the device; read-only once its upload ran.
 // - Solve: work buffers and descriptor sets of one mesh that moves, for all frames in flight.
 // - Places: the surface of a Solve at a list of places, for particles, cameras, baking.
-// - Tessellation: a Solve's instances, each at the level that a view needs (host/tessellation.h).
+// - Tessellation: a Solve's instances, each at the level that a view needs (host/evaluation.h).
 //
 // Each must outlive those below it; a System need only live until DeviceSystem::write_upload() is
 // done. Order of use:
@@ -38,7 +38,7 @@
 // Many meshes. Instances of one mesh, each with points of its own, are best one Solve with
 //   SolveOptions::instances: its dispatches do all of them, and cost what one mesh of their size
 //   costs. Different meshes that are always solved together are best one System, of the mesh that
-//   merged_meshes() (mesh/merged_meshes.h) makes of them. What is left are Solves beside each
+//   merged_meshes() (mesh/mesh_parts.h) makes of them. What is left are Solves beside each
 //   other: record_solves(commands, calls); record_evaluates(commands, calls);
 //
 // Iterations. Ask for sufficient_iterations(rest_error()) of the System with its tolerance() as
@@ -92,19 +92,15 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/doosabin/face_rule.h"
-#include "planish/doosabin/sharp_features.h"
-#include "planish/fair/interpolation_method.h"
+#include "planish/doosabin/subdivision.h"
+#include "planish/fair/fair_net.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/stencil_table.h"
+#include "planish/solve/stencil_table.h"
 #include "planish/vulkan/device/context.h"
+#include "planish/vulkan/device/driver.h"
 #include "planish/vulkan/device/own_device.h"
-#include "planish/vulkan/device/result.h"
-#include "planish/vulkan/device/scope.h"
-#include "planish/vulkan/evaluate/place_layout.h"
-#include "planish/vulkan/host/places.h"
+#include "planish/vulkan/host/evaluation.h"
 #include "planish/vulkan/host/solve_options.h"
-#include "planish/vulkan/host/tessellation.h"
 
 namespace planish {
 struct FairDecisions;
@@ -127,7 +123,7 @@ struct SystemOptions {
   /// Fair: the surface's control points of level 1 are built, without iterations; making the System
   /// builds them once, for the rest pose. A System's tables and all Solves made with them are of
   /// one method. Fair surfaces fold beside corners that turn inward: take with_convex_faces() of
-  /// such meshes (mesh/convex_faces.h). Needles and sharp turns are cured as fair_net() does; fit()
+  /// such meshes (mend/repair.h). Needles and sharp turns are cured as fair_net() does; fit()
   /// looks once more, and its decisions say what came of it.
   InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "planish/backend/backend.h"
+#include "planish/solve/backend.h"
 
 namespace planish {
 

@@ -15,7 +15,7 @@
 #include "files/gltf/surfaces.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
-#include "planish/files/gltf/packed_numbers.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 

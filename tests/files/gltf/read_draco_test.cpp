@@ -20,7 +20,7 @@
 #include "files/gltf/glb_bytes.h"
 #include "files/gltf/read_square.h"
 #include "planish/core/error.h"
-#include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/read_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/fit_file.h"

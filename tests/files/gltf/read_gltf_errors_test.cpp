@@ -7,7 +7,7 @@
 #include <random>
 
 #include "files/gltf/read_square.h"
-#include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/gltf_source.h"
 #include "planish/mesh/check.h"
 
 namespace planish {

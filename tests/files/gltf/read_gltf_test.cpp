@@ -14,8 +14,6 @@
 
 #include "files/gltf/read_square.h"
 #include "files/gltf/surfaces.h"
-#include "planish/files/gltf/gltf_nodes.h"
-#include "planish/files/gltf/gltf_primitive.h"
 #include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/mesh/check.h"

@@ -5,7 +5,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "planish/surface/surface_mesh.h"
+#include "planish/surface/surface_blocks.h"
 
 namespace planish::test {
 

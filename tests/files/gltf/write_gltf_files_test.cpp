@@ -12,8 +12,7 @@
 
 #include "files/gltf/parsed_gltf.h"
 #include "files/gltf/surfaces.h"
-#include "planish/files/gltf/gltf_buffer.h"
-#include "planish/files/gltf/gltf_document.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/write_gltf.h"
 
 namespace planish {

@@ -1,5 +1,5 @@
 #include "planish/files/gltf/write_gltf.h"
-#include "planish/files/gltf/float_box.h"
+#include "planish/files/gltf/gltf_vertices.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,13 +10,13 @@
 
 #include "files/gltf/asset_sample.h"
 #include "files/gltf/surfaces.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/files/gltf/asset/write_asset.h"
+#include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_surface.h"
 #include "planish/job/fit_file.h"
 #include "planish/pipeline/asset_attributes.h"
-#include "planish/pipeline/baked_gltf.h"
+#include "planish/pipeline/bake_maps.h"
+#include "planish/solve/backend.h"
 #include "support/fitted_level.h"
 
 namespace planish {

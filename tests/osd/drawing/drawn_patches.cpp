@@ -10,8 +10,8 @@
 #include <string>
 
 #include "planish/osd/vk_compute_evaluator.h"
-#include "planish/vulkan/device/scope.h"
-#include "viewer/pipelines.h"
+#include "planish/vulkan/device/context.h"
+#include "viewer/device.h"
 
 namespace planish::testing {
 namespace {

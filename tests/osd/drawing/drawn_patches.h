@@ -9,8 +9,7 @@
 #include "osd/conformance.h"
 #include "planish/osd/vk_patch_table.h"
 #include "planish/osd/vk_vertex_buffer.h"
-#include "viewer/handles.h"
-#include "viewer/resources.h"
+#include "viewer/device.h"
 
 namespace planish::testing {
 

@@ -1,27 +1,53 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times the way from points to a mesh against CGAL and meshoptimizer. See ../README.md.
+#include <CGAL/Advancing_front_surface_reconstruction.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <benchmark/benchmark.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <exception>
+#include <glm/vec3.hpp>
+#include <iterator>
 #include <set>
+#include <span>
 #include <string>
+#include <vector>
 
-#include "bench/points/cgal_alone.h"
-#include "bench/points/loop_mesh.h"
-#include "bench/points/simplify_peer.h"
-#include "bench/report.h"
-#include "make_scenes/obj_text.h"
+#include "bench/benchmarks.h"
+#include "bench/points/peers.h"
 #include "make_scenes/sample_points.h"
 #include "make_scenes/scene_list.h"
 #include "planish/core/output_file.h"
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/point_cloud.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/reconstruct/mesher_process.h"
-#include "planish/reconstruct/repair_triangles.h"
-#include "planish/reconstruct/simplify.h"
-#include "planish/reconstruct/triangle_tree.h"
+#include "planish/reconstruct/reconstruct.h"
+#include "planish/reconstruct/spatial_search.h"
+
+namespace planish::bench {
+namespace {
+
+// CGAL's advancing front surface reconstruction as its manual calls it, without anything of ours.
+std::vector<Triangle> mesh_by_cgal_alone(std::span<const glm::dvec3> points) {
+  using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+  std::vector<Point> sites;
+  sites.reserve(points.size());
+  for (const glm::dvec3& p : points) sites.emplace_back(p.x, p.y, p.z);
+  std::vector<std::array<std::size_t, 3>> facets;
+  CGAL::advancing_front_surface_reconstruction(sites.begin(), sites.end(),
+                                               std::back_inserter(facets));
+  std::vector<Triangle> triangles;
+  triangles.reserve(facets.size());
+  for (const auto& f : facets)
+    triangles.push_back({static_cast<std::int32_t>(f[0]), static_cast<std::int32_t>(f[1]),
+                         static_cast<std::int32_t>(f[2])});
+  return triangles;
+}
+
+}  // namespace
+}  // namespace planish::bench
 
 namespace {
 

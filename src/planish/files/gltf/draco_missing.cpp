@@ -1,5 +1,5 @@
 // In the place of draco_stream.cpp where libdraco is not built in.
-#include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/gltf_source.h"
 
 namespace planish {
 

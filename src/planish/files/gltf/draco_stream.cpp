@@ -1,6 +1,6 @@
 // Based on: Khronos Group, "KHR_draco_mesh_compression", 2018; Google, "Draco 3D Graphics
 // Compression, Bitstream Specification 2.2", 2023.
-#include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/gltf_source.h"
 
 #include <draco/compression/config/decoder_options.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>

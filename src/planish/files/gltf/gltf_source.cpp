@@ -1,20 +1,246 @@
-// Based on: Khronos Group, "glTF 2.0 Specification", sections 2.8 (URIs) and 3.6.1 (buffers).
 #include "planish/files/gltf/gltf_source.h"
-#include "planish/files/read_file.h"
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
+#include <string>
 
 #include "planish/core/error.h"
 #include "planish/core/json.h"
-#include "planish/core/number_text.h"
-#include "planish/files/gltf/meshopt_stream.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/read_file.h"
+#include "planish/surface/memory_need.h"
 
 namespace planish {
 namespace {
+
+// glTF's own structures are 8 deep; extras may be deeper, but recursive readers of the same file
+// would overflow their stack long before anything useful stood there.
+constexpr int kMaxDepth = 64;
+constexpr std::int64_t kMaxInteger = std::int64_t{1} << 53;
+
+}  // namespace
+
+std::string JsonPlace::named() const {
+  return std::string(file_) + (path_.empty() ? "" : ": " + path_);
+}
+
+void JsonPlace::fail(const std::string& what) const {
+  throw Error(ErrorCode::UnreadableInput, named() + ": " + what);
+}
+
+std::string JsonPlace::clipped() const {
+  constexpr std::size_t kLongest = 40;
+  if (value_->is_structured()) return value_->is_array() ? "an array" : "an object";
+  const std::string text = value_->dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  return text.size() > kLongest ? text.substr(0, kLongest) + "..." : text;
+}
+
+std::optional<JsonPlace> JsonPlace::find(std::string_view key) const {
+  if (!value_->is_object()) fail(clipped() + " is no object");
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  return JsonPlace(*found, file_, (path_.empty() ? "" : path_ + ".") + std::string(key));
+}
+
+JsonPlace JsonPlace::operator[](std::string_view key) const {
+  std::optional<JsonPlace> found = find(key);
+  if (!found) fail("has no `" + std::string(key) + "`");
+  return *std::move(found);
+}
+
+JsonPlace JsonPlace::operator[](std::int64_t index) const {
+  if (index >= array_size())
+    fail("entry {} is asked for, but there are only {}", index, array_size());
+  return {(*value_)[index], file_, formatted("{}[{}]", path_, index)};
+}
+
+std::int64_t JsonPlace::array_size() const {
+  if (!value_->is_array()) fail(clipped() + " is no array");
+  return static_cast<std::int64_t>(value_->size());
+}
+
+std::int64_t JsonPlace::integer(std::int64_t least) const {
+  // Some writers put 12.0 for 12.
+  const double value = value_->is_number() ? value_->get<double>() : std::nan("");
+  if (!(value >= static_cast<double>(least) && value <= static_cast<double>(kMaxInteger)) ||
+      value != std::floor(value))
+    fail("{} is no integer from {}", clipped(), least);
+  return static_cast<std::int64_t>(value);
+}
+
+double JsonPlace::number() const {
+  if (!value_->is_number()) fail(clipped() + " is no number");
+  return value_->get<double>();
+}
+
+bool JsonPlace::boolean() const {
+  if (!value_->is_boolean()) fail(clipped() + " is neither true nor false");
+  return value_->get<bool>();
+}
+
+bool JsonPlace::is_text() const { return value_->is_string(); }
+
+bool JsonPlace::is_object() const { return value_->is_object(); }
+
+const std::string& JsonPlace::text() const {
+  if (!value_->is_string()) fail(clipped() + " is no text");
+  return value_->get_ref<const std::string&>();
+}
+
+std::vector<std::string> JsonPlace::keys() const {
+  if (!value_->is_object()) fail(clipped() + " is no object");
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : value_->items()) keys.push_back(key);
+  return keys;
+}
+
+std::int64_t JsonPlace::integer_or(std::string_view key, std::int64_t otherwise) const {
+  const auto found = find(key);
+  return found ? found->integer() : otherwise;
+}
+
+nlohmann::json parse_json(std::string_view text, std::string_view file) {
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorCode::UnreadableInput, std::string(file) + ": " + what);
+  };
+  const auto limit_depth = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+    if (depth > kMaxDepth) fail(formatted("JSON is nested deeper than {} levels", kMaxDepth));
+    return true;
+  };
+  try {
+    return nlohmann::json::parse(text, limit_depth);
+  } catch (const nlohmann::json::exception& error) {
+    // The library's messages begin with an identifier in brackets.
+    const std::string message = error.what();
+    const std::size_t begin = message.find("] ");
+    fail(begin == std::string::npos ? message : message.substr(begin + 2));
+  }
+  return {};
+}
+
+namespace {
+
+// Based on: Khronos Group, "glTF 2.0 Specification", section 4 (GLB).
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+GlbParts split_glb(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+  constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorCode::UnreadableInput, std::string(name) + ": " + what);
+  };
+  if (!text_of(bytes).starts_with("glTF")) {
+    // After blanks, or a byte order mark.
+    const std::size_t first = text_of(bytes).find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (first == std::string_view::npos || text_of(bytes)[first] != '{')
+      fail("is no glTF: it starts neither with glTF nor with {");
+    return {.json = text_of(bytes), .chunk = {}};
+  }
+  if (bytes.size() < kHeader + kChunkHeader)
+    fail(formatted("a GLB begins with 20 bytes, but the file has {}", bytes.size()));
+  const auto version = load<std::uint32_t>(bytes.subspan(4));
+  if (version != 2) fail(formatted("GLB version {} is not 2", version));
+  const auto length = load<std::uint32_t>(bytes.subspan(8));
+  if (length > bytes.size() || length < kHeader)
+    fail(formatted("header promises {} bytes, but the file has {}", length, bytes.size()));
+  GlbParts parts{.json = {}, .chunk = {}, .format = FileFormat::Glb};
+  std::span<const std::byte> left = bytes.subspan(kHeader, length - kHeader);
+  for (int index = 0; left.size() >= kChunkHeader; ++index) {
+    const auto size = load<std::uint32_t>(left);
+    const auto type = load<std::uint32_t>(left.subspan(4));
+    if (size > left.size() - kChunkHeader)
+      fail(formatted("chunk {} promises {} bytes, but only {} follow", index, size,
+                     left.size() - kChunkHeader));
+    if (index == 0 && type != kJson) fail("the first chunk is not JSON");
+    if (index == 0) parts.json = text_of(left.subspan(kChunkHeader, size));
+    if (index == 1 && type == kBinary) parts.chunk = left.subspan(kChunkHeader, size);
+    left = left.subspan(kChunkHeader + size);
+  }
+  return parts;
+}
+
+namespace {
+
+// What a reader holds of each at its peak, lists that grow among it. A vertex of the largest
+// primitive: its number and stamp; one that is placed: its position, its slot in a table. A corner:
+// its vertex before and behind welding, its place in the mesh, its texture coordinate and group.
+constexpr std::uint64_t kVertexBytes = 12, kPlacedBytes = 72, kCornerBytes = 28, kPointBytes = 110,
+                        kUvBytes = 40, kNormalBytes = 48, kNumberBytes = 16;
+// Scenes that need less are read without asking the system.
+constexpr std::uint64_t kSmallScene = std::uint64_t{64} << 20;
+
+std::string gibibytes_text(std::uint64_t bytes) {
+  const std::uint64_t tenths = bytes / ((std::uint64_t{1} << 30) / 10);
+  return formatted("{}.{} GiB", tenths / 10, tenths % 10);
+}
+
+}  // namespace
+
+void GltfBudget::add_triangles(const JsonPlace& place, std::int64_t vertices,
+                               std::int64_t corners) {
+  if (vertices > limits_.corners)
+    place.fail("names {} vertices; at most {} are read", vertices, limits_.corners);
+  add(place, corners_, corners, "triangle corners and points");
+  take(place, corners, kCornerBytes);
+  take(place, std::min(vertices, corners), kPlacedBytes);
+  if (vertices > largest_) take(place, vertices - largest_, kVertexBytes);
+  largest_ = std::max(vertices, largest_);
+}
+
+void GltfBudget::add_points(const JsonPlace& place, std::int64_t points) {
+  add(place, corners_, points, "triangle corners and points");
+  take(place, points, kPointBytes);
+}
+
+void GltfBudget::add_uvs(const JsonPlace& place, std::int64_t uvs) {
+  add(place, uvs_, uvs, "texture coordinates");
+  take(place, uvs, kUvBytes);
+}
+
+void GltfBudget::add_normals(const JsonPlace& place, std::int64_t normals) {
+  add(place, normals_, normals, "normals");
+  take(place, normals, kNormalBytes);
+}
+
+void GltfBudget::add_numbers(const JsonPlace& place, std::int64_t numbers) {
+  take(place, numbers, kNumberBytes);
+}
+
+void GltfBudget::add(const JsonPlace& place, std::int64_t& total, std::int64_t count,
+                     const char* what) const {
+  // Counts are at most 3 * 2^53 and what was let through is small.
+  total += count;
+  if (total > limits_.corners)
+    place.fail(
+        "the scene has more than {} {}, which 32-bit numbers do not reach; split it into "
+        "several files",
+        limits_.corners, what);
+}
+
+void GltfBudget::take(const JsonPlace& place, std::int64_t count, std::uint64_t bytes_each) {
+  bytes_ += static_cast<std::uint64_t>(count) * bytes_each;
+  if (limits_.memory_bytes == 0 && bytes_ <= kSmallScene) return;
+  if (free_bytes_ == 0)
+    free_bytes_ = limits_.memory_bytes > 0 ? limits_.memory_bytes : available_memory_bytes();
+  if (bytes_ <= free_bytes_) return;
+  throw Error(ErrorCode::OutOfMemory,
+              formatted("{}: {}: the scene up to here needs about {} of memory where {} are free; "
+                        "split it into several files",
+                        file_, place.path(), gibibytes_text(bytes_), gibibytes_text(free_bytes_)));
+}
+
+namespace {
+
+// Based on: Khronos Group, "glTF 2.0 Specification", sections 2.8 (URIs) and 3.6.1 (buffers).
 
 int base64_digit(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';

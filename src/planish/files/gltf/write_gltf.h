@@ -12,13 +12,12 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/measure/vertex_fields.h"
 #include "planish/surface/surface_blocks.h"
-#include "planish/surface/surface_mesh.h"
-#include "planish/surface/vertex_fields.h"
 
 namespace planish {
 
-struct GltfMaterials;  // gltf_materials.h
+struct GltfMaterials;  // materials.h
 
 /// How numbers are stored. Quantize (KHR_mesh_quantization): normals and colours in 16 bits,
 /// texture coordinates too where they lie between 0 and 1, and positions where position_error

@@ -3,12 +3,15 @@
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/files/formats.h"
+#include "planish/files/shared/ordered_stream.h"
+#include "planish/files/write_polygons.h"
 
 namespace planish {
 
@@ -29,7 +32,7 @@ struct MaterialStatement {
 
 struct NamedFile;
 
-/// The materials of the files that an OBJ names, or of a glTF (gltf/gltf_to_mtl.h), to be written
+/// The materials of the files that an OBJ names, or of a glTF (materials.h), to be written
 /// beside another.
 class MaterialLibrary {
  public:
@@ -76,5 +79,20 @@ class MaterialLibrary {
   std::map<std::string, Material> materials_;
   std::vector<Warning> warnings_;
 };
+
+class OutputFile;
+
+/// A name as a line of OBJ or MTL can hold it, with a blank in front: control characters, `#`
+/// before a word and `\` at the end become `_`.
+[[nodiscard]] std::string obj_line_name(const std::string& name);
+
+/// Writes the materials as the library has them; the others each with a colour of its own, by which
+/// a viewer shows what belongs together. The file is the caller's to commit. Throws
+/// Error{UnwritableOutput}.
+void write_mtl(OutputFile& file, std::span<const std::string> materials,
+               const GivenMaterials& given = {});
+
+/// The line of an OBJ file that names them.
+void write_mtllib(FileBuffer& out, const std::string& file_name);
 
 }  // namespace planish

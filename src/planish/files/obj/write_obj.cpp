@@ -1,11 +1,11 @@
-#include "planish/files/obj/write_obj.h"
+#include "planish/files/writers.h"
 
 #include <cmath>
 #include <string>
 
-#include "planish/files/obj/write_mtl.h"
-#include "planish/files/shared/srgb.h"
-#include "planish/files/shared/write_numbers.h"
+#include "planish/files/obj/material_library.h"
+#include "planish/files/shared/attributes.h"
+#include "planish/files/shared/ordered_stream.h"
 
 namespace planish {
 namespace {

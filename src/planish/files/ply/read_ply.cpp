@@ -1,30 +1,395 @@
-// Based on: G. Turk, "The PLY Polygon File Format", 1994.
 #include "planish/files/ply/read_ply.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "planish/core/drop_marked.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/formatted.h"
-#include "planish/core/number_text.h"
-#include "planish/core/visible_text.h"
-#include "planish/files/ply/ply_body.h"
-#include "planish/files/ply/ply_texture_corners.h"
-#include "planish/files/ply/ply_vertex.h"
-#include "planish/files/shared/line_records.h"
-#include "planish/files/shared/split_normals.h"
-#include "planish/files/shared/srgb.h"
+#include "planish/core/parallel.h"
+#include "planish/core/words.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/shared/attributes.h"
+#include "planish/files/shared/text_lines.h"
+#include "planish/files/shared/weld.h"
 
 namespace planish {
 namespace {
+
+constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes = {{
+    {"char", PlyType::Int8},
+    {"uchar", PlyType::UInt8},
+    {"short", PlyType::Int16},
+    {"ushort", PlyType::UInt16},
+    {"int", PlyType::Int32},
+    {"uint", PlyType::UInt32},
+    {"float", PlyType::Float32},
+    {"double", PlyType::Float64},
+    {"int8", PlyType::Int8},
+    {"uint8", PlyType::UInt8},
+    {"int16", PlyType::Int16},
+    {"uint16", PlyType::UInt16},
+    {"int32", PlyType::Int32},
+    {"uint32", PlyType::UInt32},
+    {"float32", PlyType::Float32},
+    {"float64", PlyType::Float64},
+}};
+
+PlyType read_type(std::string_view word, const TextLines& lines) {
+  const auto found = std::ranges::find(kTypes, word, &std::pair<std::string_view, PlyType>::first);
+  if (found == kTypes.end()) lines.fail("unknown type " + quote(word));
+  return found->second;
+}
+
+PlyFormat read_format(Words words, const TextLines& lines) {
+  const std::string_view format = words.next();
+  const std::string_view version = words.next();
+  if (version != "1.0") lines.fail("PLY version " + quote(version) + " is not 1.0");
+  if (format == "ascii") return PlyFormat::Text;
+  if (format == "binary_little_endian") return PlyFormat::LittleEndian;
+  if (format == "binary_big_endian") return PlyFormat::BigEndian;
+  lines.fail("unknown format " + quote(format));
+}
+
+PlyElement read_element(Words words, const TextLines& lines) {
+  PlyElement element{.name = std::string(words.next())};
+  const std::string_view count = words.next();
+  if (!parse_integer(count, element.count) || element.count < 0)
+    lines.fail("element count " + quote(count) + " is no integer from 0");
+  return element;
+}
+
+PlyProperty read_property(Words words, const TextLines& lines) {
+  PlyProperty property{};
+  std::string_view word = words.next();
+  if (word == "list") {
+    property.count_type = read_type(words.next(), lines);
+    if (*property.count_type == PlyType::Float32 || *property.count_type == PlyType::Float64)
+      lines.fail("a list cannot be counted by a floating-point number");
+    word = words.next();
+  }
+  property.type = read_type(word, lines);
+  property.name = words.next();
+  if (property.name.empty()) lines.fail("property without a name");
+  return property;
+}
+
+// Of two properties of one name nobody could say which counts.
+void add_property(Words words, const TextLines& lines, PlyElement& element) {
+  PlyProperty property = read_property(words, lines);
+  if (std::ranges::find(element.properties, property.name, &PlyProperty::name) !=
+      element.properties.end())
+    lines.fail("element " + quote(element.name) + " has two properties " + quote(property.name) +
+               "; rename one");
+  element.properties.push_back(std::move(property));
+}
+
+// A line that may be a misspelt element or property, on which the places of all values depend,
+// cannot be passed over.
+void pass_over(Words words, std::string_view keyword, const TextLines& lines, PlyHeader& header) {
+  const std::string what = "unknown keyword " + quote(keyword);
+  std::array<std::string_view, 5> rest;
+  std::size_t count = 0;
+  for (std::string_view word = words.next(); !word.empty(); word = words.next())
+    rest[std::min(count++, rest.size() - 1)] = word;
+  std::int64_t ignored = 0;
+  const bool may_be_element = count == 2 && parse_integer(rest[1], ignored);
+  const bool may_be_property = !header.elements.empty() && (count == 2 || count == 4);
+  if (may_be_element || may_be_property) lines.fail(what);
+  lines.note(header.unknown, what);
+}
+
+}  // namespace
+
+std::size_t byte_count_of(PlyType type) {
+  switch (type) {
+    case PlyType::Int8:
+    case PlyType::UInt8:
+      return 1;
+    case PlyType::Int16:
+    case PlyType::UInt16:
+      return 2;
+    case PlyType::Int32:
+    case PlyType::UInt32:
+    case PlyType::Float32:
+      return 4;
+    case PlyType::Float64:
+      return 8;
+  }
+  return 0;
+}
+
+std::size_t PlyElement::least_bytes() const {
+  std::size_t bytes = 0;
+  for (const PlyProperty& property : properties)
+    bytes += byte_count_of(property.count_type.value_or(property.type));
+  return bytes;
+}
+
+std::optional<std::size_t> PlyElement::fixed_bytes(const PlyProperty* besides) const {
+  std::size_t bytes = 0;
+  for (const PlyProperty& property : properties) {
+    if (&property == besides) continue;
+    if (property.count_type) return std::nullopt;
+    bytes += byte_count_of(property.type);
+  }
+  return bytes;
+}
+
+PlyHeader read_ply_header(const FileBytes& file) {
+  TextLines lines = TextLines::of_header(file);
+  PlyHeader header;
+  bool has_format = false;
+  const bool has_line = lines.next();
+  Words first(lines.line());
+  if (!has_line || first.next() != "ply" || !first.next().empty())
+    lines.fail(quote(lines.line()) + " stands in the place of `ply`");
+  while (lines.next()) {
+    Words words(lines.line());
+    const std::string_view keyword = words.next();
+    if (keyword == "end_header") {
+      if (!has_format) lines.fail("the header names no format");
+      header.byte_count = file.bytes.size() - lines.bytes_left();
+      header.line_count = lines.number();
+      return header;
+    }
+    if (keyword == "format") {
+      header.format = read_format(words, lines);
+      has_format = true;
+    } else if (keyword == "element") {
+      header.elements.push_back(read_element(words, lines));
+    } else if (keyword == "property") {
+      if (header.elements.empty()) lines.fail("property before the first element");
+      add_property(words, lines, header.elements.back());
+    } else if (keyword == "comment") {
+      const std::size_t begin = words.rest().find_first_not_of(' ');
+      header.comments.emplace_back(begin == std::string_view::npos ? ""
+                                                                   : words.rest().substr(begin));
+    } else if (!keyword.empty() && keyword != "obj_info") {
+      pass_over(words, keyword, lines, header);
+    }
+  }
+  lines.fail("the file ends inside the header");
+}
+
+TextLines ply_lines_behind(const FileBytes& file, const PlyHeader& header) {
+  FileBytes body = file;
+  body.bytes = file.bytes.subspan(header.byte_count);
+  TextLines lines(body);
+  lines.count_from(header.line_count);
+  return lines;
+}
+
+namespace {
+
+// An entry has at least one digit and one blank or line end for each of its values.
+template <class Place>
+void require_text_room(const PlyElement& element, std::size_t bytes_left, const Place& place) {
+  const std::size_t least = 2 * std::max<std::size_t>(element.properties.size(), 1);
+  if (static_cast<std::uint64_t>(element.count) > (bytes_left + 1) / least)
+    place.fail(formatted("header promises {} of element {}, but only {} bytes follow",
+                         element.count, quote(element.name), bytes_left),
+               -1);
+}
+
+}  // namespace
+
+void PlyTextBody::require_room(const PlyElement& element) const {
+  const TextLines lines = records_.before(first_);
+  require_text_room(element, lines.bytes_left(), lines);
+}
+
+void PlyWrappedBody::require_room(const PlyElement& element) const {
+  require_text_room(element, cursor_.values_left(PlyType::UInt8), cursor_);
+}
+
+void PlyBinaryBody::require_room(const PlyElement& element) const {
+  const std::size_t least = std::max<std::size_t>(element.least_bytes(), 1);
+  if (static_cast<std::uint64_t>(element.count) > bytes_left() / least)
+    fail(
+        formatted("header promises {} of element {} of at least {} bytes, but only {} bytes follow",
+                  element.count, quote(element.name), least, bytes_left()),
+        -1);
+}
+
+// The counts of lists say where entries begin. Where one is wrong its piece is the last: whoever
+// reads it meets the same.
+std::size_t PlyBinaryBody::piece_count(const PlyElement& element) {
+  places_.clear();
+  bytes_ = 0;
+  if (const std::optional<std::size_t> stride = element.fixed_bytes()) {
+    for (std::int64_t entry = 0; entry < element.count; entry += kPieceEntries)
+      places_.push_back(static_cast<std::size_t>(entry) * *stride);
+    bytes_ = static_cast<std::size_t>(element.count) * *stride;
+    return places_.size();
+  }
+  PlyBinaryCursor cursor = cursor_;
+  const auto place = [&] { return cursor_.bytes_left() - cursor.bytes_left(); };
+  try {
+    for (std::int64_t entry = 0; entry < element.count; ++entry) {
+      if (entry % kPieceEntries == 0) {
+        check_stop();
+        places_.push_back(place());
+      }
+      for (const PlyProperty& property : element.properties)
+        skip_ply_value(cursor, property, element, entry);
+    }
+    bytes_ = place();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) throw;
+  }
+  return places_.size();
+}
+
+PlyVertexLayout ply_vertex_layout(const PlyElement& element) {
+  PlyVertexLayout layout;
+  std::vector<int>& slots = layout.slots;
+  std::array<bool, kKnownProperties.size()> found{};
+  for (const PlyProperty& property : element.properties) {
+    const auto slot = std::ranges::find(kKnownProperties, property.name, &KnownProperty::name);
+    const bool is_known = slot != kKnownProperties.end() && !property.count_type;
+    // Of two names of one thing the first counts.
+    const bool is_taken = is_known && !found[slot->slot];
+    slots.push_back(is_taken ? slot->slot : -1);
+    if (is_taken) found[slot->slot] = true;
+  }
+  for (const std::size_t axis : {2, 1, 0}) {
+    if (!found[axis]) layout.missing_axis = kKnownProperties[axis].name.front();
+  }
+  // Half of a texture coordinate, of a colour or of a normal is none.
+  const bool has_uv = found[3] && found[4], has_color = found[5] && found[6] && found[7],
+             has_normal = found[9] && found[10] && found[11];
+  for (int& slot : slots) {
+    const bool is_whole = slot < 3 || (slot < 5 ? has_uv : slot < 9 ? has_color : has_normal);
+    if (!is_whole) slot = -1;
+  }
+  layout.has_uvs = std::ranges::find(slots, 3) != slots.end();
+  layout.has_colors = std::ranges::find(slots, 5) != slots.end();
+  layout.has_normals = std::ranges::find(slots, 9) != slots.end();
+  return layout;
+}
+
+void add_ply_properties(const PlyElement& element, PlyVertexLayout& layout) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (property.count_type || property.name.empty() ||
+        std::ranges::find(kKnownProperties, property.name, &KnownProperty::name) !=
+            kKnownProperties.end())
+      continue;
+    const std::size_t place = layout.properties.names().size();
+    if (layout.properties.add(property.name))
+      layout.slots[i] = static_cast<int>(kPlyFirstProperty + place);
+  }
+}
+
+const PlyProperty* ply_vertex_list(const PlyElement& face) {
+  for (const PlyProperty& property : face.properties) {
+    const bool is_named = property.name == "vertex_indices" || property.name == "vertex_index";
+    if (property.count_type && is_named) return &property;
+  }
+  return nullptr;
+}
+
+const PlyProperty* ply_texture_list(const PlyElement& face) {
+  const auto found = std::ranges::find(face.properties, "texcoord", &PlyProperty::name);
+  return found != face.properties.end() && found->count_type ? &*found : nullptr;
+}
+
+double ply_color(double value, PlyType type) {
+  if (type == PlyType::Float32 || type == PlyType::Float64) return value;
+  const auto bits = 8 * byte_count_of(type);
+  const bool is_signed = type == PlyType::Int8 || type == PlyType::Int16 || type == PlyType::Int32;
+  return std::clamp(value / (std::ldexp(1, bits - (is_signed ? 1 : 0)) - 1), 0.0, 1.0);
+}
+
+namespace {
+
+// Texture coordinates that faces have at their corners, face by face.
+class PlyTextureCorners {
+ public:
+  // Two numbers a corner, or none. Any other count, and numbers that are not finite, are none,
+  // too.
+  void add_face(std::span<const double> numbers, std::size_t corner_count);
+
+  // Adds the faces behind.
+  void append(const PlyTextureCorners& behind);
+
+  // Gives the mesh coordinates, unless no face has any: corners at one vertex with the same
+  // coordinates share one, so that there is a seam only where they differ. Warns of faces whose
+  // lists were none.
+  void finish(MeshFile& file) const;
+
+ private:
+  std::vector<glm::dvec2> values_;  // of every corner
+  std::vector<std::uint8_t> has_;
+  std::int64_t wrong_count_ = 0, first_wrong_ = -1, face_count_ = 0;
+};
+
+void PlyTextureCorners::add_face(std::span<const double> numbers, std::size_t corner_count) {
+  const bool is_whole =
+      numbers.size() == 2 * corner_count &&
+      std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+  if (!is_whole && !numbers.empty() && wrong_count_++ == 0) first_wrong_ = face_count_;
+  for (std::size_t i = 0; i < corner_count; ++i) {
+    values_.push_back(is_whole ? glm::dvec2(numbers[2 * i], numbers[2 * i + 1]) : glm::dvec2(0.0));
+    has_.push_back(is_whole ? 1 : 0);
+  }
+  ++face_count_;
+}
+
+void PlyTextureCorners::append(const PlyTextureCorners& behind) {
+  if (wrong_count_ == 0 && behind.wrong_count_ > 0)
+    first_wrong_ = face_count_ + behind.first_wrong_;
+  wrong_count_ += behind.wrong_count_;
+  face_count_ += behind.face_count_;
+  values_.insert(values_.end(), behind.values_.begin(), behind.values_.end());
+  has_.insert(has_.end(), behind.has_.begin(), behind.has_.end());
+}
+
+void PlyTextureCorners::finish(MeshFile& file) const {
+  if (wrong_count_ > 0)
+    file.warnings.push_back(
+        {.code = "ignored-texture-coordinates",
+         .message = formatted("faces whose list `texcoord` has not two finite numbers for each "
+                              "corner, left without texture coordinates: {}",
+                              wrong_count_),
+         .count = wrong_count_,
+         .first = first_wrong_});
+  if (std::ranges::find(has_, 1) == has_.end()) return;
+  PolygonMesh& mesh = file.mesh;
+  std::vector<std::int32_t> corners, lead(has_.size());
+  for (std::size_t c = 0; c < has_.size(); ++c)
+    if (has_[c] != 0) corners.push_back(static_cast<std::int32_t>(c));
+  const auto key_of = [&](std::int32_t c) {
+    return std::tuple(mesh.face_vertices[c], values_[c].x, values_[c].y);
+  };
+  std::ranges::sort(corners, {}, [&](std::int32_t c) { return std::pair(key_of(c), c); });
+  // Of those that share one the first corner leads, so that coordinates come in their order.
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const bool is_first = i == 0 || key_of(corners[i]) != key_of(corners[i - 1]);
+    lead[corners[i]] = is_first ? corners[i] : lead[corners[i - 1]];
+  }
+  mesh.uvs.clear();
+  mesh.face_uvs.assign(mesh.face_vertices.size(), -1);
+  for (std::size_t c = 0; c < has_.size(); ++c) {
+    if (has_[c] == 0) continue;
+    const bool leads = lead[c] == static_cast<std::int32_t>(c);
+    mesh.face_uvs[c] = leads ? static_cast<std::int32_t>(mesh.uvs.size()) : mesh.face_uvs[lead[c]];
+    if (leads) mesh.uvs.push_back(values_[c]);
+  }
+}
+
+// Based on: G. Turk, "The PLY Polygon File Format", 1994.
 
 constexpr std::int64_t kMaxCount = std::numeric_limits<std::int32_t>::max() - 1;
 

@@ -1,4 +1,4 @@
-#include "planish/files/ply/write_ply.h"
+#include "planish/files/writers.h"
 
 #include <algorithm>
 #include <atomic>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "planish/core/error.h"
-#include "planish/core/first_where.h"
-#include "planish/files/shared/srgb.h"
+#include "planish/core/parallel.h"
+#include "planish/files/shared/attributes.h"
 
 namespace planish {
 

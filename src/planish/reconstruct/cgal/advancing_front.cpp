@@ -15,9 +15,9 @@
 #include <cstdint>
 #include <numeric>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
-#include "planish/reconstruct/bounding_cube.h"
+#include "planish/reconstruct/point_tree.h"
 
 namespace planish {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/mesh/triangles.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 

@@ -1,19 +1,199 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
-#include "planish/vulkan/device/binding_limit.h"
-#include "planish/vulkan/device/capabilities.h"
-#include "planish/vulkan/device/debug_labels.h"
-#include "planish/vulkan/device/functions.h"
-#include "planish/vulkan/device/memory.h"
-#include "planish/vulkan/device/pipelines.h"
+#include "planish/vulkan/device/driver.h"
 
 namespace planish::vulkan {
+
+/// Stages and accesses on one side of a barrier.
+struct Scope {
+  VkPipelineStageFlags stages;
+  VkAccessFlags accesses;
+};
+
+inline constexpr Scope kKernelScope{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+inline constexpr Scope kCopyScope{VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                  VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT};
+inline constexpr Scope kIndirectScope{VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | kKernelScope.stages,
+                                      VK_ACCESS_INDIRECT_COMMAND_READ_BIT | kKernelScope.accesses};
+/// Everything that a record_ function does; what a host's own barriers pair with. Before: from what
+/// the host did to kEntryScope. After: from kExitScope to what the host does next.
+inline constexpr Scope kEntryScope{kIndirectScope.stages | kCopyScope.stages,
+                                   kIndirectScope.accesses | kCopyScope.accesses};
+inline constexpr Scope kExitScope = kEntryScope;
+inline constexpr Scope kHostReadScope{VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
+
+/// The first multiple of `step` that is not below `value`.
+[[nodiscard]] constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t step) {
+  return (value + step - 1) / step * step;
+}
+
+/// What a buffer's memory is for.
+enum class MemoryUse {
+  Device,    ///< read and written by kernels only
+  Upload,    ///< written by the host, mapped
+  Download,  ///< read by the host, mapped, cached where possible
+};
+
+struct MemoryRequest {
+  VkMemoryRequirements requirements;
+  MemoryUse use;
+};
+
+/// A piece of device memory. `mapped` is null for MemoryUse::Device.
+struct MemoryBlock {
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  void* mapped = nullptr;
+  bool coherent = true;    ///< false: planish flushes and invalidates [offset, offset + size)
+  void* owner = nullptr;   ///< the host allocator's own handle, if any; without hooks: the page
+  std::uint32_t heap = 0;  ///< without hooks: the heap that it is taken from
+  VkDeviceSize size = 0;   ///< bytes from `offset` on; 0: as many as were requested
+};
+
+/// How a host's allocator serves every allocation, of which an object has one for each MemoryUse.
+/// Both or neither are set. They are called without a lock of planish's, from any thread that makes
+/// or destroys objects. `allocate` may throw planish::Error, `free` nothing. A block has memory,
+/// begins at a multiple of the requested alignment, and is mapped for Upload and Download, which
+/// are requested in whole multiples of nonCoherentAtomSize: one that is not so is freed again, and
+/// Error{InvalidArgument} says what it lacks.
+struct MemoryHooks {
+  std::function<MemoryBlock(const MemoryRequest&)> allocate;
+  std::function<void(const MemoryBlock&)> free;
+};
+
+/// Gives memory to arenas, by the hooks or by vkAllocateMemory, and counts it. Small blocks share
+/// an allocation, a page: devices need not allow more than 4096. Thread-safe.
+class MemoryAllocator {
+ public:
+  MemoryAllocator(const DeviceFunctions& functions, VkDevice device,
+                  const Capabilities& capabilities, const VkAllocationCallbacks* callbacks,
+                  MemoryHooks hooks, bool has_addresses);
+  ~MemoryAllocator();
+
+  /// Throws Error{OutOfMemory} before taking memory that a heap or limit does not allow, naming
+  /// it.
+  [[nodiscard]] MemoryBlock allocate(const MemoryRequest& request);
+  void free(const MemoryBlock& block, VkDeviceSize size) noexcept;
+
+  [[nodiscard]] std::uint64_t peak_bytes() const;
+  [[nodiscard]] bool has_hooks() const { return static_cast<bool>(hooks_.allocate); }
+
+ private:
+  [[nodiscard]] std::uint32_t pick_type(const MemoryRequest& request) const;
+  /// Why so many bytes of a type cannot be had; empty if they can.
+  [[nodiscard]] std::string lacking_room(std::uint32_t type, std::uint64_t size) const;
+  struct Page;
+  [[nodiscard]] MemoryBlock allocate_own(const MemoryRequest& request);
+  /// A whole VkDeviceMemory.
+  [[nodiscard]] MemoryBlock take(std::uint32_t type, std::uint64_t size, bool is_mapped);
+  void give_back(const MemoryBlock& block, std::uint64_t size) noexcept;
+  /// From a page of the type, made if need be; without memory where a heap has no room for one.
+  [[nodiscard]] MemoryBlock from_page(const MemoryRequest& request, std::uint32_t type);
+  /// Throws Error{InvalidArgument} for a block that cannot serve the request, once it is freed.
+  [[nodiscard]] MemoryBlock allocate_by_hook(const MemoryRequest& request) const;
+  void count(std::uint64_t size);  // under the lock
+
+  const DeviceFunctions& vk_;
+  VkDevice device_;
+  const Capabilities& capabilities_;
+  const VkAllocationCallbacks* callbacks_;
+  MemoryHooks hooks_;
+  bool has_addresses_;  // shaders may know where buffers are
+  mutable std::mutex mutex_;
+  std::array<std::uint64_t, VK_MAX_MEMORY_HEAPS> heap_bytes_{};  // taken without hooks
+  std::vector<std::unique_ptr<Page>> pages_;
+  std::uint64_t used_ = 0;
+  std::uint64_t peak_ = 0;
+};
+
+/// What bindings.h names.
+enum class Kernel : std::uint32_t;
+
+/// What a binding holds. All but Storage are read only, and are uniform texel buffers where the
+/// device reads those faster.
+enum class Binding { Storage, Entries, Words, Records, Points, Pairs, Floats };
+
+/// How kernels read the arrays that they only read.
+enum class ReadPath { Storage, Texel };
+
+/// VK_FORMAT_UNDEFINED for a storage buffer.
+[[nodiscard]] VkFormat texel_format(Binding binding, ReadPath path);
+[[nodiscard]] VkDescriptorType descriptor_type(Binding binding, ReadPath path);
+
+struct Pipeline {
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+  std::span<const Binding> bindings;
+  std::uint32_t parameter_bytes = 0;  ///< size of its push constants
+};
+
+struct PipelineVariant {
+  ReadPath read_path = ReadPath::Storage;
+  std::uint32_t chunks_per_group = 1;  ///< chunks of kChunkRows rows that a table kernel walks
+  bool lane_sums = false;              ///< partial sums per lane instead of per work group
+};
+
+/// Specialisation constants below this one follow from the variant.
+inline constexpr std::uint32_t kFirstOwnConstant = 3;
+
+/// The compute pipelines of all kernels on one device, each compiled when it is first wanted.
+class Pipelines {
+ public:
+  /// Makes the layouts. Throws planish::Error.
+  Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipelineCache cache,
+            const VkAllocationCallbacks* callbacks, const PipelineVariant& variant,
+            const DebugLabels& labels);
+  ~Pipelines();
+  Pipelines(const Pipelines&) = delete;
+  Pipelines& operator=(const Pipelines&) = delete;
+
+  /// With a VkPipeline once it was prepared.
+  [[nodiscard]] const Pipeline& operator[](Kernel kernel) const {
+    return pipelines_[static_cast<std::size_t>(kernel)];
+  }
+
+  /// Compiles the kernel, which is not only specialised, unless that was done. Thread-safe. Throws
+  /// planish::Error.
+  void prepare(Kernel kernel) const;
+
+  /// The kernel with its own specialisation constants, those with ids from kFirstOwnConstant on,
+  /// instead of their defaults. Compiled when first asked for; as long-lived as this. Thread-safe.
+  /// Throws planish::Error.
+  [[nodiscard]] Pipeline specialised(Kernel kernel, std::span<const std::uint32_t> constants) const;
+
+ private:
+  void create(Kernel kernel);
+  [[nodiscard]] VkPipeline compile(Kernel kernel, VkPipelineLayout layout,
+                                   std::span<const std::uint32_t> constants) const;
+  void destroy() noexcept;
+
+  const DeviceFunctions& vk_;
+  VkDevice device_;
+  VkPipelineCache cache_;
+  const VkAllocationCallbacks* callbacks_;
+  PipelineVariant variant_;
+  const DebugLabels& labels_;
+  mutable std::vector<Pipeline> pipelines_;
+  mutable std::mutex mutex_;  // of what is compiled
+  mutable std::map<std::pair<Kernel, std::vector<std::uint32_t>>, VkPipeline> specialised_;
+};
 
 class OwnDevice;
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planish/vulkan/device/capabilities.h"
+#include "planish/vulkan/device/driver.h"
 
 namespace planish::vulkan {
 

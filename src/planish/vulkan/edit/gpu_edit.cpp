@@ -1,19 +1,80 @@
-// Based on: the paper, section 3.2: the iteration is local. A step of Golub & Varga's
-// semi-iteration reaches the vertices of a vertex's faces, so that its steps from a residual that
-// is local are those of the whole mesh, on a set that grows by a ring a step.
 #include "planish/vulkan/edit/gpu_edit.h"
 
 #include <cstddef>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/group_by.h"
 #include "planish/vulkan/device/commands.h"
-#include "planish/vulkan/tables/table_slices.h"
+#include "planish/vulkan/evaluate/patch_tables.h"
+#include "planish/vulkan/tables/device_table.h"
 
 namespace planish::vulkan {
+namespace {
+
+// Lists of `vertex_count` vertices: item i is in that of owners[i], where that is not negative.
+std::vector<std::uint32_t> lists_of(std::int32_t vertex_count,
+                                    const std::vector<std::int32_t>& owners) {
+  const Groups<std::uint32_t> lists =
+      group_by<std::uint32_t>(static_cast<std::size_t>(vertex_count), [&](const auto& take) {
+        for (std::size_t i = 0; i < owners.size(); ++i)
+          if (owners[i] >= 0)
+            take(static_cast<std::size_t>(owners[i]), static_cast<std::uint32_t>(i));
+      });
+  std::vector<std::uint32_t> words;
+  words.reserve(lists.offsets.size() + lists.values.size());
+  for (const std::int32_t offset : lists.offsets)
+    words.push_back(static_cast<std::uint32_t>(lists.offsets.size()) +
+                    static_cast<std::uint32_t>(offset));
+  words.insert(words.end(), lists.values.begin(), lists.values.end());
+  return words;
+}
+
+}  // namespace
+
+EditRecords edit_records(const PatchMesh& mesh, const PatchRecords& patches,
+                         std::vector<std::uint32_t> slots) {
+  const std::int32_t vertex_count = mesh.topology().vertex_count();
+  if (patches.owners.size() > std::numeric_limits<std::int32_t>::max())
+    throw Error(
+        ErrorCode::OutOfMemory,
+        formatted(
+            "edits count {} patches in numbers of 31 bits; use a lower level or a smaller mesh",
+            patches.owners.size()));
+  EditRecords records;
+  records.slots = std::move(slots);
+  records.job_count = patches.owners.size();
+  records.jobs = lists_of(vertex_count, patches.owners);
+  // Sums of large rings are made as a whole.
+  std::vector<std::int32_t> owners = state_owners(mesh);
+  owners.resize(static_cast<std::size_t>(mesh.state_size()));
+  records.places = lists_of(vertex_count, owners);
+  return records;
+}
 
 namespace {
+
+Buffer make_words(const Maker& on, const std::vector<std::uint32_t>& words, const char* name) {
+  const std::uint64_t bytes = words.size() * sizeof(std::uint32_t);
+  return make_bindable(on, bytes, name);
+}
+
+}  // namespace
+
+EditTables::EditTables(const Maker& on, const EditRecords& records)
+    : job_count(records.job_count),
+      slots(make_words(on, records.slots, "planish slots")),
+      places(make_words(on, records.places, "planish places of vertices")),
+      jobs(make_words(on, records.jobs, "planish patches of vertices")) {}
+
+namespace {
+
+// Based on: the paper, section 3.2: the iteration is local. A step of Golub & Varga's
+// semi-iteration reaches the vertices of a vertex's faces, so that its steps from a residual that
+// is local are those of the whole mesh, on a set that grows by a ring a step.
 
 static_assert(offsetof(EditReach, points) == 4 * shared::kEditRows);
 static_assert(offsetof(EditReach, patches) == 4 * shared::kEditPatches);

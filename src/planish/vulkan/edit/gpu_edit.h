@@ -7,15 +7,48 @@
 #include <span>
 #include <vector>
 
-#include "planish/vulkan/edit/edit_tables.h"
+#include "planish/patches/patch_mesh.h"
+#include "planish/vulkan/device/bindings.h"
 #include "planish/vulkan/embed.h"
-#include "planish/vulkan/evaluate/gpu_first_step.h"
 #include "planish/vulkan/evaluate/gpu_patches.h"
-#include "planish/vulkan/evaluate/gpu_ring_sums.h"
+#include "planish/vulkan/evaluate/patch_tables.h"
 #include "planish/vulkan/solve/gpu_given.h"
 #include "planish/vulkan/solve/gpu_solve.h"
 
 namespace planish::vulkan {
+
+/// What edits must know of a mesh beside what all frames do. Lists of a vertex: words [v] to
+/// [v + 1] say where it begins and ends among all words.
+struct EditRecords {
+  std::vector<std::uint32_t> slots;   ///< per row of the limit masks, DeviceTable::slots()
+  std::vector<std::uint32_t> places;  ///< lists: corners at the vertex, points that it owns beside
+                                      ///< sharp edges and at corner vertices
+  std::vector<std::uint32_t> jobs;    ///< lists: patches whose points its faces have, ascending
+  std::uint64_t job_count = 0;        ///< lanes of all groups of patches
+};
+
+/// `patches` were made of `mesh`, with their owners. Throws Error{OutOfMemory} where words do not
+/// count the jobs.
+[[nodiscard]] EditRecords edit_records(const PatchMesh& mesh, const PatchRecords& patches,
+                                       std::vector<std::uint32_t> slots);
+
+/// EditRecords on a device. Read-only after its upload ran.
+struct EditTables {
+  /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
+  EditTables(const Maker& on, const EditRecords& records);
+
+  std::uint64_t job_count;
+  Buffer slots, places, jobs;
+
+  /// Calls take(buffer, bytes) for all of them, in one order.
+  template <class Take>
+  void for_each(const EditRecords& records, const Take& take) const {
+    const auto bytes = [](const auto& items) { return std::as_bytes(std::span(items)); };
+    take(slots, bytes(records.slots));
+    take(places, bytes(records.places));
+    take(jobs, bytes(records.jobs));
+  }
+};
 
 /// What an edit works on besides its own: what solves and evaluations of all points left.
 struct EditedParts {

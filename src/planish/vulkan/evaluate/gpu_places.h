@@ -1,13 +1,27 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "planish/doosabin/subdivision.h"
+#include "planish/patches/patch_mesh.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
-#include "planish/vulkan/evaluate/place_layout.h"
-#include "planish/vulkan/evaluate/place_records.h"
+#include "planish/vulkan/host/solve_options.h"
 
 namespace planish::vulkan {
+
+/// What the kernel of places knows of a mesh beside PatchRecords::links; see shaders/shared.h.
+struct PlaceRecords {
+  std::vector<std::uint32_t> words;
+  std::vector<std::array<float, 4>> weights;
+  std::uint32_t face_count = 0;
+  std::uint32_t corner_count = 0;
+};
+
+/// Throws Error{OutOfMemory}, naming the limit, before memory is taken for the weights.
+[[nodiscard]] PlaceRecords place_records(const PatchMesh& mesh, Weights weights,
+                                         const PatchLimits& limits);
 
 /// PlaceRecords on a device. Read-only after its upload ran.
 struct PlaceTables {

@@ -1,7 +1,7 @@
 // Based on: directions of u in the plane of du and dv, a derivation of our own: a patch's
 // derivatives are linear maps of the tangents that its row is evaluated from, the same for all
 // patches of a class.
-#include "planish/vulkan/evaluate/texture_rows.h"
+#include "planish/vulkan/evaluate/patch_tables.h"
 
 #include <algorithm>
 #include <bit>
@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "planish/core/parallel.h"
-#include "planish/mesh/surface_parameter.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/patches/patch_form.h"
-#include "planish/patches/patch_templates.h"
+#include "planish/patches/patch_plan.h"
 
 namespace planish::vulkan {
 

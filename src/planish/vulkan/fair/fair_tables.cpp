@@ -1,12 +1,11 @@
-#include "planish/vulkan/fair/fair_tables.h"
+#include "planish/vulkan/fair/gpu_fair.h"
 
 #include <atomic>
 #include <bit>
 
 #include "planish/core/parallel.h"
-#include "planish/doosabin/face_rule.h"
-#include "planish/fair/plane_lean.h"
-#include "planish/fair/plane_places.h"
+#include "planish/doosabin/subdivision.h"
+#include "planish/fair/fair_topology.h"
 
 namespace planish::vulkan {
 

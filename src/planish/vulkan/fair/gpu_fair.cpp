@@ -1,15 +1,56 @@
-// An own method, step by step that of fair/fair_net.cpp, whose functions are the kernels' twins.
 #include "planish/vulkan/fair/gpu_fair.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <glm/vec3.hpp>
+#include <initializer_list>
+#include <vector>
 
-#include "planish/vulkan/fair/fair_binder.h"
-#include "planish/vulkan/tables/table_slices.h"
+#include "planish/vulkan/device/bindings.h"
+#include "planish/vulkan/device/context.h"
+#include "planish/vulkan/tables/device_table.h"
 
 namespace planish::vulkan {
 
+// Collects passes with the buffers that their kernels bind.
+struct GpuFair::Binder {
+  const Context& context;
+  shared::FairParameters common;
+  std::vector<BoundKernel> bound{};
+
+  // Of `count` elements `large_count` are done by a work group each, where the kernel walks around
+  // them.
+  Pass& add(Passes& passes, Kernel kernel, std::uint32_t count,
+            std::initializer_list<const Buffer*> buffers, std::uint32_t large_count = 0) {
+    BoundKernel& kernel_buffers = bound.emplace_back(BoundKernel{kernel, {}});
+    for (const Buffer* buffer : buffers) kernel_buffers.buffers.push_back(whole(*buffer));
+    Pass pass{context.pipelines().specialised(kernel, {}), bound.size() - 1, common,
+              context.groups_of(count)};
+    pass.parameters.count = count;
+    if (large_count > 0) {
+      const std::uint32_t by_groups[] = {1};
+      pass.large = context.pipelines().specialised(kernel, by_groups);
+      pass.large_count = large_count;
+      pass.large_groups = std::min(large_count, context.max_group_count());
+    }
+    return passes.emplace_back(pass);
+  }
+
+  // A kernel that adds up over its work groups, of which there is at least one.
+  Pass& add_sum(Passes& passes, Kernel kernel, std::uint32_t count,
+                std::initializer_list<const Buffer*> buffers, std::uint32_t large_count = 0) {
+    Pass& pass = add(passes, kernel, count, buffers, large_count);
+    pass.groups = std::clamp(pass.groups, 1u, shared::kMostSumGroups);
+    pass.large_groups = std::min(pass.large_groups, shared::kMostSumGroups);
+    pass.parameters.partial_count = pass.groups + pass.large_groups;
+    return pass;
+  }
+};
+
 namespace {
+
+// An own method, step by step that of fair/fair_net.cpp, whose functions are the kernels' twins.
 
 constexpr int kMaskSteps = 3;
 
@@ -340,6 +381,107 @@ void GpuFair::record(VkCommandBuffer commands, FairPart part) const noexcept {
 void GpuFair::record(VkCommandBuffer commands) const noexcept {
   record_rounds(context_, commands, 1,
                 [&](std::size_t, std::uint32_t round) { return record_round(commands, round); });
+}
+
+// The cure of what no repair helps, step by step that of fair/fold_cure.cpp.
+
+// All that is looked at in a round.
+void GpuFair::plan_looks(Binder& binder, Passes& passes) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  const auto add_vertices = [&](Kernel kernel, std::initializer_list<const Buffer*> buffers) {
+    binder.add(passes, kernel, t.vertex_count, buffers, t.large_vertex_count).arguments =
+        shared::kRoundVertices;
+  };
+  const bool has_curves = t.state_size > t.corner_count;
+  plan_fold_looks(binder, passes, Kernel::FairCureEdges, Kernel::FairCureFaces);
+  if (has_curves) {
+    binder
+        .add(passes, Kernel::FairCureCurves, t.face_count,
+             {&t.faces, &t.owners, &t.links, &b.given, &b.face_normals, &b.result, &b.flags},
+             t.large_face_count)
+        .arguments = shared::kRoundFaces;
+  }
+  add_vertices(Kernel::FairCureVertices, {&t.vertices, &t.places, &b.face_normals, &b.normals,
+                                          &b.result, &t.circle, &b.flags});
+  // Once a face, not once a corner of it; given points' offsets are needed no longer.
+  Pass& step = binder.add(passes, Kernel::FairOffsets, t.face_count,
+                          {&t.faces, &t.owners, &b.given, &b.result, &t.circle, &b.given_offsets},
+                          t.large_face_count);
+  step.arguments = shared::kRoundFaces;
+  step.parameters.of_net = 1;
+  add_vertices(Kernel::FairCureAround, {&t.vertices, &t.places, &t.links, &b.given_offsets,
+                                        &b.given, &b.face_normals, &b.result, &b.flags});
+  if (has_curves) {
+    add_vertices(Kernel::FairCureSharp, {&t.vertices, &t.places, &t.links, &b.given,
+                                         &b.face_normals, &b.result, &b.flags, &b.decisions});
+  }
+}
+
+void GpuFair::plan_cure(Binder& binder) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  const Buffer& points = t.has_regular_vertices ? b.points : b.given;
+  shared::FairParameters& darts = binder
+                                      .add(darts_, Kernel::FairCurvePoints, t.curve_point_count,
+                                           {&t.curve_points, &b.given, &points, &b.result})
+                                      .parameters;
+  darts.place = t.corner_count;
+  darts.darts_only = 1;
+  if (options_.counts_folds) {
+    plan_fold_looks(binder, count_, Kernel::FairCureEdges, Kernel::FairCureFaces);
+    for (Pass& pass : count_) pass.parameters.only_counts = 1;
+    count_[0].parameters.place = shared::kEndCounts;
+    count_[1].parameters.place = shared::kEndCounts + 1;
+  }
+  if (!options_.cures_folds) return;
+  if (!t.is_decided) {
+    binder.common.start = 1;
+    plan_looks(binder, look_[0]);
+    binder.common.start = 0;
+    plan_looks(binder, look_[1]);
+  }
+  binder.add(decide_, Kernel::FairCureDecide, t.vertex_count, {&b.flags, &b.decisions, &b.counts})
+      .arguments = shared::kRoundVertices;
+  const auto add_vertices = [&](Kernel kernel, std::initializer_list<const Buffer*> buffers) {
+    binder.add(cure_, kernel, t.vertex_count, buffers, t.large_vertex_count).arguments =
+        shared::kRoundVertices;
+  };
+  binder
+      .add(cure_, Kernel::FairFaceHeights, t.face_count,
+           {&t.faces, &t.owners, &b.given, &b.heights}, t.large_face_count)
+      .arguments = shared::kRoundFaces;
+  add_vertices(Kernel::FairCurePlanes, {&t.vertices, &t.places, &b.given, &b.face_normals,
+                                        &b.heights, &t.circle, &b.flags, &b.planes});
+  add_vertices(Kernel::FairCurePolygons, {&t.vertices, &t.places, &b.given, &b.normals, &b.planes,
+                                          &t.circle, &b.flags, &b.result});
+  if (t.state_size == t.corner_count) return;
+  for (const Kernel kernel : {Kernel::FairCureCreases, Kernel::FairCureCorners}) {
+    add_vertices(kernel, {&t.vertices, &t.places, &t.links, &b.given, &b.face_normals, &b.planes,
+                          &b.flags, &b.result});
+  }
+}
+
+void GpuFair::add_cure() {
+  add_rounds(curve_points_);
+  if (options_.cures_folds && tables_.is_decided) {
+    add_rounds(decide_);
+    add_rounds(cure_);
+  } else if (options_.cures_folds) {
+    for (std::uint32_t round = 0; round < shared::kCureRounds; ++round) {
+      const std::uint32_t place = shared::kCureCounts + 2 * round;
+      const Action action = round == 0 ? Action::Dispatch : Action::DispatchIndirect;
+      add_rounds(look_[round > 0], place, action);
+      add_rounds(decide_, place, action);
+      // What comes of this round is written after the last one's arguments have been read.
+      if (round > 0) rounds_.back().wait |= {kIndirectScope, kKernelScope};
+      add_rounds(next_round_, place);
+      rounds_.back().wait |= {kKernelScope, kIndirectScope};
+      add_rounds(cure_, 0, Action::DispatchIndirect);
+    }
+  }
+  add_rounds(darts_);
+  add_rounds(count_);
 }
 
 }  // namespace planish::vulkan

@@ -1,11 +1,11 @@
-#include "planish/vulkan/host/device_system.h"
+#include "planish/vulkan/host/frame_parts.h"
 
 #include <cstring>
 #include <string>
 
 #include "planish/core/error.h"
 #include "planish/vulkan/device/commands.h"
-#include "planish/vulkan/host/surface_records.h"
+#include "planish/vulkan/host/system.h"
 
 namespace planish::vulkan {
 

@@ -1,4 +1,5 @@
-// Based on: the paper, section 3.2, for the system B P = V0.
+#include "planish/vulkan/host/system.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -6,29 +7,60 @@
 #include <optional>
 #include <string>
 
-#include "planish/backend/chebyshev.h"
-#include "planish/backend/cpu_backend.h"
-#include "planish/backend/initial_residual.h"
+#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/core/host_scope.h"
 #include "planish/core/raw_vector.h"
-#include "planish/core/stop.h"
 #include "planish/doosabin/limit_masks.h"
+#include "planish/doosabin/vertex_ring.h"
 #include "planish/fair/fair_net.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/mesh/mesh_topology.h"
-#include "planish/mesh/placement.h"
-#include "planish/mesh/used_vertices.h"
-#include "planish/patches/first_step.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/patches/doo_sabin_step.h"
+#include "planish/solve/backend.h"
+#include "planish/solve/iteration.h"
 #include "planish/vulkan/embed.h"
-#include "planish/vulkan/fair/fair_tables.h"
-#include "planish/vulkan/host/kept_faces.h"
-#include "planish/vulkan/host/surface_records.h"
-#include "planish/vulkan/solve/bending_tables.h"
+#include "planish/vulkan/fair/gpu_fair.h"
+#include "planish/vulkan/host/file_rows.h"
+#include "planish/vulkan/solve/gpu_given.h"
 
 namespace planish::vulkan {
 
+SurfaceRecords::SurfaceRecords(const PolygonMesh& mesh, const SystemOptions& options)
+    : topology(std::make_shared<const MeshTopology>(mesh)),
+      features(find_sharp_features(mesh, *topology, mesh.positions, options.sharp)),
+      patch_mesh(*topology, features, ring_columns(*topology, options.weights)),
+      weights(options.weights),
+      uvs(options.textured ? std::optional<CornerUvs>(mesh) : std::nullopt),
+      uv_values(options.textured ? mesh.uvs : std::vector<glm::dvec2>()),
+      file_faces(mesh),
+      patches(patch_mesh, patch_options(options.level)) {}
+
+const PatchSurface& SurfaceRecords::at_level(int level) const {
+  if (patches.numbering().level() == level) return patches;
+  for (const LevelRecords& of_set : levels.levels)
+    if (of_set.patches.numbering().level() == level) return of_set.patches;
+  throw Error(ErrorCode::InvalidArgument,
+              formatted("level {} is neither the System's level {} nor one of its levels; give "
+                        "SystemOptions it",
+                        level, patches.numbering().level()));
+}
+
+void SurfaceRecords::take_uv_field(std::span<const glm::dvec3> rest) {
+  if (!uvs) return;
+  uv_field.emplace(patch_mesh, rest, corner_uvs(), std::span<const glm::dvec2>(uv_values));
+  frames = row_frames(patches, weights, *uv_field);
+}
+
+void SurfaceRecords::take_sharp_rows(const Subdivision& subdivision) {
+  const std::int32_t first = subdivision.first_sharp();
+  sharp_rows.emplace(first_step_table(subdivision, {first, subdivision.state_size() - first}));
+}
+
 namespace {
+
+// Based on: the paper, section 3.2, for the system B P = V0.
 
 constexpr int kMostLevels = 6;
 
@@ -62,7 +94,7 @@ void check_texture(const PolygonMesh& mesh, const SystemOptions& options) {
                 "textured; give it some, or leave textured out");
 }
 
-/// How a pose is solved in double from a cold start.
+// How a pose is solved in double from a cold start.
 struct RestSolve {
   std::uint32_t iterations = 0;  // until it is within the tolerance
   std::vector<glm::dvec3> displacement;
@@ -90,7 +122,7 @@ RestSolve solve_rest(const StencilView<double>& masks, std::span<const glm::dvec
   return rest;
 }
 
-/// The surface's points in the rest pose, in unit coordinates.
+// The surface's points in the rest pose, in unit coordinates.
 struct RestPoints {
   std::vector<glm::dvec3> hull;  // of all of it: the cage, or a fair net's points of level 1
   RawVector<glm::dvec3> state;   // those of level 1, with their sums

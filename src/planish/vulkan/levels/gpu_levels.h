@@ -1,16 +1,75 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <glm/vec3.hpp>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/patches/patch_surface.h"
 #include "planish/vulkan/embed.h"
-#include "planish/vulkan/evaluate/gpu_first_step.h"
 #include "planish/vulkan/evaluate/gpu_patches.h"
-#include "planish/vulkan/evaluate/gpu_ring_sums.h"
-#include "planish/vulkan/levels/level_tables.h"
+#include "planish/vulkan/evaluate/patch_tables.h"
+#include "planish/vulkan/host/file_rows.h"
 
 namespace planish::vulkan {
+
+struct SurfaceRecords;
+
+/// The surface at one of the levels that a Tessellation chooses from.
+struct LevelRecords {
+  LevelRecords(const SurfaceRecords& surface, int level);
+
+  PatchSurface patches;
+  std::vector<RowFrame> frames;                  // of textured rows
+  std::size_t first_index = 0, index_count = 0;  // of LevelSet::triangles
+  /// Between its triangles and the surface in the rest pose, for a sphere of radius 1 around the
+  /// control points.
+  double chord = 0;
+};
+
+/// All of them, ascending.
+struct LevelSet {
+  std::deque<LevelRecords> levels;
+  std::vector<std::uint32_t> triangles;
+  double radius = 0;  ///< of the rest pose's sphere
+};
+
+/// The sphere around a box of points, as choose_levels makes it.
+[[nodiscard]] double sphere_radius(std::span<const glm::dvec3> points);
+
+/// `hull`: points whose hull holds the surface in the rest pose, in the coordinates of its state.
+/// `radius` is in these.
+[[nodiscard]] LevelSet make_levels(const PolygonMesh& mesh, const SurfaceRecords& surface,
+                                   std::span<const glm::dvec3> hull, const PosedSurface& rest,
+                                   std::span<const int> levels);
+
+/// The surface at one level on a device; its links are those of the System's own level.
+struct LevelTables {
+  int level;
+  PatchTables patches;
+  std::uint32_t vertex_count, first_index, index_count;
+  float chord;  ///< LevelRecords::chord
+};
+
+/// A LevelSet on a device, likewise.
+struct LevelSetTables {
+  /// `records` are of its levels. Throws Error{OutOfMemory} naming the limit that a table exceeds.
+  LevelSetTables(const Maker& on, const LevelSet& set, std::span<const PatchRecords> records);
+
+  std::deque<LevelTables> levels;
+  Buffer indices;
+
+  template <class Take>
+  void for_each(const LevelSet& set, std::span<const PatchRecords> records,
+                const Take& take) const {
+    for (std::size_t i = 0; i < records.size(); ++i) levels[i].patches.for_each(records[i], take);
+    take(indices, std::as_bytes(std::span(set.triangles)));
+  }
+};
 
 /// What levels are chosen by and evaluated from: what a solve left.
 struct ChosenParts {

@@ -1,15 +1,27 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <span>
 
-#include "planish/backend/backend.h"
-#include "planish/vulkan/device/rounds.h"
+#include "planish/solve/backend.h"
+#include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/tables/device_table.h"
-#include "planish/vulkan/tables/instances.h"
 
 namespace planish::vulkan {
+
+/// The largest float whose square root, in double, is at most `stop_error`, so that the kernel's
+/// comparison and one of the reported errors agree. Negative: never stop.
+[[nodiscard]] inline float stop_square_of(double stop_error) noexcept {
+  if (!(stop_error >= 0)) return -1;
+  auto square = static_cast<float>(stop_error * stop_error);
+  while (std::sqrt(static_cast<double>(square)) > stop_error)
+    square = std::nextafter(square, -1.0f);
+  return std::max(square, 0.0f);
+}
 
 struct GpuSolveOptions {
   /// Steps that one record_steps can hold, measuring included; 0: as many as suit batches.
@@ -93,6 +105,44 @@ class GpuSolve {
   Buffer arguments_;            // the same, until an error is low enough
   DescriptorSets finish_sets_;  // reduce_rms, finish_solve, stop_test; all_steps if they are
   bool is_small_ = false;       // one dispatch takes all steps, and writes the status
+};
+
+/// Vectors and recorded pieces of conjugate gradients on the device; the host computes alpha and
+/// beta from sums() between them. Externally synchronised; the table outlives it.
+class GpuConjugateGradients {
+ public:
+  /// `masks` was made with includes_own_rows. Throws Error{OutOfMemory} naming the limit.
+  GpuConjugateGradients(Context& context, const DeviceTable& masks);
+
+  /// displacement = image = 0, step = residual. residual() and weights() have been filled before.
+  void record_begin(VkCommandBuffer commands) const noexcept;
+  /// image = B step; sums() gets <step, image>.
+  void record_apply(VkCommandBuffer commands) const noexcept;
+  /// displacement += alpha step, residual -= alpha image; sums() gets <residual, residual>, the
+  /// plain square sum and the largest square.
+  void record_advance(VkCommandBuffer commands, const glm::vec3& alpha) const noexcept;
+  /// step = residual + beta step.
+  void record_turn(VkCommandBuffer commands, const glm::vec3& beta) const noexcept;
+
+  [[nodiscard]] const Buffer& displacement() const { return displacement_; }
+  [[nodiscard]] const Buffer& residual() const { return residual_; }
+  [[nodiscard]] const Buffer& weights() const { return weights_; }
+  /// shared::kSumFloats words.
+  [[nodiscard]] const Buffer& sums() const { return sums_; }
+
+ private:
+  void bind(Context& context);
+  /// Descriptor sets behind those of the masks' slices.
+  enum BehindMasks : std::size_t { kAdvance, kTurn, kReduce };
+  void record_rows(VkCommandBuffer commands, Kernel kernel, BehindMasks set,
+                   const glm::vec3& factor) const noexcept;
+  void record_reduce(VkCommandBuffer commands, std::uint32_t group_count) const noexcept;
+
+  Context& context_;
+  const DeviceTable& masks_;
+  std::uint32_t row_groups_;  // of the kernels that walk vectors
+  Buffer displacement_, step_, image_, residual_, weights_, partials_, sums_;
+  DescriptorSets sets_;
 };
 
 }  // namespace planish::vulkan

@@ -1,18 +1,84 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <set>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planish/core/json_fwd.h"
 #include "planish/files/gltf/asset/asset_vertices.h"
-#include "planish/files/gltf/gltf_budget.h"
 #include "planish/files/gltf/gltf_source.h"
-#include "planish/files/gltf/json_place.h"
+#include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
+#include "planish/surface/surface_blocks.h"
 
 namespace planish {
+
+/// What of a primitive is no vertex: material, extras, extensions. Primitives where that is equal
+/// are one on the surface.
+[[nodiscard]] nlohmann::json without_vertices(const nlohmann::json& primitive);
+
+/// 2 of "meshes[4].primitives[2]".
+[[nodiscard]] std::int64_t primitive_number(std::string_view path);
+
+/// Whether a primitive has triangles with positions, of which a surface can be made.
+[[nodiscard]] bool is_surface(const nlohmann::json& primitive);
+
+/// The set of texture coordinates whose tangents a primitive's material asks for: that of its
+/// normal texture, of a clear coat's, or of what shines along a direction; -1: it asks for none.
+/// Source: glTF 2.0, sections 3.7.2.1 and 3.9.3; KHR_materials_clearcoat, _anisotropy.
+[[nodiscard]] int tangent_set(const nlohmann::json& document, const nlohmann::json& primitive);
+
+/// The set that a texture of a material names, KHR_texture_transform's where it has one.
+[[nodiscard]] int set_of_texture(const nlohmann::json& texture);
+
+/// Places in an asset's lists that only the triangles of some meshes name: what comes in their
+/// place can have them.
+struct FreePlaces {
+  std::set<std::int64_t> accessors, views;
+};
+[[nodiscard]] FreePlaces free_places(const nlohmann::json& document,
+                                     const std::set<std::int64_t>& replaced_meshes);
+
+inline constexpr const char* kNgonExtension = "FB_ngon_encoding";
+/// Of scenes: how many vertices and triangles they have.
+inline constexpr const char* kCountsExtension = "FB_geometry_metadata";
+
+/// Whether an extension of a mesh or of a primitive describes vertices, corners or triangles by
+/// their numbers or accessors, so that it goes where those give way: what the table of
+/// gltf_asset.cpp says, of an extension that nobody here knows whether it names an
+/// accessor or a buffer view under a name that the format has for them.
+[[nodiscard]] bool describes_triangles(const std::string& name, const nlohmann::json& extension);
+
+/// What a surface in the place of triangles tells its extensions.
+struct NewGeometry {
+  const nlohmann::json& document;
+  const AssetVertices& vertices;
+  bool encodes_ngons = false;  ///< FB_ngon_encoding holds of the new triangles
+};
+
+/// How many places have lost an extension, by its name.
+using LostExtensions = std::map<std::string, std::int64_t>;
+
+/// Takes out of `holder`, a mesh or a primitive that has its surface, the extensions and parts of
+/// them that the surface makes untrue, and counts them.
+void drop_untrue_extensions(nlohmann::json& holder, const NewGeometry& made, LostExtensions& lost);
+
+/// The same of what scenes say of all triangles in them.
+void drop_untrue_scenes(nlohmann::json& document, LostExtensions& lost);
+
+/// "`EXT_mesh_manifold`, `CESIUM_primitive_outline` (3)".
+[[nodiscard]] std::string names_of(const LostExtensions& lost);
+
+/// Whether any object of the document has that extension.
+[[nodiscard]] bool has_extension(const nlohmann::json& document, const std::string& name);
 
 /// A mesh of an asset in its own coordinates.
 struct AssetMesh {
@@ -66,5 +132,56 @@ class GltfAsset {
 
 /// The same, where the file is a glTF with at least one mesh of triangles; else null.
 [[nodiscard]] std::unique_ptr<const GltfAsset> asset_of(const FileBytes& file, FileFormat format);
+
+/// What is in an asset, and what becomes of it where it stays one.
+struct AssetContents {
+  /// How many of each list the document has: "scenes", "nodes", "materials" ...; none is left out.
+  std::vector<std::pair<std::string, std::int64_t>> counts;
+  std::int64_t morph_targets = 0;       ///< of all meshes
+  std::vector<std::string> extensions;  ///< used, which pass; those that pack vertices aside
+  std::vector<std::string> carried;     ///< attributes of triangles that are made on the surface
+  std::vector<std::string> left_out;    ///< those that are not, and extensions that describe these
+};
+
+[[nodiscard]] AssetContents contents_of(const GltfAsset& asset);
+
+/// The normal texture that a mesh's groups of one material get.
+struct AssetNormalMap {
+  std::span<const std::byte> png;
+  int set = 0;  ///< of texture coordinates
+};
+
+/// What comes in the place of a mesh's triangles.
+struct AssetSurface {
+  std::int64_t mesh = 0;                    ///< its number in the asset
+  const SurfaceBlocks* surface = nullptr;   ///< whose groups are those of the AssetMesh
+  const AssetVertices* vertices = nullptr;  ///< of the AssetMesh
+  /// A further surface of a mesh that has one is a level of detail, coarser than those before it:
+  /// MSFT_lod. Of the screen, down to which this one is shown.
+  double least_coverage = 0;
+  /// Name, attributes, compression and extras, which asset.extras has where this is the only
+  /// surface; neither origin nor turn, since nodes stay.
+  GltfOptions options;
+  /// Normal textures of materials, which become the mesh's own where others have them, too: by
+  /// group a number of the maps, or -1; empty: materials stay as they are.
+  std::vector<AssetNormalMap> normal_maps{};
+  std::vector<int> map_of_group{};
+};
+
+/// The asset with surfaces instead of triangles: one primitive for each AssetGroup, with its
+/// material, extras and extensions. All else stays as it is, byte by byte where it is no JSON; the
+/// JSON's keys come sorted. What lies in other buffers comes into one; images beside the file come
+/// into it too, unless the output is a .gltf in the same folder (`folder`: where it will stand).
+/// Of `common` are taken: observe and callbacks.
+/// Throws as write_gltf(), Error{UnreadableInput} where something that the asset names is not
+/// there.
+GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::path& folder,
+                     const GltfAsset& asset, std::span<const AssetSurface> surfaces,
+                     const GltfOptions& common);
+
+/// The same as a GLB in memory.
+[[nodiscard]] std::vector<std::byte> encode_asset(const GltfAsset& asset,
+                                                  std::span<const AssetSurface> surfaces,
+                                                  const GltfOptions& common);
 
 }  // namespace planish

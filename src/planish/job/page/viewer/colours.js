@@ -41,7 +41,7 @@ function placeOnScale(kind, fraction, gain) {
   return 0.5 + 0.5 * Math.sign(fraction) * Math.sqrt(Math.abs(fraction) * gain);
 }
 
-/** Three significant digits, written as the figures below the view are (page_text.h). */
+/** Three significant digits, written as the figures below the view are (page.h). */
 function figure(x) {
   if (x === 0) return '0';
   const size = Math.abs(Number(x.toPrecision(3)));

@@ -1,4 +1,4 @@
-// The numbers of a job: page_coding.h says how they are written, page_order.h in which order.
+// The numbers of a job: page_scene.h says how they are written, page_scene.h in which order.
 
 /** The bytes of a raw deflate stream in base64. */
 async function inflate(base64) {
