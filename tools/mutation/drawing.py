@@ -1,5 +1,6 @@
 """Draws mutations by lot: lines of all sources of a module alike, then one of the changes of the line."""
 
+import collections
 import random
 
 from listing import Mutation
@@ -13,33 +14,39 @@ def sources(module, root):
         path = root / folder
         found = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.suffix in SUFFIXES)
         for file in found:
-            yield file.relative_to(root).as_posix(), file.read_text()
+            name = file.relative_to(root).as_posix()
+            if not f"{name}/".startswith(tuple(f"{left_out}/" for left_out in module.without)):
+                yield name, file.read_text()
 
 
-def all_changes(module, root):
-    """[(path, line number, text, changes)] of all lines that some operator changes."""
-    return [(path, number, text, changes)
-            for path, text in sources(module, root)
-            for number, changes in sorted(candidates(text, not path.endswith(".cpp")).items())]
+def lot(module, root, seed):
+    """A mutation of each line that some operator changes, in the order in which they are drawn.
+
+    What is drawn of a line, and when, is by its text and its file's name: it stays where other lines change.
+    """
+    found = []
+    for path, text in sources(module, root):
+        changes_of = candidates(text, not path.endswith(".cpp"))
+        places = collections.Counter()
+        for number, line in enumerate(text.split("\n")):
+            was = line.strip()
+            places[was] += 1
+            if changes := changes_of.get(number):
+                chance = random.Random(f"{seed} {path.rpartition('/')[2]} {was} {places[was]}")
+                rank = chance.random()
+                # An operator is drawn first: a line has more constants than conditions.
+                operator = chance.choice(sorted({name for name, _ in changes}))
+                now = chance.choice([new for name, new in changes if name == operator])
+                found.append((rank, path, Mutation(path, operator, was, now.strip(), places[was])))
+    return [mutation for *_, mutation in sorted(found, key=lambda each: each[:2])]
 
 
-def draw(lines, module_name, seed, count):
-    """`count` mutations of different lines. The same seed and sources draw the same; a larger count only adds."""
-    chance = random.Random(f"{seed} {module_name}")
-    order = list(range(len(lines)))
-    chance.shuffle(order)
-    for at in order[:count]:
-        path, number, text, changes = lines[at]
-        # An operator is drawn first: a line has more constants than conditions.
-        operator = chance.choice(sorted({name for name, _ in changes}))
-        now = chance.choice([new for name, new in changes if name == operator])
-        all_lines = text.split("\n")
-        was = all_lines[number].strip()
-        place = sum(line.strip() == was for line in all_lines[: number + 1])
-        yield Mutation(path, operator, was, now.strip(), place)
-
-
-def quotas(sizes, total, least):
-    """How many of each module: by its lines, at least `least`."""
-    lines = sum(sizes.values())
-    return {name: max(least, round(total * size / lines)) for name, size in sizes.items()}
+def mutations(module, root, seed):
+    """As many of the lot as the module wants, and those with a note. A drawn line with a note has its change."""
+    noted = {(m.path, m.was, m.place): m for m in module.noted}
+    drawn = []
+    for number, mutation in enumerate(lot(module, root, seed)[: module.draw], 1):
+        mutation.name = f"{module.name}-{number}"
+        drawn.append(noted.get((mutation.path, mutation.was, mutation.place), mutation))
+        drawn[-1].drawn = True
+    return drawn + [mutation for mutation in module.noted if not mutation.drawn]

@@ -19,7 +19,7 @@ import time
 
 @dataclasses.dataclass
 class Outcome:
-    verdict: str  # killed, timeout, survived, did-not-build, stale, untested
+    verdict: str  # killed, timeout, survived, did-not-build, stale, untested, unfinished
     detail: str = ""
     seconds: float = 0.0
 
@@ -27,8 +27,8 @@ class Outcome:
 class Compiler:
     """The commands of the build folder, with other sources, outputs and flags."""
 
-    def __init__(self, graph, optimise, folder):
-        self.graph, self.optimise, self.folder = graph, optimise, pathlib.Path(folder)
+    def __init__(self, graph, folder):
+        self.graph, self.folder = graph, pathlib.Path(folder)
         self.lock, self.together = threading.Lock(), {}
 
     def shell(self, command):
@@ -40,8 +40,7 @@ class Compiler:
         command = self.graph.commands[object_file]["command"]
         command = re.sub(r"-M[DTF]+( \S+\.o(\.d)?)?(?= )", "", command)
         command = command.replace(f" -c {source}", f" -c {given}").replace(f" -o {object_file}", f" -o {output}")
-        if self.optimise:
-            command = re.sub(r" -O[0-3g]\b", f" {self.optimise}", command)
+        command = re.sub(r" -O[0-3g]\b", " -O1", command)
         # Places behind an array's end are found as the address sanitizer's build finds them.
         self.shell(re.sub(r" (?=-I|-c )", f" {flags} -w -D_GLIBCXX_ASSERTIONS ", command, count=1))
         return str(output)
@@ -63,14 +62,14 @@ class Trial:
         self.compiler, self.failing, self.timeout = compiler, failing, timeout
         self.linked = {}
 
-    def run(self, mutation, module, tests, deadline):
+    def run(self, mutation, programs, tests, deadline):
         start = time.monotonic()
-        outcome = self.outcome(mutation, module, tests, deadline)
+        outcome = self.outcome(mutation, programs, tests, deadline)
         outcome.seconds = time.monotonic() - start
         shutil.rmtree(self.scratch, ignore_errors=True)
         return outcome
 
-    def outcome(self, mutation, module, tests, deadline):
+    def outcome(self, mutation, programs, tests, deadline):
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.scratch.mkdir(parents=True)
         self.linked = {}
@@ -86,7 +85,7 @@ class Trial:
             for test in tests:
                 if time.monotonic() > deadline:
                     return Outcome("unfinished", f"the time was up before {test}")
-                said = self.ask(test, module)
+                said = self.ask(test, programs)
                 if said and said.verdict in ("killed", "timeout"):
                     return said
                 asked += said is not None and said.verdict == "survived"
@@ -157,10 +156,10 @@ class Trial:
         self.linked[program] = result
         return result
 
-    def ask(self, test, module):
+    def ask(self, test, programs):
         """What a test says: `PROGRAM [FILTER of Google Test]`, or `ctest NAMES`. None: it has nothing of it."""
         name, _, rest = test.partition(" ")
-        programs = [self.graph.program(each) for each in module.programs]
+        programs = [self.graph.program(each) for each in programs]
         if name == "ctest":
             replaced = {each: self.link(each) for each in programs}
             command = ["ctest", "--test-dir", str(self.graph.build), "--output-on-failure", "--stop-on-failure",
