@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/checks"))
-from commands import compile_commands, flags  # noqa: E402
+from compile_checks import compile_commands, flags  # noqa: E402
 
 # C++23's, and C's.
 STANDARD = """

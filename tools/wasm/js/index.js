@@ -1,11 +1,8 @@
 // The library behind planish/c/planish.h for JavaScript: meshes in, surfaces through all of their vertices out.
 import makeModule from './planish_library.mjs';
-import { PlanishError, refuse } from './error.js';
-import { fitted, infoOf } from './fit.js';
-import { check } from './handle.js';
-import { Memory } from './memory.js';
+import { FitOptions, fitted, infoOf } from './fit.js';
+import { Memory, PlanishError, check, refuse } from './memory.js';
 import { Mesh } from './mesh.js';
-import { FitOptions } from './options.js';
 
 export { PlanishError };
 

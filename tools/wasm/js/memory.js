@@ -1,6 +1,70 @@
-// The library's memory, written to and read by the layout that it tells itself. What a Memory has taken is freed at
-// the end of use().
-import { PlanishError } from './error.js';
+// What the library's calls say. Its memory, written to and read by the layout that it tells itself, and what stands in
+// it.
+
+/** `code` is one of the C header's statuses; `element` the face, vertex or byte spoken of, or -1. */
+export class PlanishError extends Error {
+  constructor(message, code, element = -1) {
+    super(message);
+    this.name = 'PlanishError';
+    this.code = code;
+    this.element = element;
+  }
+}
+
+export function refuse(message) {
+  throw new PlanishError(message, 'INVALID_ARGUMENT');
+}
+
+/** The values, if they are whole and small enough for int32: typed arrays would cut what is not. */
+export function whole(values, name) {
+  for (const value of values)
+    if (!Number.isInteger(value) || value < -0x80000000 || value > 0x7fffffff)
+      refuse(`${name}: ${value} is no 32-bit integer`);
+  return values;
+}
+
+const CODES = {
+  1: 'INTERNAL_ERROR', 2: 'INVALID_ARGUMENT', 3: 'UNREADABLE_INPUT', 4: 'UNUSABLE_MESH', 6: 'NO_MEMORY',
+  7: 'UNWRITABLE_OUTPUT', 130: 'CANCELLED',
+};
+const NOT_CONVERGED = 5;
+
+/** Whether a status says that there is a result. */
+export function isDone(status) {
+  return status === 0 || status === NOT_CONVERGED;
+}
+
+/** Throws unless the status says that there is a result; `path` is called `name` in messages. */
+export function check(module, status, path, name) {
+  if (isDone(status)) return status;
+  let message = module.UTF8ToString(module._planish_last_error());
+  if (path) message = message.replaceAll(path, name);
+  throw new PlanishError(message, CODES[status] ?? 'INTERNAL_ERROR', Number(module._planish_last_error_element()));
+}
+
+// What is forgotten is freed when it is collected.
+const forgotten = new FinalizationRegistry((free) => free());
+
+export class Handle {
+  constructor(module, pointer, free) {
+    this.module = module;
+    this.pointer = pointer;
+    this.free = () => module[free](pointer);
+    forgotten.register(this, this.free, this);
+  }
+
+  get alive() {
+    if (!this.pointer) refuse('this was disposed of before');
+    return this.pointer;
+  }
+
+  dispose() {
+    if (!this.pointer) return;
+    forgotten.unregister(this);
+    this.free();
+    this.pointer = 0;
+  }
+}
 
 const layouts = new WeakMap();
 
@@ -24,6 +88,7 @@ function layoutOf(module) {
 const SETTERS = { f64: 'setFloat64', i32: 'setInt32', u32: 'setUint32', ptr: 'setUint32' };
 const GETTERS = { f64: 'getFloat64', i64: 'getBigInt64', i32: 'getInt32', u32: 'getUint32', ptr: 'getUint32' };
 
+/** What it has taken is freed at the end of use(). */
 export class Memory {
   #ends = [];
   constructor(module) {

@@ -1,5 +1,5 @@
 // The same library in a thread of its own: every call is a promise, and stop() ends whatever it is at.
-import { PlanishError } from './error.js';
+import { PlanishError } from './memory.js';
 
 async function start() {
   // Word for word what bundlers look for, to take the thread's modules along.

@@ -47,7 +47,7 @@ const parts = {
   notices: escaped(readFileSync(notices, 'utf8')),
   data: [
     packed('wasm', readFileSync(wasm)),
-    packed('worker', classic + modules + here('edit_job.js') + here('job.js')),
+    packed('worker', classic + modules + here('job.js')),
     packed('goblet', readFileSync(goblet)),
   ].join('\n'),
 };
