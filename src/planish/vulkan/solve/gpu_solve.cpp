@@ -1,4 +1,4 @@
-// Based on: the paper, section 3.2, as one fused kernel a step; shaders/interpolation_step.comp.
+// Based on: the paper, section 3.2, as one fused kernel a step; shaders/solve/steps.comp.
 #include "planish/vulkan/solve/gpu_solve.h"
 
 #include <algorithm>
