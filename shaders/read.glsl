@@ -1,3 +1,7 @@
+// What kernels read, write, and over which items they go.
+#ifndef PLANISH_READ
+#define PLANISH_READ
+
 // READ(number, Item, name) declares an array that is only read, whose items name_at(i) gives: as a
 // storage buffer, or with PLANISH_TEXEL as a uniform texel buffer, which software devices gather
 // from many times faster. No semicolon after it. READ_OF_WRITTEN is the same of a buffer that the
@@ -29,3 +33,10 @@ uvec4 fetch_uvec4(usamplerBuffer from, uint i) { return texelFetch(from, int(i))
 #endif
 #define WRITE(number, Item, name) \
   layout(std430, set = 0, binding = number) restrict writeonly buffer name##_block { Item name[]; }
+
+// The item of each lane of a dispatch over any number of them: work groups go on in z where x may not
+// be as many.
+const uint kItemLanes = 64u;
+uint group_of_items() { return gl_WorkGroupID.z * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+uint item_of_lane() { return group_of_items() * kItemLanes + gl_LocalInvocationIndex; }
+#endif

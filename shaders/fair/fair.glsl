@@ -67,3 +67,8 @@ vec3 normalised(vec3 v) {
   float size = safe_length(v);
   return size > 0.0 ? v / size : vec3(0.0, 0.0, 1.0);
 }
+
+// At a crease or boundary vertex, a quarter of the two sharp edges; fair/crease_handle.h.
+struct CreaseArms {
+  vec3 before, after;
+};

@@ -28,7 +28,7 @@
 
 namespace planish::osd {
 
-// One kind of a patch table's patches, as shaders/eval_patches.comp reads them.
+// One kind of a patch table's patches, as shaders/evaluate/elements.comp reads them.
 struct PatchBuffers {
   OpenSubdiv::Osd::PatchArrayVector patchArrays;
   int numPoints = 0;  // elements that the patches read: the highest index + 1

@@ -32,7 +32,7 @@ KernelSource kernel_source(const char* name, std::span<const std::uint32_t> stor
 
 #define PLANISH_TEXTS_Both(file) spirv::file, spirv::file##_texel
 #define PLANISH_TEXTS_Once(file) spirv::file, spirv::file
-#define PLANISH_KERNEL(texts, use, folder, file, name, parameters, ...)        \
+#define PLANISH_KERNEL(texts, use, source, file, name, parameters, ...)        \
   kernel_source("planish " #file, PLANISH_TEXTS_##texts(file), KernelUse::use, \
                 sizeof(shared::parameters), {__VA_ARGS__}),
 

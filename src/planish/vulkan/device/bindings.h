@@ -14,7 +14,7 @@
 namespace planish::vulkan {
 
 enum class Kernel : std::uint32_t {
-#define PLANISH_KERNEL(texts, use, folder, file, name, ...) name,
+#define PLANISH_KERNEL(texts, use, source, file, name, ...) name,
 #include "planish/vulkan/device/kernels.inc"
 #undef PLANISH_KERNEL
 };

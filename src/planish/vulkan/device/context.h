@@ -262,7 +262,7 @@ class Context {
   [[nodiscard]] std::uint64_t max_storage_range() const { return binding_limit_.bytes; }
   [[nodiscard]] std::uint32_t max_group_count() const { return max_group_count_; }
   /// Work groups of a dispatch in x and z: in z more than one where x may not be as many, so that
-  /// some may be too many. Kernels take them by items.glsl.
+  /// some may be too many. Kernels take them by item_of_lane().
   struct Groups {
     std::uint32_t x, z;
   };

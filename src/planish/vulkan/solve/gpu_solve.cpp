@@ -8,7 +8,7 @@
 namespace planish::vulkan {
 namespace {
 
-// Based on: the paper, section 3.2, as one fused kernel a step; shaders/interpolation_step.comp.
+// Based on: the paper, section 3.2, as one fused kernel a step; shaders/solve/steps.comp.
 
 // Bounds command buffers, and the memory of partial sums.
 constexpr std::uint64_t kMostSteps = 64;
