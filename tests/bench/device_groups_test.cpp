@@ -8,7 +8,7 @@
 
 #include "cli/json_schema.h"
 #include "planish/core/json.h"
-#include "support/temporary_folder.h"
+#include "support/files.h"
 #include "support/vulkan_device.h"
 
 namespace planish::test {

@@ -12,8 +12,8 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "planish/job/fit_file.h"
-#include "support/expect_error.h"
-#include "support/file_size_limit.h"
+#include "support/calls.h"
+#include "support/files.h"
 
 namespace planish::test {
 namespace {

@@ -14,9 +14,9 @@
 
 #include "planish/files/mesh_file.h"
 #include "support/failing_memory.h"
+#include "support/files.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
-#include "support/temporary_folder.h"
 
 namespace planish::test {
 namespace {

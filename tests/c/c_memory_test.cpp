@@ -11,8 +11,8 @@
 
 #include "planish/mesh/polygon_mesh.h"
 #include "support/failing_memory.h"
+#include "support/files.h"
 #include "support/meshes.h"
-#include "support/temporary_folder.h"
 
 namespace planish::test {
 namespace {

@@ -17,8 +17,8 @@
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
+#include "support/files.h"
 #include "support/meshes.h"
-#include "support/temporary_folder.h"
 
 namespace planish::test {
 namespace {

@@ -1,23 +1,33 @@
-// What a dry run says against what a run then does.
-#include <sys/resource.h>
-
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <numeric>
 #include <random>
 #include <regex>
 #include <sstream>
+#include <vector>
 
 #include "cli/needs.h"
+#include "files/gltf/asset_sample.h"
+#include "large_arrays.h"
 #include "planish/core/words.h"
 #include "planish/job/forecast.h"
 #include "planish/job/job_text.h"
+#include "planish/surface/memory_need.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
 
 namespace planish::test {
 namespace {
+
+// What a dry run says against what a run then does.
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -366,6 +376,230 @@ TEST_F(Forecasts, ATerminalIsToldTheNextStep) {
       {.input = {}, .terminal = true, .environment = {"TERM=xterm"}, .folder = path("")});
   EXPECT_THAT(result.out, HasSubstr("next: open a.glb"));
   EXPECT_THAT(fit({"cube.obj", "-o", "b.glb"}).err, Not(HasSubstr("next:")));
+}
+
+// How far an asset of several meshes is, and what of memory it takes.
+
+using nlohmann::json;
+using testing::ContainsRegex;
+
+// Meshes are held together, whatever rides on them, and so are their surfaces.
+TEST_F(Needs, OfAllMeshesOfAnAsset) {
+  const PolygonMesh ring = torus(150, 100, 1.0, 0.4), small = torus(40, 30, 1.0, 0.4);
+  write("many.glb", large_asset(std::vector<PolygonMesh>(6, ring)));
+  write("small.glb", large_asset(std::vector<PolygonMesh>(30, small)));
+  write("skins.glb", large_asset({ring, ring}, {{.joints = 40}, {.targets = 8}}));
+  // Weights of joints take more by one method than by the other: what is left open is enough for
+  // either.
+  for (const auto& [input, method] : {std::pair{"many.glb", "auto"},
+                                      {"small.glb", "auto"},
+                                      {"skins.glb", "auto"},
+                                      {"skins.glb", "progressive"},
+                                      {"skins.glb", "fair"}})
+    for (const std::vector<std::string>& how : {std::vector<std::string>{"--levels", "1"},
+                                                {"--levels", "2"},
+                                                {"--compress", "meshopt"},
+                                                {"--chord-error", "1e-4"}}) {
+      std::vector<std::string> arguments{input, "-o", "a.glb", "--interpolation", method};
+      arguments.insert(arguments.end(), how.begin(), how.end());
+      expect_enough(arguments, input != std::string("skins.glb") || method != std::string("auto"));
+    }
+}
+
+// A limit that each mesh would keep by itself, before anything is fitted.
+TEST_F(Needs, OfAllMeshesAreRefusedTogether) {
+  const PolygonMesh ring = torus(150, 100, 1.0, 0.4);
+  write("one.glb", large_asset({ring}));
+  write("many.glb", large_asset(std::vector<PolygonMesh>(12, ring)));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+  rlimit small = before;
+  small.rlim_cur = rlim_t{3} << 30;
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &small), 0);
+  const std::vector<std::string> how{"-o", "a.glb", "--levels", "5", "--dry-run"};
+  std::vector<std::string> one{"one.glb"}, many{"many.glb"};
+  one.insert(one.end(), how.begin(), how.end());
+  many.insert(many.end(), how.begin(), how.end());
+  const ProcessResult fits = fit(one), refused = fit(many);
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_EQ(fits.exit_code, 0) << fits.out;
+  EXPECT_EQ(refused.exit_code, 6) << refused.out;
+  EXPECT_THAT(refused.out, ContainsRegex("level 5 of 12 meshes needs about .* --levels [0-4] "
+                                         "fits"));
+}
+
+// Once from 0 to 1 through all of them, and never in a large step.
+TEST_F(Forecasts, ProgressRisesThroughAllMeshes) {
+  // Large enough that loops go in many pieces.
+  const PolygonMesh ring = torus(150, 100, 1.0, 0.4), small = torus(60, 40, 1.0, 0.4);
+  write("many.glb", large_asset({ring, small, ring, ring}, {{}, {.joints = 6}, {}, {}}));
+  for (const std::vector<std::string>& how : {std::vector<std::string>{"--levels", "2"},
+                                              {"--levels", "1", "--compress", "meshopt"},
+                                              {"--levels", "2,1", "--lods", "msft"}}) {
+    std::vector<std::string> arguments{"many.glb", "-o", "a.glb", "-f", "--progress", "json"};
+    arguments.insert(arguments.end(), how.begin(), how.end());
+    std::istringstream lines(fit(arguments).err);
+    std::vector<double> shares{0};
+    std::vector<double> fitting;
+    for (std::string line; std::getline(lines, line);) {
+      const json entry = json::parse(line, nullptr, false);
+      if (entry.is_discarded() || !entry.contains("share")) continue;
+      shares.push_back(entry["share"]);
+      if (entry["step"] == "stencils") fitting.push_back(shares.back());
+    }
+    EXPECT_TRUE(std::ranges::is_sorted(shares));
+    EXPECT_GE(shares.back(), 0.999) << how.back();
+    double largest = 0;
+    for (std::size_t i = 1; i < shares.size(); ++i)
+      largest = std::max(largest, shares[i] - shares[i - 1]);
+    EXPECT_LE(largest, 0.15) << how.back();
+    // Each fit begins further on than the one before.
+    ASSERT_GE(fitting.size(), 4U);
+    EXPECT_GT(fitting.back(), fitting.front() + 0.05);
+  }
+}
+
+// What --memory and --temporary promise: the same bytes in less memory, and nothing that is left.
+
+using command::give_back_array;
+using command::hold_arrays_within;
+using command::NoRoomForArray;
+using command::take_large_array;
+
+constexpr std::size_t kMiB = std::size_t{1} << 20;
+
+class MemoryBudget : public Forecasts {
+ protected:
+  [[nodiscard]] double peak_of(const std::vector<std::string>& arguments) const {
+    const ProcessResult run = fit(arguments, true);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.peak_bytes;
+  }
+};
+
+std::size_t resident_bytes() {
+  std::size_t all = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> all >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+TEST_F(MemoryBudget, BytesAreThoseOfAJobWithout) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers hold memory of their own";
+#endif
+  write("torus.obj", torus_obj(900));
+  const double without = peak_of({"torus.obj", "-o", "a.ply", "--levels", "0"});
+  const double within = peak_of({"torus.obj", "-o", "b.ply", "--levels", "0", "--memory", "256M"});
+  EXPECT_GT(without, 300 * kMiB);
+  EXPECT_LT(within, 256 * kMiB);
+  EXPECT_EQ(read("a.ply"), read("b.ply"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"a.ply", "b.ply", "torus.obj"}));
+}
+
+#ifdef PLANISH_HAS_MESHER
+TEST_F(MemoryBudget, PointsGiveTheSameMesh) {
+  const ProcessResult made =
+      fit({"--levels", "1", "-o", "points.ply", PLANISH_SCENES "/goblet.obj"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto reconstruct = [&](const std::string& output, std::vector<std::string> further) {
+    further.insert(further.begin(), {"reconstruct", "points.ply", "-o", output});
+    return run_planish(further, {.input = {}, .folder = path("")});
+  };
+  ASSERT_EQ(reconstruct("a.obj", {}).exit_code, 0);
+  ASSERT_EQ(reconstruct("b.obj", {"--memory", "256M", "--temporary", "."}).exit_code, 0);
+  EXPECT_EQ(read("a.obj"), read("b.obj"));
+}
+#endif
+
+TEST_F(MemoryBudget, WhatIsKilledLeavesNothing) {
+  const std::string input = write("torus.obj", torus_obj(450));
+  std::filesystem::create_directory(path("temporary"));
+  PlanishProcess process(
+      {"fit", "--device", "cpu", input, "-o", path("a.ply"), "--levels", "4", "--memory", "256M",
+       "--temporary", path("temporary"), "--progress", "json"},
+      {});
+  EXPECT_TRUE(process.wait_for_message("\"level\""));
+  ::kill(process.id(), SIGKILL);
+  EXPECT_EQ(process.finish().signal, SIGKILL);
+  EXPECT_TRUE(std::filesystem::is_empty(path("temporary")));
+}
+
+TEST_F(MemoryBudget, WhatIsWrongIsSaid) {
+  write("torus.obj", torus_obj(24));
+  const auto said = [&](std::vector<std::string> arguments, int exit_code) {
+    arguments.insert(arguments.begin(), {"torus.obj", "-o", "a.glb"});
+    const ProcessResult result = fit(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(said({"--memory", "much"}, 2), HasSubstr("--memory: \"much\" is no size of up to"));
+  EXPECT_THAT(said({"--memory", "6T"}, 2), HasSubstr("such as 6G or 800M"));
+  EXPECT_THAT(said({"--memory", "100M"}, 2),
+              HasSubstr("--memory: 100.0 MiB are too little; the least that works is 256M"));
+  EXPECT_THAT(said({"--temporary", "."}, 2), HasSubstr("--temporary: is the folder of --memory"));
+  EXPECT_THAT(said({"--memory", "1G", "--temporary", "no/where"}, 7),
+              AllOf(HasSubstr("--temporary: no/where: cannot create a file"),
+                    HasSubstr("No such file or directory")));
+}
+
+TEST_F(MemoryBudget, TheOutputsFolderNeedNotBeThere) {
+  write("torus.obj", torus_obj(24));
+  const ProcessResult result = fit({"torus.obj", "-o", "new/folder/", "--memory", "256M"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(exists("new/folder/torus.glb"));
+}
+
+TEST_F(MemoryBudget, ADryRunTellsTheDisk) {
+  write("torus.obj", torus_obj(300));
+  const std::vector<std::string> job{"torus.obj", "-o", "a.glb", "--levels", "5", "--dry-run"};
+  std::vector<std::string> within = job;
+  within.insert(within.end(), {"--memory", "256M"});
+  const double all = forecast_memory(fit(job).out);
+  ASSERT_GT(all, 300 * kMiB);
+  EXPECT_THAT(fit(within).out,
+              ContainsRegex("memory       256.0 MiB, and at most about .* in a temporary file in "
+                            ".*, which has .* free"));
+}
+
+// Of this process, which no other test shares.
+TEST_F(MemoryBudget, ArraysLeaveMemoryAndKeepTheirContent) {
+  const auto work = [&] {
+    EXPECT_EQ(take_large_array(64 * kMiB), nullptr);
+    const std::uint64_t before = available_memory_bytes();
+    hold_arrays_within(resident_bytes() + 96 * kMiB, path(""));
+    EXPECT_GT(available_memory_bytes(), before);
+    constexpr std::size_t kCount = 8, kWords = 32 * kMiB / sizeof(std::uint64_t);
+    std::vector<std::uint64_t*> arrays;
+    for (std::size_t a = 0; a < kCount; ++a) {
+      arrays.push_back(static_cast<std::uint64_t*>(take_large_array(32 * kMiB)));
+      std::iota(arrays.back(), arrays.back() + kWords, a << 32);
+    }
+    ::usleep(50'000);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    EXPECT_LT(resident_bytes(), 160 * kMiB);  // sanitizers hold a shadow of what was written, too
+#endif
+    for (std::size_t a = 0; a < kCount; ++a)
+      for (std::size_t i = 0; i < kWords; ++i)
+        if (arrays[a][i] != (a << 32) + i) return 1;
+    for (std::uint64_t* const array : arrays)
+      if (!give_back_array(array) || give_back_array(array)) return 2;
+    // More than the disk has.
+    const rlimit small{.rlim_cur = kMiB, .rlim_max = kMiB};
+    ::signal(SIGXFSZ, SIG_IGN);
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    try {
+      (void)take_large_array(512 * kMiB);
+      return 3;
+    } catch (const std::bad_alloc&) {
+      EXPECT_THAT(
+          command::job_failure().message,
+          AllOf(HasSubstr("--temporary: "), HasSubstr("cannot take room for 536870912 bytes"),
+                HasSubstr("name a folder with more")));
+    }
+    return testing::Test::HasFailure() ? 4 : 0;
+  };
+  EXPECT_EXIT(std::_Exit(work()), testing::ExitedWithCode(0), "");
+  EXPECT_TRUE(names().empty());
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "large_arrays.h"
-#include "support/temporary_folder.h"
+#include "support/files.h"
 
 // The C library's, but without O_TMPFILE; the linker takes this one.
 extern "C" int open(const char* path, int flags, ...) {

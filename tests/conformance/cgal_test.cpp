@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "conformance/catalogue.h"
 #include "support/doo_sabin_tables.h"
+#include "support/mesh_catalogue.h"
 
 namespace planish::test {
 namespace {

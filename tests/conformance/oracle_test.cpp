@@ -7,10 +7,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "conformance/catalogue.h"
-#include "support/b_spline_oracle.h"
-#include "support/explicit_doo_sabin.h"
-#include "support/quad_split_oracle.h"
+#include "support/doo_sabin_oracles.h"
+#include "support/mesh_catalogue.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {

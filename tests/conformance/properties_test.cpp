@@ -7,12 +7,12 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
-#include "conformance/catalogue.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/pipeline/fit.h"
 #include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "support/doo_sabin_tables.h"
+#include "support/mesh_catalogue.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "planish/files/mesh_file.h"
-#include "support/temporary_folder.h"
+#include "support/files.h"
 
 namespace planish::test {
 

@@ -5,13 +5,13 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "conformance/catalogue.h"
 #include "planish/fair/fair_net.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/solve/backend.h"
-#include "support/delaunay_sphere.h"
 #include "support/doo_sabin_tables.h"
+#include "support/mesh_catalogue.h"
+#include "support/random_meshes.h"
 
 namespace planish::test {
 

@@ -1,4 +1,4 @@
-#include "features/bodies.h"
+#include "features/shapes.h"
 
 #include <algorithm>
 #include <array>

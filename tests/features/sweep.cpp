@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "features/bodies.h"
+#include "features/shapes.h"
 #include "planish/features/find_features.h"
 
 namespace planish::test {

@@ -14,8 +14,8 @@
 
 #include "mesh/test_meshes.h"
 #include "planish/mesh/check.h"
-#include "support/expect_error.h"
-#include "support/temporary_folder.h"
+#include "support/calls.h"
+#include "support/files.h"
 
 namespace planish {
 namespace {

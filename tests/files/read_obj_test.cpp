@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <tiny_obj_loader.h>
 
-#include "files/file_of.h"
-#include "support/expect_error.h"
+#include "files/read_bytes.h"
+#include "support/calls.h"
 
 namespace planish {
 namespace {

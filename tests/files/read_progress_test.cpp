@@ -10,17 +10,16 @@
 #include <thread>
 #include <vector>
 
-#include "files/file_of.h"
 #include "files/gltf/glb_bytes.h"
+#include "files/read_bytes.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/obj/read_obj.h"
 #include "planish/files/read_file.h"
 #include "planish/files/readers.h"
-#include "support/byte_strings.h"
-#include "support/temporary_folder.h"
-#include "support/watching_host.h"
+#include "support/calls.h"
+#include "support/files.h"
 
 namespace planish {
 namespace {

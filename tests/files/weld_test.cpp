@@ -1,12 +1,26 @@
-#include "planish/files/shared/weld.h"
-
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/geometric.hpp>
 #include <iterator>
 #include <numbers>
 #include <random>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
+
+#include "files/gltf/glb_bytes.h"
+#include "mesh/test_meshes.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/shared/weld.h"
+#include "support/calls.h"
 
 namespace planish {
 namespace {
@@ -53,6 +67,286 @@ TEST(Weld, ClosesWhatIsOpenByTheRemainderOfAZero) {
   // Small detail far away is none.
   const glm::dvec3 detail[] = {{1e6, 1e-6, 0}, {1e6, 2e-6, 0}, {0, 1e-300, 0}, {0, 2e-300, 0}};
   EXPECT_EQ(weld(detail).positions, std::vector<glm::dvec3>(std::begin(detail), std::end(detail)));
+}
+
+// Shapes whose sharp edges are known, in the three formats that have normals.
+
+using Place = std::array<double, 3>;
+using PlacePair = std::pair<Place, Place>;
+
+constexpr int kSides = 12;  // of the cylinder
+
+// Polygons with a normal at each corner.
+struct Shape {
+  std::vector<glm::dvec3> positions;
+  std::vector<std::vector<int>> faces;
+  std::vector<std::vector<glm::dvec3>> normals;  // as faces
+
+  void add(const std::vector<int>& face, const std::function<glm::dvec3(int)>& normal_at) {
+    faces.push_back(face);
+    normals.emplace_back();
+    for (const int vertex : face) normals.back().push_back(normal_at(vertex));
+  }
+};
+
+Shape cube(bool is_flat) {
+  const PolygonMesh mesh = test::cube();
+  Shape shape{.positions = mesh.positions};
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::vector<int> face(mesh.face(f).begin(), mesh.face(f).end());
+    const auto& p = mesh.positions;
+    const glm::dvec3 normal = glm::cross(p[face[1]] - p[face[0]], p[face[2]] - p[face[0]]);
+    shape.add(face,
+              [&](int v) { return is_flat ? normal : glm::normalize(p[v] - glm::dvec3(0.5)); });
+  }
+  return shape;
+}
+
+// Smooth around, flat at its ends.
+Shape cylinder() {
+  Shape shape;
+  std::vector<int> top, bottom;
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / kSides;
+    for (const double z : {0.0, 1.0})
+      shape.positions.emplace_back(std::cos(angle), std::sin(angle), z);
+    bottom.insert(bottom.begin(), 2 * i);
+    top.push_back(2 * i + 1);
+  }
+  const auto outward = [&](int v) {
+    return glm::dvec3(shape.positions[v].x, shape.positions[v].y, 0);
+  };
+  for (int i = 0; i < kSides; ++i) {
+    const int a = 2 * i, b = 2 * ((i + 1) % kSides);
+    shape.add({a, b, b + 1, a + 1}, outward);
+  }
+  shape.add(top, [](int) { return glm::dvec3(0, 0, 1); });
+  shape.add(bottom, [](int) { return glm::dvec3(0, 0, -1); });
+  return shape;
+}
+
+std::string split_text_of(const glm::dvec3& v) {
+  return " " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
+}
+
+std::string obj_text(const Shape& shape) {
+  std::string text, faces;
+  int normal_count = 0;
+  for (const glm::dvec3& p : shape.positions) text += "v" + split_text_of(p) + "\n";
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    faces += "f";
+    for (std::size_t k = 0; k < shape.faces[f].size(); ++k) {
+      text += "vn" + split_text_of(shape.normals[f][k]) + "\n";
+      faces += " " + std::to_string(shape.faces[f][k] + 1) + "//" + std::to_string(++normal_count);
+    }
+    faces += "\n";
+  }
+  return text + faces;
+}
+
+// A vertex for each corner: all that differ in normals are split, and more.
+std::string ply_text(const Shape& shape) {
+  std::string vertices, faces;
+  int count = 0;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    faces += std::to_string(shape.faces[f].size());
+    for (std::size_t k = 0; k < shape.faces[f].size(); ++k) {
+      vertices += split_text_of(shape.positions[shape.faces[f][k]]).substr(1) +
+                  split_text_of(shape.normals[f][k]) + "\n";
+      faces += " " + std::to_string(count++);
+    }
+    faces += "\n";
+  }
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(count) +
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+         "property float ny\nproperty float nz\nelement face " +
+         std::to_string(shape.faces.size()) +
+         "\nproperty list uchar int vertex_indices\nend_header\n" + vertices + faces;
+}
+
+// Fans of triangles.
+std::string glb_bytes(const Shape& shape, const std::string& nodes = "{\"mesh\":0}") {
+  std::string positions, normals;
+  int count = 0;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    for (std::size_t k = 1; k + 1 < shape.faces[f].size(); ++k) {
+      for (const std::size_t corner : {std::size_t{0}, k, k + 1}) {
+        ++count;
+        for (int axis = 0; axis < 3; ++axis) {
+          test::append<float>(positions,
+                              static_cast<float>(shape.positions[shape.faces[f][corner]][axis]));
+          test::append<float>(normals, static_cast<float>(shape.normals[f][corner][axis]));
+        }
+      }
+    }
+  }
+  const std::string bytes = std::to_string(positions.size()), number = std::to_string(count);
+  return test::glb_of(
+      R"({"asset":{"version":"2.0"},"nodes":[)" + nodes + R"(],"meshes":[{"primitives":)" +
+          R"([{"attributes":{"POSITION":0,"NORMAL":1}}]}],"accessors":[)"
+          R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":)" +
+          number + R"(},{"bufferView":1,"componentType":5126,"type":"VEC3","count":)" + number +
+          R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + bytes +
+          R"(},{"buffer":0,"byteOffset":)" + bytes + R"(,"byteLength":)" + bytes +
+          R"(}],"buffers":[{"byteLength":)" + std::to_string(2 * positions.size()) + "}]}",
+      positions + normals);
+}
+
+MeshFile read_split(const std::string& bytes, FileFormat format, bool creases = true) {
+  return read_mesh(FileBytes{.bytes = test::bytes_of(bytes),
+                             .name = "shape",
+                             .path = {},
+                             .split_normals_crease = creases},
+                   format);
+}
+
+PlacePair pair_of(const glm::dvec3& a, const glm::dvec3& b) {
+  const auto rounded = [](const glm::dvec3& p) {
+    Place place{};
+    for (int axis = 0; axis < 3; ++axis) place[axis] = std::round(p[axis] * 1e4) / 1e4 + 0.0;
+    return place;
+  };
+  const Place u = rounded(a), v = rounded(b);
+  return {std::min(u, v), std::max(u, v)};
+}
+
+std::set<PlacePair> creases_of(const PolygonMesh& mesh) {
+  std::set<PlacePair> places;
+  for (const CreaseEdge& crease : mesh.creases)
+    places.insert(pair_of(mesh.positions[crease.v0], mesh.positions[crease.v1]));
+  EXPECT_EQ(places.size(), mesh.creases.size());
+  return places;
+}
+
+// The edges that are sharp: those between faces for which `is_sharp` holds.
+std::set<PlacePair> rims(const Shape& shape, std::size_t first_face) {
+  std::set<PlacePair> places;
+  for (std::size_t f = first_face; f < shape.faces.size(); ++f)
+    for (std::size_t k = 0; k < shape.faces[f].size(); ++k)
+      places.insert(pair_of(shape.positions[shape.faces[f][k]],
+                            shape.positions[shape.faces[f][(k + 1) % shape.faces[f].size()]]));
+  return places;
+}
+
+struct WrittenShape {
+  FileFormat format;
+  std::string bytes;
+};
+std::vector<WrittenShape> in_all_formats(const Shape& shape) {
+  return {{FileFormat::Obj, obj_text(shape)},
+          {FileFormat::Ply, ply_text(shape)},
+          {FileFormat::Glb, glb_bytes(shape)}};
+}
+
+TEST(SplitNormals, AllEdgesOfAFlatCubeAreSharp) {
+  const Shape shape = cube(true);
+  for (const WrittenShape& sample : in_all_formats(shape)) {
+    SCOPED_TRACE(name_of(sample.format));
+    const MeshFile file = read_split(sample.bytes, sample.format);
+    EXPECT_EQ(file.mesh.vertex_count(), 8);
+    EXPECT_EQ(file.mesh.creases.size(), 12u);
+    EXPECT_EQ(creases_of(file.mesh), rims(shape, 0));
+    for (const CreaseEdge& crease : file.mesh.creases)
+      EXPECT_EQ(crease.sharpness, kInfiniteSharpness);
+    EXPECT_TRUE(file.normals.empty());
+    EXPECT_TRUE(read_split(sample.bytes, sample.format, false).mesh.creases.empty());
+  }
+}
+
+TEST(SplitNormals, OnlyTheRimsOfACylinderAreSharp) {
+  const Shape shape = cylinder();
+  for (const WrittenShape& sample : in_all_formats(shape)) {
+    SCOPED_TRACE(name_of(sample.format));
+    const MeshFile file = read_split(sample.bytes, sample.format);
+    EXPECT_EQ(file.mesh.vertex_count(), 2 * kSides);
+    EXPECT_EQ(file.mesh.creases.size(), 2u * kSides);
+    EXPECT_EQ(creases_of(file.mesh), rims(shape, kSides));
+  }
+}
+
+TEST(SplitNormals, NoEdgeOfASmoothCubeIsSharp) {
+  for (const WrittenShape& sample : in_all_formats(cube(false)))
+    EXPECT_TRUE(read_split(sample.bytes, sample.format).mesh.creases.empty());
+}
+
+// A quarter of a tube, mirrored and turned to a whole one.
+TEST(SplitNormals, AreTurnedAndMirroredWithTheirNodes) {
+  Shape quarter;
+  const double half = std::sqrt(0.5);
+  for (const double z : {0.0, 1.0})
+    for (const glm::dvec2& p : {glm::dvec2(1, 0), glm::dvec2(half, half), glm::dvec2(0, 1)})
+      quarter.positions.emplace_back(p, z);
+  for (const int i : {0, 1})
+    quarter.add({i, i + 1, i + 4, i + 3}, [&](int v) {
+      return glm::dvec3(quarter.positions[v].x, quarter.positions[v].y, 0);
+    });
+  const std::string nodes = R"({"mesh":0},{"mesh":0,"scale":[-1,1,1]},)"
+                            R"({"mesh":0,"rotation":[0,0,1,0]},{"mesh":0,"scale":[1,-1,1]})";
+  const MeshFile file = read_split(glb_bytes(quarter, nodes), FileFormat::Glb);
+  EXPECT_EQ(file.mesh.vertex_count(), 16);
+  EXPECT_TRUE(file.mesh.creases.empty());
+}
+
+TEST(SplitNormals, TagsOfTheFileKeepTheirSharpness) {
+  const MeshFile file =
+      read_split(obj_text(cube(true)) + "t crease 2/1/0 1 0 2.5\n", FileFormat::Obj);
+  ASSERT_EQ(file.mesh.creases.size(), 12u);
+  EXPECT_EQ(file.mesh.creases.front().sharpness, 2.5f);
+}
+
+TEST(SplitNormals, RoundedNormalsAreNotSplit) {
+  const auto with_tilt = [](double degrees) {
+    const double tilt = std::sin(degrees * 3.14159265358979 / 180);
+    return read_split("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn " + std::to_string(tilt) +
+                          " 0 1\nf 1//1 2//-2 3//1\nf 1//2 3//2 4//-1\n",
+                      FileFormat::Obj)
+        .mesh.creases.size();
+  };
+  EXPECT_EQ(with_tilt(0.7), 0u);
+  EXPECT_EQ(with_tilt(1.4), 1u);
+}
+
+TEST(SplitNormals, CornersWithoutANormalSayNothing) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn nan 0 0\n";
+  EXPECT_TRUE(
+      read_split(square + "f 1//1 2//1 3//1\nf 1/ 3/ 4/\n", FileFormat::Obj).mesh.creases.empty());
+  EXPECT_TRUE(read_split(square + "f 1//1 2//1 3//1\nf 1//2 3//2 4//2\n", FileFormat::Obj)
+                  .mesh.creases.empty());
+}
+
+TEST(SplitNormals, WrongIndicesAreNamed) {
+  const auto error = [](const std::string& faces) {
+    return test::message_of(ErrorCode::UnreadableInput, [&] {
+      const std::string bytes = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\n" + faces;
+      (void)read_mesh(FileBytes{.bytes = test::bytes_of(bytes),
+                                .name = "shape",
+                                .path = {},
+                                .split_normals_crease = true,
+                                .is_strict = true},
+                      FileFormat::Obj);
+    });
+  };
+  EXPECT_EQ(error("f 1//1 2//1 3//2\n"), "shape:5: face names normal 2 of 1");
+  EXPECT_EQ(error("f 1//1 2//1 3//-2\n"),
+            "shape:5: face names normal -2, but only 1 stand before it");
+}
+
+TEST(SplitNormals, WeldingKeepsTagsAndTheFirstColour) {
+  MeshFile file;
+  file.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
+  file.mesh.add_face(std::vector<std::int32_t>{0, 1, 2});
+  file.mesh.add_face(std::vector<std::int32_t>{3, 4, 2});
+  file.mesh.creases = {{2, 3, 4.0f}, {1, 3, 1.0f}};
+  file.mesh.corners = {{4, 3.0f}};
+  file.mesh.colors.assign(5, glm::vec4(0.5f));
+  file.mesh.colors[3] = glm::vec4(1.0f);
+  weld_repeated_vertices(file);
+  EXPECT_EQ(file.welded_vertex_count, 1);
+  EXPECT_THAT(file.mesh.face_vertices, testing::ElementsAre(0, 1, 2, 1, 3, 2));
+  ASSERT_EQ(file.mesh.creases.size(), 1u);
+  EXPECT_EQ(file.mesh.creases[0].v1, 1);
+  EXPECT_EQ(file.mesh.corners[0].vertex, 3);
+  EXPECT_EQ(file.mesh.colors[1], glm::vec4(0.5f));
 }
 
 }  // namespace

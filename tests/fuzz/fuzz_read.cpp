@@ -16,7 +16,7 @@
 #include "planish/files/readers.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
-#include "support/byte_strings.h"
+#include "support/files.h"
 
 namespace planish::test {
 

@@ -1,17 +1,24 @@
 #pragma once
 
+#include <cstdlib>
 #include <memory>
 #include <random>
 
-#include "conformance/catalogue.h"
 #include "planish/pipeline/fit.h"
 #include "planish/queries/limit_surface.h"
 #include "planish/solve/backend.h"
 #include "planish/surface/surface_blocks.h"
+#include "support/mesh_catalogue.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {
+
+/// How many times a test asks: `usual` in ctest, or what PLANISH_LONG_RUN says.
+inline int run_length(int usual) {
+  const char* const given = std::getenv("PLANISH_LONG_RUN");
+  return given != nullptr ? std::atoi(given) : usual;
+}
 
 /// The limit surface of a cage.
 struct LimitCase {

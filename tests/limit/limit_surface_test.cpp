@@ -1,18 +1,83 @@
-#include "planish/queries/limit_surface.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <oneapi/tbb/global_control.h>
+#include <opensubdiv/bfr/parameterization.h>
+
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <memory>
+#include <random>
 
 #include "limit/limit_case.h"
-#include "support/expect_error.h"
+#include "planish/measure/figures.h"
+#include "planish/mend/repair.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/pipeline/fit.h"
+#include "planish/queries/limit_surface.h"
+#include "planish/solve/backend.h"
+#include "support/calls.h"
+#include "support/meshes.h"
 
 namespace planish::test {
 namespace {
+
+// Parameters of faces are OpenSubdiv's.
+
+using OpenSubdiv::Bfr::Parameterization;
+using ::testing::HasSubstr;
+
+TEST(SurfaceParameter, IsThatOfOpenSubdiv) {
+  for (int m = 3; m <= 30; ++m) {
+    const MeshTopology topology(single_polygon(m));
+    const Parameterization theirs(OpenSubdiv::Sdc::SCHEME_CATMARK, m);
+    for (int i = 0; i < m; ++i) {
+      double vertex[2], edge[2], centre[2];
+      theirs.GetVertexCoord(i, vertex);
+      theirs.GetEdgeCoord(i, 0.25, edge);
+      theirs.GetCenterCoord(centre);
+      const SurfaceParameter v = surface_parameter(topology, i, 0, 0);
+      const SurfaceParameter e = surface_parameter(topology, i, 0.5, 0);
+      const SurfaceParameter f = surface_parameter(topology, i, 1, 1);
+      EXPECT_NEAR(v.u, vertex[0], 1e-15);
+      EXPECT_NEAR(v.v, vertex[1], 1e-15);
+      EXPECT_NEAR(e.u, edge[0], 1e-15);
+      EXPECT_NEAR(e.v, edge[1], 1e-15);
+      if (m != 4 && i != 0) continue;  // theirs names the centre once
+      EXPECT_NEAR(f.u, centre[0], 1e-15) << m << " " << i;
+      EXPECT_NEAR(f.v, centre[1], 1e-15);
+    }
+  }
+}
+
+TEST(SurfaceParameter, ComesBackFromCorners) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> within(0, 1);
+  for (const int m : {3, 4, 5, 9, 10, 26}) {
+    const MeshTopology topology(single_polygon(m));
+    for (int i = 0; i < m; ++i) {
+      const double u = within(random), v = within(random);
+      const CornerParameter back = corner_parameter(topology, surface_parameter(topology, i, u, v));
+      EXPECT_EQ(back.corner, i);
+      EXPECT_NEAR(back.u, u, 1e-14);
+      EXPECT_NEAR(back.v, v, 1e-14);
+    }
+  }
+}
+
+TEST(SurfaceParameter, PlacesOutsideAreRefused) {
+  const MeshTopology quad(single_polygon(4)), triangle(single_polygon(3));
+  const auto message = [](const MeshTopology& topology, const SurfaceParameter& at) {
+    return message_of(ErrorCode::InvalidArgument, [&] { (void)corner_parameter(topology, at); });
+  };
+  EXPECT_THAT(message(quad, {1, 0, 0}), HasSubstr("the mesh has 1 faces"));
+  EXPECT_THAT(message(quad, {0, 1.1, 0}), HasSubstr("face 0 at (1.1, 0): lies outside the face"));
+  EXPECT_THAT(message(quad, {0, 0, std::nan("")}), HasSubstr("lies outside"));
+  EXPECT_THAT(message(triangle, {0, 1.2, 1.2}), HasSubstr("lies outside"));
+  EXPECT_THAT(message(triangle, {0, 0.6, 0}), HasSubstr("lies outside"));
+  EXPECT_NEAR(corner_parameter(quad, {0, 1 + 1e-12, 0}).v, 0, 1e-15);
+}
 
 // The tessellation's rows come from the templates, which have been held to stencil tables.
 TEST(LimitSurface, PassesThroughTheTessellation) {
@@ -183,3 +248,56 @@ TEST(LimitSurface, ManyAtOnceAreTheSameBitsForEveryThreadCount) {
 
 }  // namespace
 }  // namespace planish::test
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kEdges = test::kBentEdges;
+
+double gap_of(const PolygonMesh& mesh, const RepairedMesh& repaired, InterpolationMethod method) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  FitOptions options;
+  options.method = method;
+  options.tolerance = 1e-10;
+  const Fit fitted = fit(mesh, *backend, options);
+  return sheet_gap(LimitSurface(fitted_surface(mesh, fitted)), repaired.source_vertices,
+                   repaired.separated_edges) /
+         fitted.placement.diagonal;
+}
+
+TEST(SheetGap, IsClosedByCornersAndSeenWithoutThem) {
+  const RepairedMesh repaired = repair(test::bent_sheets());
+  ASSERT_EQ(repaired.separated_edges.size(), kEdges);
+  PolygonMesh smooth = repaired.mesh;
+  smooth.corners.clear();
+  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
+    EXPECT_LT(gap_of(repaired.mesh, repaired, method), 1e-9);
+    EXPECT_GT(gap_of(smooth, repaired, method), 1e-4);
+  }
+}
+
+// Squares whose corners are corners: their boundaries are their edges.
+TEST(SheetGap, IsTheDistanceOfTheCurves) {
+  RepairedMesh copies;
+  PolygonMesh& mesh = copies.mesh;
+  for (const double z : {0.0, 0.25, 0.1}) {
+    const std::int32_t first = mesh.vertex_count();
+    mesh.positions.insert(mesh.positions.end(), {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}});
+    mesh.add_face(std::array{first, first + 1, first + 2, first + 3});
+    copies.source_vertices.insert(copies.source_vertices.end(), {0, 1, first + 2, first + 3});
+  }
+  mesh.positions.push_back({7, 7, 7});  // of no face
+  copies.source_vertices.push_back(12);
+  for (std::int32_t v = 0; v < 12; ++v) mesh.corners.push_back({v});
+  const EvaluateOptions options;
+  const LimitSurface surface(std::make_shared<const DooSabinSurface>(mesh, options));
+  const auto gap = [&](std::vector<std::pair<std::int32_t, std::int32_t>> edges) {
+    return sheet_gap(surface, copies.source_vertices, edges);
+  };
+  EXPECT_NEAR(gap({{0, 1}}), 0.25, 1e-12);
+  EXPECT_EQ(gap({{2, 3}}), 0) << "of one sheet only";
+  EXPECT_EQ(gap({}), 0);
+}
+
+}  // namespace
+}  // namespace planish

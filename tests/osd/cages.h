@@ -29,7 +29,7 @@ struct Cage {
   void corner(int vertex, float sharpness);
 };
 
-/// Shapes, in cage_shapes.cpp: closed unless they say otherwise.
+/// Shapes, in cages.cpp: closed unless they say otherwise.
 [[nodiscard]] Cage cube();
 [[nodiscard]] Cage tetrahedron();
 [[nodiscard]] Cage bipyramid(int sides);

@@ -11,7 +11,7 @@
 #include "planish/measure/vertex_fields.h"
 #include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
-#include "support/expect_error.h"
+#include "support/calls.h"
 #include "support/meshes.h"
 
 namespace planish {

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "conformance/catalogue.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/mesh_parts.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_mesh.h"
 #include "support/doo_sabin_tables.h"
+#include "support/mesh_catalogue.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pipeline/asset_fixture.h"
-#include "support/expect_error.h"
+#include "support/calls.h"
 
 namespace planish::test {
 namespace {

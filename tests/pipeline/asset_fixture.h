@@ -16,7 +16,7 @@
 #include "files/gltf/asset_sample.h"
 #include "files/gltf/parsed_gltf.h"
 #include "planish/job/fit_file.h"
-#include "support/temporary_folder.h"
+#include "support/files.h"
 
 namespace planish::test {
 

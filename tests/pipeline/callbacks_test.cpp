@@ -23,12 +23,11 @@
 #include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
+#include "support/calls.h"
 #include "support/cut_quads.h"
-#include "support/expect_error.h"
+#include "support/files.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
-#include "support/temporary_folder.h"
-#include "support/watching_host.h"
 
 namespace planish {
 namespace {

@@ -1,21 +1,28 @@
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <random>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "fair/cure_meshes.h"
 #include "planish/core/error.h"
 #include "planish/fair/fold_cure.h"
+#include "planish/mend/faults.h"
 #include "planish/mend/repair.h"
 #include "planish/mesh/face_geometry.h"
 #include "planish/pipeline/fit.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/fit_steps.h"
 #include "planish/solve/backend.h"
 #include "planish/surface/quality_sum.h"
 #include "support/meshes.h"
+#include "support/outlines.h"
 #include "support/random_meshes.h"
 
 namespace planish {
@@ -251,5 +258,137 @@ TEST(FairFit, SeparatedSheetsStayTogether) {
   }
 }
 
+// Another look asks only for what has changed, and finds what a first one would.
+TEST(DeepLook, FindsAgainWhatAFreshOneFinds) {
+  const auto backend = make_cpu_backend();
+  const std::vector<test::NamedMesh> meshes = {
+      {"crumpled", test::jittered(test::icosphere(2), 0.5, 1)},
+      {"creased", test::with_random_creases(test::random_open_mesh(5), 0.2, 5)},
+      {"torus", test::torus(12, 8, 2, 0.7)}};
+  int found = 0;
+  for (const auto& [name, mesh] : meshes) {
+    FitOptions options;
+    options.method = InterpolationMethod::Fair;
+    const Fit fitted = fit(mesh, *backend, options);
+    const UsedPart used = used_part(mesh, fitted.prepared);
+    const MeshTopology& topology = *used.prepared->topology;
+    LevelOne level_one = fitted.fair->level_one;
+    DeepLook look(used.mesh, topology, *fitted.features, options.weights);
+    std::mt19937 random(3);
+    for (int round = 0; round < 8; ++round) {
+      const DeepFolds again = look.at(level_one);
+      const DeepFolds fresh =
+          DeepLook(used.mesh, topology, *fitted.features, options.weights).at(level_one);
+      EXPECT_EQ(again.at_vertex, fresh.at_vertex) << name << round;
+      EXPECT_EQ(again.area, fresh.area) << name << round;
+      found += fresh.area > 0 ? 1 : 0;
+      // Some points move, of curves too, and in the sixth round all stand as they did at first.
+      if (round == 5) level_one = fitted.fair->level_one;
+      for (int moved = 0; round != 5 && moved < 3; ++moved) {
+        glm::dvec3& point = level_one.state[random() % level_one.state.size()];
+        point += 0.02 * glm::dvec3(1.0 - 2.0 * (random() % 2), 1.0 - 2.0 * (random() % 2), 0.5);
+      }
+    }
+  }
+  EXPECT_GT(found, 10);
+}
+
+// Folds that do not end: nets with ellipses are made from the first ellipse on.
+TEST(DeeplyCuredNet, MakesNoNetTwice) {
+  for (const int first_ellipse : {0, 2, 100}) {
+    int nets = 0, choices = 0;
+    double area = 1;
+    std::vector<std::vector<std::uint8_t>> asked;
+    const FairNet net =
+        deeply_cured_net({.make_net =
+                              [&](const FairDecisions* decisions) {
+                                ++nets;
+                                FairNet made;
+                                if (decisions) made.decisions = *decisions;
+                                made.decisions.cures.resize(2, 0);
+                                if (decisions) asked.push_back(decisions->cures);
+                                made.decisions.leans.assign(2, glm::vec2(static_cast<float>(nets)));
+                                return made;
+                              },
+                          .folds_of =
+                              [&](FairNet&) {
+                                return DeepFolds{{1, 0}, area *= 0.8};
+                              },
+                          .choose_ellipses =
+                              [&](std::span<const std::uint8_t>, FairDecisions&) {
+                                std::vector<std::uint8_t> chosen(2, 0);
+                                chosen[0] = choices++ == first_ellipse;
+                                return chosen;
+                              }});
+    // No vertex is cured more often than kMostCures, and then all is done.
+    const int with_ellipses = first_ellipse < kMostCures ? 6 - first_ellipse : 0;
+    EXPECT_EQ(nets, 1 + kMostCures + with_ellipses);
+    EXPECT_EQ(choices, 6);
+    EXPECT_EQ(net.rounds.nets, nets);
+    // A vertex that has just got its ellipse is not cured in that round.
+    if (with_ellipses > 0) {
+      EXPECT_EQ(asked[kMostCures][0], first_ellipse);
+    }
+    EXPECT_EQ(asked[kMostCures - 1][0], kMostCures);
+  }
+}
+
 }  // namespace
 }  // namespace planish
+
+namespace planish::test {
+namespace {
+
+// Flat parts with finely drawn outlines by default: all sharp edges kept, no fold.
+
+// The largest folded part of levels 1 to 3.
+double folded_area(const PolygonMesh& mesh, const Fit& fit, Backend& backend) {
+  double area = 0;
+  for (const int level : {1, 2, 3})
+    area = std::max(
+        area, surface_quality(evaluate(mesh, fit, backend, {.level = level}), mesh).folded_area);
+  return area;
+}
+
+TEST(FineOutlines, KeepTheirRimsWithoutFolds) {
+  // `upright`: sharp edges between the rims. `degrees`: the walls turn by so much at a corner.
+  const std::tuple<const char*, Outline, int, double> cases[] = {
+      {"rounded square", rounded_square(100, 0.5), 0, 0.3},
+      {"square with small arcs", rounded_square(32, 0.1), 0, 0.5},
+      {"slot", slot(100, 4), 0, 0.5},
+      {"half disc", pie_slice(300, 180), 2, 0.3},
+      {"pie slice", pie_slice(100, 90), 3, 0.3},
+      {"gear", gear_outline(8, 32), 32, 0.3},
+      {"cam of 500", cam(500, 1), 0, 0.6},
+      {"another", cam(1000, 5), 0, 0.6}};
+  const auto backend = make_cpu_backend();
+  for (const auto& [name, outline, upright, degrees] : cases) {
+    SCOPED_TRACE(name);
+    const PolygonMesh mesh = prism_over(outline);
+    const FittedMesh fitted = fit_mesh(mesh, "outline", *backend);
+    EXPECT_EQ(fitted.mesh.creases.size(), 2 * outline.size() + std::size_t(upright));
+    EXPECT_LT(folded_area(fitted.mesh, fitted.fit, *backend), 1e-5);
+    const SurfaceMesh surface = evaluate(fitted.mesh, fitted.fit, *backend, {.level = 2});
+    EXPECT_LT(surface_quality(surface, fitted.mesh).rms_normal_deviation, degrees);
+  }
+}
+
+// What kMostSwirl stands for.
+TEST(FineOutlines, FoldWhereTheirCornersSwirlAndNothingIsCut) {
+  const auto backend = make_cpu_backend();
+  FitOptions options;
+  options.method = InterpolationMethod::Fair;
+  options.cures_folds = false;
+  for (const auto& [steps, least, most] :
+       {std::tuple(8, 0.0, 0.0), {16, 0.0, 0.0}, {100, 1e-3, 1.0}, {300, 1e-2, 1.0}}) {
+    const Outline outline = rounded_square(steps, 0.5);
+    EXPECT_EQ(corner_swirl(outline) > kMostSwirl, least > 0) << steps;
+    const PolygonMesh mesh = with_sharp_rims(prism_over(outline));
+    const double folded = folded_area(mesh, fit(mesh, *backend, options), *backend);
+    EXPECT_GE(folded, least) << steps;
+    EXPECT_LE(folded, most) << steps;
+  }
+}
+
+}  // namespace
+}  // namespace planish::test

@@ -9,9 +9,9 @@
 #include "planish/queries/surface_queries.h"
 #include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
-#include "support/expect_error.h"
-#include "support/faulty_meshes.h"
-#include "support/temporary_folder.h"
+#include "support/calls.h"
+#include "support/files.h"
+#include "support/mesh_catalogue.h"
 #if PLANISH_HAS_VULKAN
 #include "planish/vulkan/embed.h"
 #endif

@@ -17,8 +17,8 @@
 #include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "support/failing_memory.h"
+#include "support/files.h"
 #include "support/meshes.h"
-#include "support/temporary_folder.h"
 
 namespace planish {
 namespace {

@@ -14,7 +14,7 @@
 #include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/quality_sum.h"
-#include "support/primal_meshes.h"
+#include "support/mesh_catalogue.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {

@@ -1,5 +1,3 @@
-#include "planish/reconstruct/reconstruct.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,11 +11,245 @@
 #include "planish/mesh/check.h"
 #include "planish/mesh/edge_groups.h"
 #include "planish/mesh/statistics.h"
+#include "planish/reconstruct/reconstruct.h"
+#include "planish/reconstruct/reconstruct_steps.h"
+#include "planish/reconstruct/simplify_state.h"
 #include "reconstruct/test_clouds.h"
-#include "support/expect_error.h"
+#include "support/calls.h"
+
+namespace planish::test {
+namespace {
+
+// The state of simplify() for a mesh that uses its first `vertex_count` positions; vertices keep
+// their numbers, and further positions are carried.
+struct GivenState {
+  GivenState(const TriangleMesh& mesh, std::size_t vertex_count, const SimplifyOptions& given)
+      : points(mesh.positions),
+        options(given),
+        state(points, in_order(mesh, vertex_count), options) {}
+
+  WitnessedMesh in_order(const TriangleMesh& mesh, std::size_t vertex_count) const {
+    WitnessedMesh result{.triangles = mesh.triangles};
+    result.vertex_points.resize(vertex_count);
+    std::vector<std::int32_t> loose;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto given = static_cast<std::size_t>(points.given(i));
+      if (given < vertex_count)
+        result.vertex_points[given] = static_cast<std::int32_t>(i);
+      else
+        loose.push_back(static_cast<std::int32_t>(i));
+    }
+    result.carriers.assign(points.size(), -1);
+    const TriangleTree tree(mesh.positions, mesh.triangles);
+    for (const std::int32_t point : loose)
+      result.carriers[point] = tree.nearest(points[point]).triangle;
+    return result;
+  }
+
+  OrderedPoints points;
+  SimplifyOptions options;
+  SimplifyState state;
+};
+
+}  // namespace
+}  // namespace planish::test
 
 namespace planish {
 namespace {
+
+PolygonMesh polygons(const CollapseMesh& mesh, const std::vector<glm::dvec3>& positions) {
+  std::vector<Triangle> triangles;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (mesh.is_alive(static_cast<std::int32_t>(t)))
+      triangles.push_back(mesh.triangle(static_cast<std::int32_t>(t)));
+  PolygonMesh result = polygons_of(triangles);
+  result.positions = positions;
+  return result;
+}
+
+// Valences that the mesh keeps up to date, against those counted afresh.
+void expect_true_valences(const CollapseMesh& mesh, const PolygonMesh& polygons) {
+  std::vector<std::int32_t> counted(polygons.positions.size(), 0);
+  group_edges(polygons, std::vector<std::uint8_t>(polygons.face_count(), 1))
+      .for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+        ++counted[lower];
+        ++counted[sides.front().higher];
+      });
+  for (std::size_t v = 0; v < counted.size(); ++v) {
+    const auto vertex = static_cast<std::int32_t>(v);
+    ASSERT_EQ(mesh.is_used(vertex), counted[v] > 0);
+    ASSERT_EQ(mesh.is_used(vertex) ? mesh.valence(vertex) : 0, counted[v]);
+  }
+}
+
+// Random collapses and flips until little is left; all the time it is the same surface.
+void expect_same_topology(const test::TriangleMesh& given, unsigned seed) {
+  CollapseMesh mesh(given.triangles, given.positions.size());
+  const MeshStatistics before = statistics(polygons(mesh, given.positions));
+  std::mt19937 random(seed);
+  Fan fan;
+  for (int step = 0; step < 4000; ++step) {
+    const auto vertex = static_cast<std::int32_t>(random() % given.positions.size());
+    if (!mesh.is_used(vertex)) continue;
+    mesh.get_fan(vertex, fan);
+    const std::size_t target = random() % fan.ring.size();
+    if (random() % 3 == 0) {
+      const std::int32_t half_edge = fan.spokes[target % fan.spokes.size()];
+      if (mesh.can_flip(half_edge)) mesh.flip(half_edge);
+    } else if (mesh.can_collapse(vertex, fan, target)) {
+      mesh.collapse(vertex, fan, target);
+    }
+    if (step % 100 != 0) continue;
+    const PolygonMesh now = polygons(mesh, given.positions);
+    const auto problems = check(now);
+    ASSERT_TRUE(problems.empty()) << problems.front().message;
+    const MeshStatistics after = statistics(now);
+    ASSERT_EQ(after.genus, before.genus);
+    ASSERT_EQ(after.component_count, before.component_count);
+    ASSERT_EQ(after.boundary_loop_count, before.boundary_loop_count);
+    expect_true_valences(mesh, now);
+  }
+  EXPECT_LT(statistics(polygons(mesh, given.positions)).face_count, before.face_count / 4);
+}
+
+TEST(CollapseMesh, KeepsTheTopologyOfAClosedMesh) {
+  for (unsigned seed = 0; seed < 5; ++seed) expect_same_topology(test::torus_mesh(16, 10), seed);
+}
+
+TEST(CollapseMesh, KeepsTheTopologyOfAnOpenMesh) {
+  test::TriangleMesh grid = test::grid_mesh(12, [](int i, int j) { return 0.1 * i * j; });
+  grid.triangles.erase(grid.triangles.begin() + 100, grid.triangles.begin() + 104);
+  for (unsigned seed = 0; seed < 5; ++seed) expect_same_topology(grid, seed);
+}
+
+TEST(CollapseMesh, GoesRoundAFanInOrder) {
+  const test::TriangleMesh grid = test::grid_mesh(2, [](int, int) { return 0.0; });
+  const CollapseMesh mesh(grid.triangles, grid.positions.size());
+  Fan fan;
+  mesh.get_fan(4, fan);
+  EXPECT_TRUE(fan.closed);
+  ASSERT_EQ(fan.ring.size(), 6u);
+  ASSERT_EQ(fan.spokes.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const glm::dvec3 a = grid.positions[fan.ring[i]] - grid.positions[4];
+    const glm::dvec3 b = grid.positions[fan.ring[(i + 1) % 6]] - grid.positions[4];
+    EXPECT_GT(glm::cross(a, b).z, 0);
+    EXPECT_EQ(mesh.end(fan.spokes[i]), fan.ring[i]);
+  }
+  mesh.get_fan(0, fan);
+  EXPECT_FALSE(fan.closed);
+  EXPECT_EQ(fan.ring, (std::vector<std::int32_t>{3, 4, 1}));
+}
+
+bool has_edge(const CollapseMesh& mesh, std::int32_t a, std::int32_t b) {
+  bool found = false;
+  mesh.for_each_neighbour(a, [&](std::int32_t n) { found = found || n == b; });
+  return found;
+}
+
+// A roof whose ridge crosses the diagonals of the grid.
+TEST(FlipPass, LaysEdgesAlongTheRidge) {
+  constexpr std::int32_t kSize = 12;
+  const test::TriangleMesh roof =
+      test::grid_mesh(kSize, [](int i, int j) { return -0.8 * std::abs(i + j - kSize); });
+  const SimplifyOptions options{.tolerance = 10, .least_angle = 3};
+  test::GivenState given(roof, roof.positions.size(), options);
+  SimplifyState& state = given.state;
+  FlipPass(state).run();
+  const auto at = [](std::int32_t i) { return i * (kSize + 1) + kSize - i; };
+  // The last squares at the border would take an edge from a vertex that has none to give.
+  for (std::int32_t i = 1; i + 2 < kSize; ++i) EXPECT_TRUE(has_edge(state.mesh, at(i), at(i + 1)));
+  EXPECT_EQ(state.result.vertex_count, (kSize + 1) * (kSize + 1));
+}
+
+TEST(FlipPass, FlipsNothingThatMovesACarriedPointTooFar) {
+  test::TriangleMesh flat = test::grid_mesh(2, [](int, int) { return 0.0; });
+  // Long triangles, so that the other diagonal is far better; a point lies on the one there is.
+  for (glm::dvec3& p : flat.positions) p.x += 0.8 * p.y;
+  flat.positions[8].z = flat.positions[4].z = 0.2;
+  flat.positions.push_back(0.5 * (flat.positions[4] + flat.positions[8]));
+  for (const double tolerance : {1.0, 1e-3}) {
+    const SimplifyOptions options{.tolerance = tolerance, .least_angle = 3};
+    test::GivenState given(flat, 9, options);
+    FlipPass(given.state).run();
+    EXPECT_EQ(has_edge(given.state.mesh, 4, 8), tolerance < 0.01) << tolerance;
+  }
+}
+
+std::vector<Triangle> triangles_of(const CollapseMesh& mesh) {
+  std::vector<Triangle> triangles;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (mesh.is_alive(static_cast<std::int32_t>(t)))
+      triangles.push_back(mesh.triangle(static_cast<std::int32_t>(t)));
+  return triangles;
+}
+
+// Mean distance of vertices from the middle of their neighbours, in lengths of their edges.
+double unevenness(const CollapseMesh& mesh, const std::vector<glm::dvec3>& positions) {
+  double sum = 0;
+  int count = 0;
+  for (std::int32_t v = 0; v < static_cast<std::int32_t>(positions.size()); ++v) {
+    if (!mesh.is_used(v) || mesh.is_boundary(v)) continue;
+    glm::dvec3 middle(0.0);
+    double length = 0;
+    mesh.for_each_neighbour(v, [&](std::int32_t n) {
+      middle += positions[n] - positions[v];
+      length += glm::distance(positions[n], positions[v]);
+    });
+    sum += glm::length(middle) / length;
+    ++count;
+  }
+  return sum / count;
+}
+
+void expect_moved_within_tolerance(const test::TriangleMesh& given, double tolerance) {
+  const SimplifyOptions options{.tolerance = tolerance};
+  test::GivenState given_state(given, given.positions.size(), options);
+  SimplifyState& state = given_state.state;
+  CollapsePass(state).run();
+  const MeshStatistics before = [&] {
+    PolygonMesh mesh = polygons_of(triangles_of(state.mesh));
+    mesh.positions = state.positions;
+    return statistics(mesh);
+  }();
+  const double uneven = unevenness(state.mesh, state.positions);
+  MovePass(state).run();
+  EXPECT_GT(state.result.move_count, 10);
+  EXPECT_LT(unevenness(state.mesh, state.positions), 0.98 * uneven);
+  const std::vector<Triangle> triangles = triangles_of(state.mesh);
+  const PointDistances distances = measure_distances(given.positions, state.positions, triangles);
+  EXPECT_LE(distances.max, tolerance * (1 + 1e-12));
+  PolygonMesh mesh = polygons_of(triangles);
+  mesh.positions = state.positions;
+  for (std::size_t v = 0; v < state.positions.size(); ++v)
+    EXPECT_EQ(state.positions[v], state.points[state.vertex_points[v]]);
+  EXPECT_TRUE(check(mesh).empty());
+  const MeshStatistics after = statistics(mesh);
+  EXPECT_EQ(after.genus, before.genus);
+  EXPECT_EQ(after.boundary_loop_count, before.boundary_loop_count);
+  EXPECT_EQ(after.unused_vertex_count, before.unused_vertex_count);
+  EXPECT_EQ(after.face_count, before.face_count);
+}
+
+TEST(MovePass, EvensOutAClosedMeshWithinTheTolerance) {
+  expect_moved_within_tolerance(test::torus_mesh(80, 40), 0.01);
+}
+
+TEST(MovePass, EvensOutAnOpenMeshWithinTheTolerance) {
+  expect_moved_within_tolerance(
+      test::grid_mesh(40, [](int i, int j) { return 0.5 * std::sin(0.7 * i) * std::cos(0.5 * j); }),
+      0.05);
+}
+
+TEST(MovePass, LeavesAMeshAloneThatCarriesNothing) {
+  const test::TriangleMesh torus = test::torus_mesh(20, 10);
+  const SimplifyOptions options{.tolerance = 1};
+  test::GivenState given(torus, torus.positions.size(), options);
+  SimplifyState& state = given.state;
+  MovePass(state).run();
+  EXPECT_EQ(state.result.move_count, 0);
+  EXPECT_EQ(triangles_of(state.mesh), torus.triangles);
+}
 
 using testing::HasSubstr;
 

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "planish/files/gltf/write_gltf.h"
-#include "support/temporary_folder.h"
+#include "support/files.h"
 
 namespace planish::render {
 namespace {

@@ -9,7 +9,7 @@
 #include "planish/patches/patch_plan.h"
 #include "planish/solve/stencil_builder.h"
 #include "planish/solve/stencil_table.h"
-#include "support/quad_split.h"
+#include "support/opensubdiv_topology.h"
 
 // Doo-Sabin surfaces as a chain of stencil tables from control points down to the limit points of a
 // level, on OpenSubdiv's topology of that level: what surfaces of patches are held against.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "planish/mesh/polygon_mesh.h"
 #include "support/meshes.h"
 
 namespace planish::test {
@@ -34,5 +35,9 @@ struct Relabelled {
   std::vector<std::int32_t> new_index;
 };
 [[nodiscard]] Relabelled relabelled(const PolygonMesh& mesh, std::uint32_t seed);
+
+/// The convex hull of `count` uniformly random points of the unit sphere, which is their Delaunay
+/// triangulation: rings as uneven as random sampling makes them. count >= 4.
+[[nodiscard]] PolygonMesh delaunay_sphere(int count, std::uint32_t seed);
 
 }  // namespace planish::test

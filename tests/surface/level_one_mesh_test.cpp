@@ -1,22 +1,146 @@
-#include "planish/surface/level_one_mesh.h"
-
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "planish/core/error.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/face_geometry.h"
 #include "planish/solve/backend.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
-#include "surface/level_one_states.h"
+#include "planish/surface/level_one_mesh.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish::test {
+namespace {
+
+// Level 1 of the surface of an ordinary cage: one Doo-Sabin step.
+LevelOne first_step(const PolygonMesh& cage, const SharpFeatureOptions& sharp = {},
+                    Weights weights = Weights::DooSabin) {
+  const DooSabinSurface base(cage, {.weights = weights, .sharp = sharp});
+  LevelOne result;
+  result.placement = base.placement();
+  result.state.assign(base.state().begin(), base.state().end());
+  return result;
+}
+
+std::vector<NamedMesh> smooth_net_meshes() {
+  return {{"cube", cube()},
+          {"prism", prism(9)},
+          {"bipyramid", bipyramid(7)},
+          {"torus", torus(6, 5, 1.0, 0.4)},
+          {"icosphere", jittered(icosphere(2), 0.05, 3)},
+          {"random", random_closed_mesh(5)}};
+}
+
+std::vector<NamedMesh> sharp_net_meshes() {
+  std::vector<NamedMesh> meshes = {
+      {"grid", flat_grid(4, 3)}, {"hole", plate_with_hole(5)},
+      {"fan", open_fan(5)},      {"polygon", single_polygon(6)},
+      {"L", l_shaped_plate(2)},  {"valence two", cube_with_split_edges()}};
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    meshes.push_back({"open " + std::to_string(seed), random_open_mesh(seed)});
+    meshes.push_back({"creased " + std::to_string(seed),
+                      with_random_creases(random_open_mesh(seed), 0.2, seed)});
+    meshes.push_back({"closed, creased " + std::to_string(seed),
+                      with_random_creases(random_closed_mesh(seed), 0.1, seed)});
+  }
+  PolygonMesh cone = icosphere(1);
+  cone.corners = {{3, kInfiniteSharpness}};
+  meshes.push_back({"cone", cone});
+  return meshes;
+}
+
+// Closed, open and creased, with darts and a cone.
+std::vector<NamedMesh> net_meshes() {
+  std::vector<NamedMesh> meshes = smooth_net_meshes();
+  for (NamedMesh& mesh : sharp_net_meshes()) meshes.push_back(std::move(mesh));
+  return meshes;
+}
+
+}  // namespace
+}  // namespace planish::test
 
 namespace planish {
 namespace {
+
+TEST(LevelOne, OfAnOrdinaryCageGivesTheSameBits) {
+  const auto backend = make_cpu_backend();
+  for (const auto& [name, mesh] : test::net_meshes()) {
+    for (const BoundaryRule boundary : {BoundaryRule::Edge, BoundaryRule::EdgeAndCorner}) {
+      for (int level = 0; level <= 2; ++level) {
+        EvaluateOptions options{.level = level, .weights = Weights::Averaged};
+        options.sharp.boundary = boundary;
+        const LevelOne level_one = test::first_step(mesh, options.sharp, options.weights);
+        const SurfaceMesh expected = evaluate(mesh, *backend, options);
+        const SurfaceMesh surface = evaluate(mesh, level_one, *backend, options);
+        EXPECT_EQ(surface.positions, expected.positions) << name << " level " << level;
+        EXPECT_EQ(surface.normals, expected.normals) << name << " level " << level;
+        EXPECT_EQ(surface.face_vertices, expected.face_vertices);
+      }
+    }
+  }
+}
+
+TEST(LevelOne, CarriesWhatRidesOnTheMesh) {
+  PolygonMesh mesh = test::torus(8, 6, 1.0, 0.4);
+  mesh.positions.insert(mesh.positions.begin(), glm::dvec3(9, 9, 9));  // unused
+  for (auto& v : mesh.face_vertices) ++v;
+  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    mesh.face_uvs.insert(mesh.face_uvs.end(), {0, 1, 2, 3});
+    mesh.face_groups.push_back(f % 2);
+  }
+  mesh.groups = {{"even", "a"}, {"odd", "b"}};
+  mesh.colors.assign(mesh.positions.size(), glm::vec4(1, 0, 0, 1));
+  mesh.hole_faces = {2};
+  const auto backend = make_cpu_backend();
+  const SurfaceMesh expected = evaluate(mesh, *backend, {.level = 2});
+  const SurfaceMesh surface = evaluate(mesh, test::first_step(mesh), *backend, {.level = 2});
+  EXPECT_EQ(surface.positions, expected.positions);
+  EXPECT_EQ(surface.base_vertices, expected.base_vertices);
+  EXPECT_EQ(surface.face_uvs, expected.face_uvs);
+  EXPECT_EQ(surface.face_groups, expected.face_groups);
+  EXPECT_EQ(surface.colors, expected.colors);
+  EXPECT_EQ(surface.face_count(), 47 * 16);
+}
+
+TEST(LevelOne, AStateOfAnotherSizeIsRefused) {
+  LevelOne level_one = test::first_step(test::cube());
+  level_one.state.pop_back();
+  for (const auto& use :
+       {std::function<void()>(
+            [&] { (void)evaluate(test::cube(), level_one, *make_cpu_backend()); }),
+        std::function<void()>([&] { (void)level_one_mesh(test::cube(), level_one, {}); })}) {
+    try {
+      use();
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+      EXPECT_THAT(error.what(), testing::HasSubstr("24 control points, and 23"));
+    }
+  }
+}
+
+TEST(LevelOne, LimitPositionsAreThoseOfTheSurface) {
+  for (const auto& [name, mesh] : test::net_meshes()) {
+    const auto limits = limit_positions(mesh, test::first_step(mesh), {});
+    const auto expected = limit_positions(mesh, Weights::DooSabin, {});
+    for (std::size_t v = 0; v < limits.size(); ++v) {
+      EXPECT_LT(glm::length(limits[v] - expected[v]), 1e-14) << name << " vertex " << v;
+    }
+  }
+}
 
 TEST(LevelOneMesh, IsUsable) {
   for (const auto& [name, mesh] : test::net_meshes()) {
@@ -215,6 +339,143 @@ TEST(LevelOneMesh, AForeignCageIsRefused) {
   EXPECT_THAT(message(test::prism(5), cage),
               testing::HasSubstr("30 control points, and 24 are given"));
   EXPECT_THAT(message(test::tetrahedron(), cage), testing::HasSubstr("26 faces for 14"));
+}
+
+// One coordinate a vertex.
+PolygonMesh with_vertex_uvs(PolygonMesh mesh) {
+  for (const glm::dvec3& p : mesh.positions) {
+    mesh.uvs.emplace_back(p.x + 0.3 * p.y * p.y, p.z - 0.2 * p.x * p.y);
+  }
+  mesh.face_uvs = mesh.face_vertices;
+  return mesh;
+}
+
+// A torus cut open along two circles: a seam of each, coordinates linear in the place.
+PolygonMesh unrolled_torus(int around, int across) {
+  PolygonMesh mesh = test::torus(around, across, 1.0, 0.4);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    // Corners by angle, the cell's own first.
+    glm::dvec2 low(2.0);
+    std::vector<glm::dvec2> uvs;
+    for (const std::int32_t v : mesh.face(f)) {
+      const glm::dvec3& p = mesh.positions[v];
+      const double tube = std::atan2(p.z, std::hypot(p.x, p.y) - 1.0);
+      uvs.emplace_back(std::atan2(p.y, p.x) / (2 * M_PI), tube / (2 * M_PI));
+      for (int i = 0; i < 2; ++i) uvs.back()[i] -= std::floor(uvs.back()[i] + 1e-9);
+    }
+    for (int i = 0; i < 2; ++i) {
+      const auto [least, most] = std::minmax_element(
+          uvs.begin(), uvs.end(), [&](const auto& a, const auto& b) { return a[i] < b[i]; });
+      if ((*most)[i] - (*least)[i] < 0.5) continue;
+      for (glm::dvec2& uv : uvs) uv[i] += uv[i] < 0.5 ? 1.0 : 0.0;
+    }
+    for (const glm::dvec2& uv : uvs) {
+      mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
+      mesh.uvs.push_back(uv);
+    }
+  }
+  return mesh;
+}
+
+PolygonMesh net_of(const PolygonMesh& mesh, const SharpFeatureOptions& sharp = {}) {
+  return level_one_mesh(mesh, test::first_step(mesh, sharp), sharp);
+}
+
+TEST(LevelOneUvs, AreLinearWhereTheGridIs) {
+  PolygonMesh mesh = test::flat_grid(6, 4);
+  for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(2 * p.x + p.y, 1 - p.x);
+  mesh.face_uvs = mesh.face_vertices;
+  mesh.hole_faces = {0, 8, 9, 14};
+  const PolygonMesh net = net_of(mesh, {.boundary = BoundaryRule::EdgeAndCorner});
+  ASSERT_EQ(net.face_uvs.size(), net.face_vertices.size());
+  for (std::size_t c = 0; c < net.face_uvs.size(); ++c) {
+    const glm::dvec3& p = net.positions[net.face_vertices[c]];
+    const glm::dvec2 expected(2 * p.x + p.y, 1 - p.x);
+    EXPECT_LT(glm::distance(net.uvs[net.face_uvs[c]], expected), 1e-13) << c;
+  }
+}
+
+// The middles of the polygons around vertices, which interpolate them.
+TEST(LevelOneUvs, GivenVerticesKeepTheirs) {
+  for (const auto& [name, plain] : test::smooth_net_meshes()) {
+    const PolygonMesh mesh = with_vertex_uvs(plain);
+    const PolygonMesh net = net_of(mesh);
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+      glm::dvec2 mean(0.0);
+      for (std::int32_t c = net.face_offsets[v]; c < net.face_offsets[v + 1]; ++c)
+        mean += net.uvs[net.face_uvs[c]] / static_cast<double>(net.face_size(v));
+      EXPECT_LT(glm::distance(mean, mesh.uvs[v]), 1e-12) << name;
+    }
+  }
+}
+
+TEST(LevelOneUvs, ChartsGoOnAcrossTheirSeams) {
+  constexpr int kAround = 8, kAcross = 6;
+  const PolygonMesh mesh = unrolled_torus(kAround, kAcross);
+  const PolygonMesh net = net_of(mesh);
+  ASSERT_EQ(net.face_uvs.size(), net.face_vertices.size());
+  // Without the seams every polygon is half a cell wide; across one it still is.
+  for (std::int32_t f = 0; f < net.face_count(); ++f) {
+    glm::dvec2 low(10.0), high(-10.0);
+    for (std::int32_t c = net.face_offsets[f]; c < net.face_offsets[f + 1]; ++c) {
+      low = glm::min(low, net.uvs[net.face_uvs[c]]);
+      high = glm::max(high, net.uvs[net.face_uvs[c]]);
+    }
+    EXPECT_NEAR(high.x - low.x, 0.5 / kAround, 1e-12) << f;
+    EXPECT_NEAR(high.y - low.y, 0.5 / kAcross, 1e-12) << f;
+  }
+  // At the vertex where four charts meet the polygon's mean is the coordinate of one of them.
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    glm::dvec2 mean(0.0);
+    for (std::int32_t c = net.face_offsets[v]; c < net.face_offsets[v + 1]; ++c) {
+      mean += net.uvs[net.face_uvs[c]] / 4.0;
+    }
+    double nearest = 1;
+    for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c) {
+      if (mesh.face_vertices[c] == v) {
+        nearest = std::min(nearest, glm::distance(mean, mesh.uvs[mesh.face_uvs[c]]));
+      }
+    }
+    EXPECT_LT(nearest, 1e-12) << v;
+  }
+}
+
+// Every given face has a polygon within it, whose corners are near the face's in its own chart.
+TEST(LevelOneUvs, CreasesHolesAndCornersStayInTheirCharts) {
+  for (const auto& [name, plain] : test::net_meshes()) {
+    PolygonMesh mesh = plain;
+    // Each face a chart of its own, far from the others.
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+      if (f % 3 == 0) mesh.hole_faces.push_back(f);
+      for (std::int32_t i = 0; i < mesh.face_size(f); ++i) {
+        const double angle = 2 * M_PI * i / mesh.face_size(f);
+        mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
+        mesh.uvs.emplace_back(10.0 * f + std::cos(angle), std::sin(angle));
+      }
+    }
+    const PolygonMesh net = net_of(mesh);
+    ASSERT_EQ(net.face_uvs.size(), net.face_vertices.size()) << name;
+    for (std::int32_t f = 0; f < net.face_count(); ++f) {
+      const double chart = std::round(net.uvs[net.face_uvs[net.face_offsets[f]]].x / 10);
+      for (std::int32_t c = net.face_offsets[f]; c < net.face_offsets[f + 1]; ++c) {
+        const glm::dvec2 uv = net.uvs[net.face_uvs[c]] - glm::dvec2(10 * chart, 0);
+        EXPECT_LT(glm::length(uv), 3.0) << name << " face " << f;
+      }
+    }
+  }
+}
+
+TEST(LevelOneUvs, WhereOneLacksThePolygonHasNone) {
+  PolygonMesh mesh = with_vertex_uvs(test::cube());
+  mesh.face_uvs[0] = -1;
+  const PolygonMesh net = net_of(mesh);
+  for (std::int32_t f = 0; f < net.face_count(); ++f) {
+    bool lacks = false;
+    for (const std::int32_t v : net.face(f)) lacks = lacks || v < 4;  // points of face 0
+    for (std::int32_t c = net.face_offsets[f]; c < net.face_offsets[f + 1]; ++c) {
+      EXPECT_EQ(net.face_uvs[c] < 0, lacks) << f;
+    }
+  }
 }
 
 }  // namespace

@@ -1,19 +1,24 @@
-#include "planish/surface/surface_blocks.h"
-
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <glm/geometric.hpp>
 #include <set>
+#include <vector>
 
-#include "conformance/catalogue.h"
+#include "planish/core/raw_vector.h"
 #include "planish/files/mesh_file.h"
+#include "planish/measure/figures.h"
 #include "planish/mesh/face_geometry.h"
 #include "planish/solve/backend.h"
+#include "planish/surface/doo_sabin_blocks.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
+#include "planish/surface/mesh_blocks.h"
+#include "planish/surface/surface_blocks.h"
+#include "support/mesh_catalogue.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -291,6 +296,138 @@ TEST(SurfaceBlocks, PiecesAreTakenInOrder) {
       });
   ASSERT_EQ(taken.size(), 1000u);
   for (std::int64_t i = 0; i < 1000; ++i) EXPECT_EQ(taken[i], i);
+}
+
+void expect_part_of(const SurfaceMesh& whole, const SurfaceBlocks& blocks, RowRange faces) {
+  const FaceRangeBlocks part(blocks, faces);
+  const SurfaceMesh made = collect(part, {});
+  const std::span<const std::int32_t> rows = part.surface_rows();
+  ASSERT_EQ(made.face_count(), faces.count);
+  ASSERT_EQ(made.positions.size(), rows.size());
+  ASSERT_TRUE(std::ranges::is_sorted(rows));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ASSERT_EQ(made.positions[i], whole.positions[rows[i]]);
+    ASSERT_EQ(made.normals[i], whole.normals[rows[i]]);
+    ASSERT_EQ(made.colors[i], whole.colors[rows[i]]);
+    const auto row = static_cast<std::size_t>(rows[i]);
+    for (std::size_t k = 0; k < 2; ++k)
+      for (const int first : {0, 4})
+        ASSERT_EQ(made.attributes[k].four(i, first), whole.attributes[k].four(row, first));
+    ASSERT_EQ(i < made.base_vertices.size(), row < whole.base_vertices.size());
+    if (i < made.base_vertices.size()) {
+      ASSERT_EQ(made.base_vertices[i], whole.base_vertices[row]);
+    }
+  }
+  const std::int64_t first = blocks.info().first_corner(faces.first);
+  std::vector<bool> is_named(rows.size(), false);
+  for (std::size_t c = 0; c < made.face_vertices.size(); ++c) {
+    const std::size_t there = static_cast<std::size_t>(first) + c;
+    const std::int32_t row = made.face_vertices[c];
+    is_named[row] = true;
+    ASSERT_EQ(rows[row], whole.face_vertices[there]);
+    ASSERT_EQ(made.uvs[made.face_uvs[c]], whole.uvs[whole.face_uvs[there]]);
+  }
+  EXPECT_TRUE(std::ranges::all_of(is_named, [](bool named) { return named; }));
+  for (std::int64_t f = 0; f < faces.count; ++f)
+    ASSERT_EQ(made.face_groups[f], whole.face_groups[faces.first + f]);
+}
+
+TEST(FaceRangeBlocks, HaveTheSurfacesBits) {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const PolygonMesh mesh = test::laden_mesh(seed);
+    const DooSabinSurface base(mesh, {});
+    for (const int level : {0, 1, 2, 3}) {
+      SCOPED_TRACE(level);
+      const auto blocks = base.level(level);
+      const SurfaceMesh whole = collect(*blocks, {});
+      const std::int64_t count = blocks->info().face_count;
+      for (const RowRange faces : {RowRange{0, count}, RowRange{count / 3, count / 2},
+                                   RowRange{count - 1, 1}, RowRange{0, 1}})
+        expect_part_of(whole, *blocks, faces);
+    }
+  }
+}
+
+TEST(FaceRangeBlocks, NumbersKnowTheirPlaces) {
+  SubsetNumbers numbers(200);
+  numbers.add(std::array<std::int32_t, 5>{199, 3, 64, 63, 3});
+  numbers.add(std::array<std::int32_t, 2>{128, 0});
+  numbers.finish();
+  EXPECT_EQ(std::vector<std::int32_t>(numbers.all().begin(), numbers.all().end()),
+            (std::vector<std::int32_t>{0, 3, 63, 64, 128, 199}));
+  EXPECT_EQ(numbers.place_of(0), 0);
+  EXPECT_EQ(numbers.place_of(64), 3);
+  EXPECT_EQ(numbers.place_of(199), 5);
+}
+
+struct Numbered {
+  explicit Numbered(const PolygonMesh& mesh)
+      : topology(mesh),
+        features(find_sharp_features(mesh, topology, mesh.positions, {})),
+        patches(topology, features),
+        numbering(patches, 1) {}
+  MeshTopology topology;
+  SharpFeatures features;
+  PatchMesh patches;
+  PatchNumbering numbering;
+};
+
+void expect_places_of_face(const Numbered& at, const SharedPoints& points, std::int32_t face) {
+  EXPECT_EQ(points.rows()[points.centre()], at.numbering.face_row(face));
+  const std::int32_t first = at.topology.first_corner(face);
+  for (std::int32_t c = first; c < first + at.topology.face_size(face); ++c) {
+    EXPECT_EQ(points.rows()[points.vertex(c)], at.numbering.vertex_row(c));
+    EXPECT_EQ(points.rows()[points.midpoint(c)], at.numbering.edge_row(c));
+  }
+}
+
+TEST(SharedPoints, AreListedOnceEach) {
+  const Numbered at(test::torus(7, 5, 1.0, 0.4));
+  SharedPoints points(at.topology, at.numbering, at.topology.corner_count());
+  for (std::int32_t face = 0; face < at.topology.face_count(); ++face) {
+    points.add_face(face);
+    expect_places_of_face(at, points, face);
+  }
+  // A vertex, a centre and two midpoints for each of 35 quads. A vertex whose faces so far touch it
+  // across the face's own corner only is listed again.
+  std::vector<std::int32_t> rows(points.rows().begin(), points.rows().end());
+  std::ranges::sort(rows);
+  const auto twice = std::ranges::unique(rows);
+  EXPECT_EQ(twice.begin() - rows.begin(), 4 * 35);
+  EXPECT_LE(std::ssize(twice), 5 + 7);
+}
+
+TEST(SharedPoints, BeginAnewBehindAFaceThatIsLeftOut) {
+  const Numbered at(test::torus(7, 5, 1.0, 0.4));
+  SharedPoints points(at.topology, at.numbering, at.topology.corner_count());
+  for (const std::int32_t face : {3, 4, 9, 10, 2}) {
+    points.add_face(face);
+    expect_places_of_face(at, points, face);
+  }
+}
+
+// Figures of ranges that share points are those of each range by itself.
+TEST(SharedPoints, DoNotChangeFigures) {
+  const PolygonMesh mesh = test::torus(80, 60, 1.0, 0.4);
+  const DooSabinSurface base(mesh, {});
+  const auto blocks = base.level(1);
+  BlockQuality alone(*blocks, mesh, {});
+  ASSERT_GT(swept_pieces(blocks->info()).size(), 8u);
+  for (const RowRange piece : swept_pieces(blocks->info())) {
+    std::vector<glm::dvec3> positions(static_cast<std::size_t>(4 * piece.count));
+    std::vector<glm::vec3> normals(positions.size());
+    for (std::int64_t i = 0; i < piece.count; ++i) {
+      const auto at = static_cast<std::size_t>(4 * i);
+      blocks->corners({piece.first + i, 1}, std::span(positions).subspan(at, 4),
+                      std::span(normals).subspan(at, 4));
+    }
+    alone.add(piece, positions, normals);
+  }
+  const SurfaceQuality wanted = alone.result(), made = surface_quality(*blocks, mesh, {}, {});
+  EXPECT_EQ(made.max_normal_deviation, wanted.max_normal_deviation);
+  EXPECT_EQ(made.rms_normal_deviation, wanted.rms_normal_deviation);
+  EXPECT_EQ(made.bending, wanted.bending);
+  EXPECT_EQ(made.folded_area, wanted.folded_area);
 }
 
 }  // namespace

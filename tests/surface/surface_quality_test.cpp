@@ -13,7 +13,6 @@
 #include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
-#include "support/cone.h"
 #include "support/meshes.h"
 
 namespace planish {

@@ -1,25 +1,211 @@
-#include "planish/files/tiles/write_tiles.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
+#include <signal.h>
+#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "cli/json_schema.h"
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+#include "files/gltf/asset_sample.h"
+#include "files/gltf/glb_bytes.h"
+#include "planish/core/json.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/tiles/write_tiles.h"
 #include "planish/mesh/check.h"
-#include "support/expect_error.h"
-#include "support/files_below.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "support/calls.h"
+#include "support/files.h"
 #include "support/random_meshes.h"
-#include "support/temporary_folder.h"
-#include "tiles/read_tiles.h"
+
+namespace planish::test {
+namespace {
+
+// A tile of a set as a viewer meets it, with all transforms applied: in the frame of tiles, Z up.
+struct ReadTile {
+  int parent = -1;  // in the same list
+  glm::dvec3 lower{0.0}, upper{0.0};
+  double error = 0;
+  glm::dvec3 origin{0.0};
+  std::filesystem::path content;  // a .glb; empty: none
+  int level = 0;                  // by the file's name; 0: no content
+
+  [[nodiscard]] bool holds(const ReadTile& other) const;
+};
+
+struct ReadTileset {
+  std::vector<nlohmann::json> documents;  // the set's own first
+  std::vector<ReadTile> tiles;            // parents before children
+};
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The files of these tests have no other letters that URIs encode.
+std::string decoded(std::string uri) {
+  for (std::size_t at; (at = uri.find("%20")) != std::string::npos;) uri.replace(at, 3, " ");
+  return uri;
+}
+
+class TilesetReader {
+ public:
+  explicit TilesetReader(ReadTileset& set) : set_(set) {}
+
+  void read(const fs::path& document, int parent, const glm::dvec3& origin) {
+    const json parsed = json::parse(content_of(document));
+    set_.documents.push_back(parsed);
+    add(parsed["root"], document.parent_path(), parent, origin);
+  }
+
+ private:
+  void add(const json& tile, const fs::path& folder, int parent, glm::dvec3 origin) {
+    if (tile.contains("transform")) {
+      const auto m = tile["transform"].get<std::vector<double>>();
+      for (std::size_t i = 0; i < 16; ++i) {
+        if (i < 12 || i == 15) {
+          EXPECT_EQ(m[i], i % 5 == 0 ? 1 : 0) << "only moved";
+        }
+      }
+      origin += glm::dvec3(m[12], m[13], m[14]);
+    }
+    ReadTile read{
+        .parent = parent, .error = tile["geometricError"].get<double>(), .origin = origin};
+    const auto box = tile["boundingVolume"]["box"].get<std::vector<double>>();
+    const glm::dvec3 centre(box[0], box[1], box[2]), half(box[3], box[7], box[11]);
+    for (const std::size_t i : {4, 5, 6, 8, 9, 10}) EXPECT_EQ(box[i], 0);
+    read.lower = origin + centre - half;
+    read.upper = origin + centre + half;
+    const auto index = static_cast<int>(set_.tiles.size());
+    const fs::path content = tile.contains("content")
+                                 ? folder / decoded(tile["content"]["uri"].get<std::string>())
+                                 : fs::path();
+    const bool links = content.extension() == ".json";
+    if (!content.empty() && !links) {
+      read.content = content;
+      const std::string name = content.stem().string();
+      read.level = std::stoi(name.substr(name.find('-') + 1));
+    }
+    set_.tiles.push_back(read);
+    if (links) {
+      EXPECT_FALSE(tile.contains("children"));
+      this->read(content, index, origin);
+    }
+    if (!tile.contains("children")) return;
+    for (const json& child : tile["children"]) add(child, folder, index, origin);
+  }
+
+  ReadTileset& set_;
+};
+
+bool ReadTile::holds(const ReadTile& other) const {
+  for (int d = 0; d < 3; ++d)
+    if (other.lower[d] < lower[d] || other.upper[d] > upper[d]) return false;
+  return true;
+}
+
+ReadTileset read_tileset(const fs::path& document) {
+  ReadTileset set;
+  TilesetReader(set).read(document, -1, glm::dvec3(0.0));
+  return set;
+}
+
+// tinygltf does not unpack; planish's reader is compared with meshoptimizer's elsewhere.
+PolygonMesh unpacked(const ReadTile& tile) {
+  PolygonMesh mesh = read_mesh(tile.content).mesh;
+  for (glm::dvec3& p : mesh.positions) p = tile.origin + glm::dvec3(p.x, -p.z, p.y);
+  return mesh;
+}
+
+// A tile's triangles, corners not joined, in the frame of tiles; texture coordinates, if any, by
+// vertex.
+PolygonMesh triangles_of(const ReadTile& tile) {
+  const std::string bytes = content_of(tile.content);
+  if (bytes.find("extensionsRequired") != std::string::npos) return unpacked(tile);
+  tinygltf::Model model;
+  std::string error, warning;
+  EXPECT_TRUE(tinygltf::TinyGLTF().LoadBinaryFromMemory(
+      &model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()),
+      static_cast<unsigned>(bytes.size())))
+      << error;
+  EXPECT_TRUE(model.nodes.at(0).translation.empty());
+  PolygonMesh mesh;
+  for (const tinygltf::Primitive& primitive : model.meshes.at(0).primitives) {
+    const auto first = static_cast<std::int32_t>(mesh.positions.size());
+    const auto data = [&](int accessor) {
+      return model.buffers[0].data.data() +
+             model.bufferViews[model.accessors[accessor].bufferView].byteOffset;
+    };
+    const int positions = primitive.attributes.at("POSITION");
+    for (std::size_t i = 0; i < model.accessors[positions].count; ++i) {
+      glm::vec3 p;
+      std::memcpy(&p, data(positions) + i * sizeof(p), sizeof(p));
+      // Y up to Z up, as viewers turn it.
+      mesh.positions.push_back(tile.origin + glm::dvec3(p.x, -p.z, p.y));
+    }
+    if (const auto uvs = primitive.attributes.find("TEXCOORD_0"); uvs != primitive.attributes.end())
+      for (std::size_t i = 0; i < model.accessors[uvs->second].count; ++i) {
+        glm::vec2 uv;
+        std::memcpy(&uv, data(uvs->second) + i * sizeof(uv), sizeof(uv));
+        mesh.uvs.emplace_back(uv);
+      }
+    const bool is_short =
+        model.accessors[primitive.indices].componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+    for (std::size_t i = 0; i < model.accessors[primitive.indices].count; ++i) {
+      std::uint32_t index = 0;
+      const std::size_t size = is_short ? 2 : 4;
+      std::memcpy(&index, data(primitive.indices) + i * size, size);
+      mesh.face_vertices.push_back(first + static_cast<std::int32_t>(index));
+      if (i % 3 == 2)
+        mesh.face_offsets.push_back(static_cast<std::int32_t>(mesh.face_vertices.size()));
+    }
+  }
+  return mesh;
+}
+
+// The triangles of all tiles of a level, corners at equal places joined.
+PolygonMesh welded(const ReadTileset& set, int level) {
+  PolygonMesh all;
+  std::map<std::array<double, 3>, std::int32_t> places;
+  for (const ReadTile& tile : set.tiles) {
+    if (tile.level != level) continue;
+    const PolygonMesh mesh = triangles_of(tile);
+    for (const std::int32_t vertex : mesh.face_vertices) {
+      const glm::dvec3& p = mesh.positions[vertex];
+      const auto [place, is_new] =
+          places.try_emplace({p.x, p.y, p.z}, static_cast<std::int32_t>(all.positions.size()));
+      if (is_new) all.positions.push_back(p);
+      all.face_vertices.push_back(place->second);
+      if (all.face_vertices.size() % 3 == 0)
+        all.face_offsets.push_back(static_cast<std::int32_t>(all.face_vertices.size()));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+}  // namespace planish::test
 
 namespace planish {
 namespace {
@@ -397,3 +583,208 @@ TEST(WriteTiles, FailureLeavesNothing) {
 
 }  // namespace
 }  // namespace planish
+
+namespace planish::test {
+namespace {
+
+// Sets of tiles as the command writes them.
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class TileCommand : public FolderTest {
+ protected:
+  ProcessResult fit(std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"fit", torus_, "--device", "cpu"});
+    return run_planish(flags);
+  }
+  ProcessResult fit_set(std::vector<std::string> flags = {}) {
+    flags.insert(flags.end(), {"-o", path("t.json"), "--tile-vertices", "1000"});
+    return fit(std::move(flags));
+  }
+
+  std::string torus_ = write("torus.obj", torus_obj(32));
+};
+
+TEST_F(TileCommand, WritesASetAndReportsIt) {
+  const ProcessResult result = fit_set({"--report", path("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(names(), ElementsAre("r.json", "t", "t.json", "torus.obj"));
+  const nlohmann::json report = read_json("r.json");
+  std::ifstream file(PLANISH_REPORT_SCHEMA);
+  EXPECT_THAT(schema_problems(report, nlohmann::json::parse(file)), IsEmpty());
+  const nlohmann::json output = report["outputs"][0];
+  EXPECT_EQ(output["level"], 2);
+  EXPECT_EQ(output["vertices"], 16 * 32 * 32);
+  EXPECT_EQ(output["quads"], 16 * 32 * 32);
+  EXPECT_LT(output["as_written_error"], 1e-6);
+  EXPECT_GT(output["as_written_error"], 0);
+  const ReadTileset set = read_tileset(path("t.json"));
+  std::vector<std::int64_t> tiles(3), bytes(3), triangles(3);
+  for (const ReadTile& tile : set.tiles) {
+    if (tile.content.empty()) continue;
+    ++tiles[tile.level];
+    bytes[tile.level] += static_cast<std::int64_t>(fs::file_size(tile.content));
+    triangles[tile.level] += triangles_of(tile).face_count();
+  }
+  std::int64_t all = static_cast<std::int64_t>(read("t.json").size());
+  ASSERT_EQ(output["tiles"].size(), 2u);
+  for (int level = 1; level <= 2; ++level) {
+    const nlohmann::json& at = output["tiles"][level - 1];
+    EXPECT_EQ(at["level"], level);
+    EXPECT_EQ(at["tiles"], tiles[level]);
+    EXPECT_EQ(at["bytes"], bytes[level]);
+    EXPECT_EQ(at["triangles"], triangles[level]);
+    all += bytes[level];
+  }
+  EXPECT_EQ(output["bytes"], all);
+  EXPECT_GT(tiles[2], tiles[1]);
+  EXPECT_GT(output["tiles"][0]["geometric_error"], 0);
+  EXPECT_EQ(output["tiles"][1]["geometric_error"], 0);
+  EXPECT_THAT(result.err + result.out, HasSubstr("tiles, to level 2"));
+}
+
+TEST_F(TileCommand, FairSurfacesAndAxesToo) {
+  ASSERT_EQ(fit_set({"--interpolation", "fair"}).exit_code, 0);
+  const PolygonMesh y_up = welded(read_tileset(path("t.json")), 2);
+  EXPECT_EQ(y_up.vertex_count(), 16 * 32 * 32);
+  // Of a model with Z up, tiles have its own axes.
+  ASSERT_EQ(fit_set({"--interpolation", "fair", "--up", "z", "-f"}).exit_code, 0);
+  const PolygonMesh z_up = welded(read_tileset(path("t.json")), 2);
+  ASSERT_EQ(z_up.vertex_count(), y_up.vertex_count());
+  for (std::int32_t v = 0; v < z_up.vertex_count(); ++v) {
+    const glm::dvec3 p = z_up.positions[v];
+    ASSERT_EQ(y_up.positions[v], glm::dvec3(p.x, -p.z, p.y));
+  }
+}
+
+TEST_F(TileCommand, ScenesHaveTheSameSettings) {
+  write("s.json", R"({"version": 1, "jobs": [{"input": "torus.obj", "tile_vertices": 1000,
+    "skirts": true, "device": "cpu", "outputs": [{"path": "a.json"}]}]})");
+  const ProcessResult result = run_planish({"run", path("s.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(fit({"-o", path("b.json"), "--tile-vertices", "1000", "--skirts"}).exit_code, 0);
+  EXPECT_EQ(files_below(path("a")), files_below(path("b")));
+  ASSERT_EQ(fit_set().exit_code, 0);
+  EXPECT_NE(files_below(path("a")), files_below(path("t"))) << "skirts are more";
+}
+
+// Each tile has the materials of its faces; images stand once beside all of them.
+TEST_F(TileCommand, TilesHaveTheMaterialsOfAnAsset) {
+  AssetSample sample;
+  const std::string input = write("asset.glb", sample.glb());
+  for (int turn = 0; turn < 2; ++turn) {
+    const ProcessResult result = run_planish(
+        {"fit", input, "--device", "cpu", "-f", "-o", path("t.json"), "--tile-vertices", "256"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  EXPECT_EQ(read("t/images/0.png"), AssetSample::image());
+  std::set<std::string> seen;
+  for (const ReadTile& tile : read_tileset(path("t.json")).tiles) {
+    if (tile.content.empty()) continue;
+    const nlohmann::json made = document_of(read(tile.content.string()));
+    for (const nlohmann::json& material : made["materials"]) {
+      const auto given = std::ranges::find(sample.json["materials"], material);
+      ASSERT_NE(given, sample.json["materials"].end()) << material;
+      seen.insert(material["name"]);
+    }
+    EXPECT_EQ(made["images"][0]["uri"], "../images/0.png");
+    EXPECT_EQ(made["textures"], sample.json["textures"]);
+  }
+  EXPECT_EQ(seen, (std::set<std::string>{"check", "red", "plain"}));
+  // A stranger's file in that folder stays.
+  write("t/images/mine.txt", "");
+  EXPECT_EQ(run_planish({"fit", input, "-f", "-o", path("t.json")}).exit_code, 7);
+}
+
+TEST_F(TileCommand, FlagsWithoutTilesAreToldToHaveNoEffect) {
+  const ProcessResult result = fit({"-o", path("t.glb"), "--skirts", "--tile-vertices", "1000"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("without effect here: --tile-vertices, --skirts"));
+  EXPECT_THAT(result.err, HasSubstr("no output 3D Tiles)"));
+  EXPECT_THAT(fit_set({"--skirts"}).err, Not(HasSubstr("without effect")));
+}
+
+TEST_F(TileCommand, RefusesByName) {
+  const auto error = [&](std::vector<std::string> flags) {
+    const ProcessResult result = fit_set(std::move(flags));
+    EXPECT_EQ(result.exit_code, 2);
+    return result.err;
+  };
+  EXPECT_THAT(error({"--scheme", "catmull-clark"}),
+              HasSubstr("3D Tiles are made of Doo-Sabin surfaces, not of catmull-clark"));
+  EXPECT_THAT(error({"--levels", "0"}), HasSubstr("3D Tiles have levels from 1 on, not 0"));
+  EXPECT_THAT(error({"--attributes", "error"}), HasSubstr("t.json cannot hold them"));
+  EXPECT_THAT(fit({"-o", path("t.json"), "--tile-vertices", "255"}).err,
+              HasSubstr("--tile-vertices: 255 is out of range; 256 to 16777216"));
+  EXPECT_THAT(names(), ElementsAre("torus.obj"));
+}
+
+TEST_F(TileCommand, ForceReplacesASetAndNothingElse) {
+  ASSERT_EQ(fit_set({"--levels", "3"}).exit_code, 0);
+  const auto old = files_below(path("t"));
+  const std::string document = read("t.json");
+  const ProcessResult refused = fit_set();
+  EXPECT_EQ(refused.exit_code, 7);
+  EXPECT_THAT(refused.err, HasSubstr("t.json exists; --force overwrites it"));
+  fs::remove(path("t.json"));
+  EXPECT_THAT(fit_set().err, HasSubstr("exists; --force replaces it"));
+  EXPECT_EQ(files_below(path("t")), old);
+  write("t.json", document);
+  // A file of somebody else's, in the folder and in one of its own.
+  for (const char* foreign : {"t/readme.txt", "t/0/picture.glb"}) {
+    write(foreign, "mine");
+    const ProcessResult kept = fit_set({"-f"});
+    EXPECT_EQ(kept.exit_code, 7) << foreign;
+    EXPECT_THAT(kept.err, HasSubstr(foreign));
+    EXPECT_EQ(read(foreign), "mine");
+    EXPECT_EQ(read("t.json"), document);
+    fs::remove(path(foreign));
+  }
+  EXPECT_EQ(files_below(path("t")), old);
+  ASSERT_EQ(fit_set({"-f"}).exit_code, 0);
+  EXPECT_LT(files_below(path("t")).size(), old.size());
+  EXPECT_EQ(welded(read_tileset(path("t.json")), 2).vertex_count(), 16 * 32 * 32);
+  EXPECT_THAT(names(), ElementsAre("t", "t.json", "torus.obj"));
+}
+
+TEST_F(TileCommand, TheFolderIsNoPlaceForOtherOutputs) {
+  fs::create_directory(path("t"));
+  const ProcessResult result = fit({"-o", path("t/a.glb"), "-o", path("t.json")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("the folder of the tiles, has"));
+  const ProcessResult reversed = fit({"-o", path("t.json"), "-o", path("t/a.glb")});
+  EXPECT_EQ(reversed.exit_code, 2);
+  EXPECT_THAT(reversed.err, HasSubstr("t/a.glb lies in the folder of tiles"));
+}
+
+TEST_F(TileCommand, FullDisksAndInterruptsLeaveTheOldSet) {
+  ASSERT_EQ(fit_set().exit_code, 0);
+  const auto old = files_below(path("t"));
+  const std::string document = read("t.json");
+  const auto expect_old = [&] {
+    EXPECT_EQ(files_below(path("t")), old);
+    EXPECT_EQ(read("t.json"), document);
+    EXPECT_THAT(names(), ElementsAre("t", "t.json", "torus.obj"));
+  };
+  {
+    const ProcessResult result = [&] {
+      const FileSizeLimit limit(16 << 10);
+      return fit({"-o", path("t.json"), "-f", "--levels", "3"});
+    }();
+    EXPECT_EQ(result.exit_code, 7) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("cannot write"));
+    expect_old();
+  }
+  PlanishProcess process({"fit", torus_, "--device", "cpu", "-o", path("t.json"), "-f", "--levels",
+                          "6", "--progress", "json"},
+                         {});
+  EXPECT_TRUE(process.wait_for_message("\"write\""));
+  ::kill(process.id(), SIGINT);
+  EXPECT_EQ(process.finish().exit_code, 130);
+  expect_old();
+}
+
+}  // namespace
+}  // namespace planish::test

@@ -14,7 +14,7 @@
 #include "support/random_meshes.h"
 #include "viewer/device.h"
 #include "viewer/fixture.h"
-#include "vulkan/places_fixture.h"
+#include "vulkan/embedding_fixture.h"
 
 namespace planish::testing {
 namespace {

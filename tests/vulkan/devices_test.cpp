@@ -1,15 +1,33 @@
-// Listing and picking devices; and that validation would speak up.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "planish/vulkan/device/bindings.h"
 #include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/device/driver.h"
 #include "planish/vulkan/device/own_device.h"
+#include "planish/vulkan/solve/gpu_solve.h"
+#include "support/calls.h"
 #include "support/environment_variable.h"
+#include "vulkan/device_cases.h"
 #include "vulkan/fixture.h"
+#include "vulkan/pretended_driver.h"
 
 namespace planish::testing {
 namespace {
+
+// Listing and picking devices; and that validation would speak up.
 
 class VulkanDevices : public VulkanTest {};
 
@@ -84,7 +102,7 @@ TEST_F(VulkanDevices, CanBeListedAndOpenedAnyNumberOfTimes) {
   }
 }
 
-/// Records two commands that need a barrier between them, with or without it.
+// Records two commands that need a barrier between them, with or without it.
 void overwrite_twice(vulkan::Context& context, vulkan::Submitter& submitter, bool with_barrier) {
   const vulkan::Buffer buffer(context, 1024, vulkan::MemoryUse::Device);
   submitter.run([&](VkCommandBuffer commands) {
@@ -110,6 +128,484 @@ TEST_F(VulkanDevices, SynchronizationValidationIsOn) {
   overwrite_twice(context, submitter, /*with_barrier=*/false);
   // SYNC-HAZARD-WRITE-AFTER-WRITE, or WRITE_AFTER_WRITE by newer layers.
   EXPECT_THAT(heard, ::testing::Contains(::testing::ContainsRegex("WRITE.AFTER.WRITE")));
+}
+
+// A host's device, seen through a driver that pretends: memory that is not coherent, limits that
+// are too low, a device that gets lost.
+
+using namespace vulkan;
+
+class HostDevices : public VulkanTest {
+ protected:
+  void SetUp() override {
+    VulkanTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    PretendedDriver::reset();
+    OwnDeviceOptions options;
+    options.wanted = test::wanted_device();
+    options.instance.get_proc = PretendedDriver::get_proc();
+    options.instance.validation = validation_wanted();
+    options.instance.message = [this](std::string_view message) {
+      messages_.emplace_back(message);
+    };
+    own_ = std::make_unique<OwnDevice>(options);
+    host_ = own_->host_device();
+  }
+
+  std::unique_ptr<OwnDevice> own_;
+  HostDevice host_;
+};
+
+TEST_F(HostDevices, FlushAndInvalidateMemoryThatIsNotCoherent) {
+  PretendedDriver::pretence().split_memory = true;
+  Context context(host_);
+  Submitter submitter(context, own_->queue(), own_->capabilities().compute_family);
+  const Buffer buffer(context, 1000, MemoryUse::Device);
+  std::vector<std::byte> sent(1000, std::byte{42}), received;
+  submitter.upload(whole(buffer), sent);
+  EXPECT_EQ(PretendedDriver::count("vkFlushMappedMemoryRanges"), 1);
+  EXPECT_EQ(PretendedDriver::count("vkInvalidateMappedMemoryRanges"), 0);
+  submitter.download(whole(buffer), [&](std::uint64_t, std::span<const std::byte> piece) {
+    received.insert(received.end(), piece.begin(), piece.end());
+  });
+  EXPECT_EQ(PretendedDriver::count("vkInvalidateMappedMemoryRanges"), 1);
+  EXPECT_EQ(received, sent);
+}
+
+TEST_F(HostDevices, FlushWholeAtomsOfAHostsBlocks) {
+  PretendedDriver::pretence().split_memory = true;  // atoms of 256 bytes
+  const DeviceFunctions vk = DeviceFunctions::load(
+      InstanceFunctions::load(host_.get_instance_proc, host_.instance).vkGetDeviceProcAddr,
+      host_.device);
+  MemoryBlock block;
+  host_.memory.allocate = [&](const MemoryRequest&) { return block; };
+  host_.memory.free = [](const MemoryBlock&) {};
+  {
+    Context context(host_);  // asks what memory there is before any is taken
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = 8192;
+    info.memoryTypeIndex = 1;
+    check(vk.vkAllocateMemory(host_.device, &info, nullptr, &block.memory), "vkAllocateMemory");
+    void* mapped = nullptr;
+    check(vk.vkMapMemory(host_.device, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
+    block.offset = 2048;
+    block.mapped = static_cast<std::byte*>(mapped) + block.offset;
+    block.coherent = false;
+    for (const std::uint64_t bytes : {1u, 256u, 1000u}) {
+      Buffer buffer(context, bytes, MemoryUse::Upload);
+      buffer.flush();
+      buffer.invalidate();
+    }
+  }
+  vk.vkFreeMemory(host_.device, block.memory, nullptr);
+  for (const auto& ranges : {PretendedDriver::flushed(), PretendedDriver::invalidated()}) {
+    std::vector<VkDeviceSize> sizes;
+    for (const VkMappedMemoryRange& range : ranges) {
+      EXPECT_EQ(range.offset, block.offset);
+      sizes.push_back(range.size);
+    }
+    EXPECT_THAT(sizes, ::testing::ElementsAre(256, 256, 1024));
+  }
+}
+
+TEST_F(HostDevices, OfTooOldAnApiAreNotPicked) {
+  const auto picked = [&](const std::string& wanted) {
+    OwnDeviceOptions options;
+    options.wanted = wanted;
+    options.instance.get_proc = PretendedDriver::get_proc();
+    const OwnDevice device(options);
+  };
+  PretendedDriver::pretence().api_version = VK_API_VERSION_1_0;
+  for (const std::string& wanted : {std::string(), std::string("0"), own_->capabilities().name})
+    EXPECT_THAT(test::message_of(ErrorCode::NoDevice, [&] { picked(wanted); }),
+                ::testing::HasSubstr("offers Vulkan 1.0.0, 1.1 is needed"))
+        << wanted;
+}
+
+TEST(PickDevice, PrefersWhatIsUsable) {
+  std::vector<FoundDevice> devices(2);
+  devices[0].capabilities.name = "an old GPU";
+  devices[0].capabilities.type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+  devices[0].capabilities.reason = "is too old";
+  devices[0].capabilities.usable = false;
+  devices[1].capabilities.name = "a renderer";
+  devices[1].capabilities.type = VK_PHYSICAL_DEVICE_TYPE_CPU;
+  devices[1].capabilities.usable = true;
+  EXPECT_EQ(pick_device(devices, ""), 1u);
+  EXPECT_EQ(pick_device(devices, "1"), 1u);
+  EXPECT_EQ(pick_device(devices, "Rend"), 1u);
+  for (const char* wanted : {"0", "an old GPU", "old"})
+    EXPECT_EQ(test::message_of(ErrorCode::NoDevice, [&] { (void)pick_device(devices, wanted); }),
+              "device 'an old GPU' is too old");
+  EXPECT_THAT(test::message_of(ErrorCode::NoDevice, [&] { (void)pick_device(devices, "a"); }),
+              ::testing::HasSubstr("names several devices"));
+}
+
+// A host's allocator of mapped memory, which counts.
+struct CountedBlocks {
+  CountedBlocks(const HostDevice& host, const VkPhysicalDeviceMemoryProperties& of)
+      : device(host.device),
+        memory(of),
+        vk(DeviceFunctions::load(
+            InstanceFunctions::load(host.get_instance_proc, host.instance).vkGetDeviceProcAddr,
+            host.device)) {}
+  MemoryBlock allocate(const MemoryRequest& request) {
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = request.requirements.size;
+    info.memoryTypeIndex = mapped_type(memory, request.requirements.memoryTypeBits);
+    MemoryBlock block;
+    check(vk.vkAllocateMemory(device, &info, nullptr, &block.memory), "vkAllocateMemory");
+    check(vk.vkMapMemory(device, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped), "vkMapMemory");
+    ++living, ++made;
+    return block;
+  }
+  void free(const MemoryBlock& block) {
+    vk.vkFreeMemory(device, block.memory, nullptr);
+    --living;
+  }
+
+  VkDevice device;
+  VkPhysicalDeviceMemoryProperties memory;
+  DeviceFunctions vk;
+  int living = 0, made = 0;
+};
+
+TEST_F(HostDevices, HostsServeEveryAllocation) {
+  CountedBlocks blocks(host_, own_->capabilities().memory);
+  host_.memory.allocate = [&](const MemoryRequest& request) {
+    MemoryBlock block = blocks.allocate(request);
+    block.size = request.requirements.size;
+    return block;
+  };
+  host_.memory.free = [&](const MemoryBlock& block) { blocks.free(block); };
+  {
+    Context context(host_);
+    const StencilTable masks = torus_masks(8, 8);
+    DeviceTableOptions options;
+    options.includes_own_rows = true;
+    const DeviceTable table(context, masks.view(), options);
+    const GpuSolve solve(context, table);
+    EXPECT_GE(blocks.made, 10);
+    EXPECT_EQ(blocks.living, blocks.made);
+  }
+  EXPECT_EQ(blocks.living, 0);
+}
+
+TEST_F(HostDevices, HooksRunWithoutALock) {
+  Context* planish = nullptr;
+  std::vector<std::future<std::uint64_t>> others;  // end after the hook, whatever it finds
+  bool was_free = false;
+  host_.memory.allocate = [&](const MemoryRequest&) -> MemoryBlock {
+    others.push_back(
+        std::async(std::launch::async, [&] { return planish->memory().peak_bytes(); }));
+    was_free = others.back().wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    throw Error(ErrorCode::OutOfMemory, "no room");
+  };
+  host_.memory.free = [](const MemoryBlock&) {};
+  Context context(host_);
+  planish = &context;
+  EXPECT_THROW(Buffer(context, 64, MemoryUse::Device), Error);
+  EXPECT_TRUE(was_free);
+}
+
+TEST_F(HostDevices, BlocksThatCannotServeAreRefusedAndFreed) {
+  CountedBlocks blocks(host_, own_->capabilities().memory);
+  std::function<void(MemoryBlock&, const MemoryRequest&)> spoil;
+  host_.memory.allocate = [&](const MemoryRequest& request) {
+    MemoryBlock block = blocks.allocate(request);
+    spoil(block, request);
+    return block;
+  };
+  host_.memory.free = [&](const MemoryBlock& block) { blocks.free(block); };
+  Context context(host_);
+  const auto message_for = [&](MemoryUse use, const auto& how) {
+    spoil = how;
+    const std::string message =
+        test::message_of(ErrorCode::InvalidArgument, [&] { Buffer(context, 1000, use); });
+    EXPECT_EQ(blocks.living, 0) << message;
+    return message;
+  };
+  const auto unmapped = [](MemoryBlock& block, const MemoryRequest&) { block.mapped = nullptr; };
+  EXPECT_EQ(message_for(MemoryUse::Upload, unmapped),
+            "MemoryHooks::allocate returned a block for Upload that is not mapped; set "
+            "MemoryBlock::mapped");
+  EXPECT_THAT(message_for(MemoryUse::Download, unmapped), ::testing::HasSubstr("for Download"));
+  const auto beside = [](MemoryBlock& block, const MemoryRequest&) { block.offset = 2; };
+  EXPECT_THAT(message_for(MemoryUse::Device, beside),
+              ::testing::StartsWith("MemoryHooks::allocate returned a block for Device at "
+                                    "MemoryBlock::offset 2, which is no multiple of "));
+  const auto small = [](MemoryBlock& block, const MemoryRequest& request) {
+    block.size = request.requirements.size - 1;
+  };
+  EXPECT_THAT(message_for(MemoryUse::Device, small),
+              ::testing::EndsWith("bytes are needed; take MemoryRequest::requirements.size"));
+  const auto none = [&](MemoryBlock& block, const MemoryRequest&) {
+    blocks.free(block);
+    block = {};
+  };
+  EXPECT_EQ(message_for(MemoryUse::Device, none),
+            "MemoryHooks::allocate returned a block for Device without memory; set "
+            "MemoryBlock::memory, or throw Error{OutOfMemory} where there is none");
+}
+
+TEST_F(HostDevices, HalfGivenHooksAreRefused) {
+  const auto message = [&] {
+    return test::message_of(ErrorCode::InvalidArgument, [&] { const Context context(host_); });
+  };
+  host_.memory = {[](const MemoryRequest&) { return MemoryBlock{}; }, nullptr};
+  EXPECT_EQ(message(), "HostDevice::memory has allocate, but no free; set both, or neither");
+  host_.memory = {nullptr, [](const MemoryBlock&) {}};
+  EXPECT_EQ(message(), "HostDevice::memory has free, but no allocate; set both, or neither");
+}
+
+// OpenSubdiv's users bind a patch table's indices as index buffer.
+TEST_F(HostDevices, BuffersCanBeDrawnFrom) {
+  Context context(host_);
+  const Buffer buffer(context, 64, MemoryUse::Device);
+  const auto usages = PretendedDriver::notes().buffer_usages;
+  ASSERT_EQ(usages.size(), 1u);
+  for (const VkBufferUsageFlags usage :
+       {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT})
+    EXPECT_TRUE(*usages.begin() & usage);
+}
+
+TEST_F(HostDevices, TooFewStorageBuffersAreNamed) {
+  PretendedDriver::pretence().storage_buffers = 4;
+  const Capabilities capabilities =
+      query_capabilities(host_.get_instance_proc, host_.instance, host_.physical_device);
+  EXPECT_FALSE(capabilities.usable);
+  EXPECT_THAT(capabilities.reason,
+              ::testing::HasSubstr("maxPerStageDescriptorStorageBuffers is 4"));
+  EXPECT_THROW(Context{host_}, Error);
+}
+
+TEST_F(HostDevices, ALostDeviceIsAnErrorWithItsName) {
+  PretendedDriver::pretence().submit_result = VK_ERROR_DEVICE_LOST;
+  Context context(host_);
+  Submitter submitter(context, own_->queue(), own_->capabilities().compute_family);
+  try {
+    submitter.run([](VkCommandBuffer) {});
+    FAIL() << "nothing thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::DeviceLost);
+    EXPECT_STREQ(error.what(), "vkQueueSubmit: VK_ERROR_DEVICE_LOST");
+  }
+}
+
+TEST_F(HostDevices, OfVulkan10AreRefused) {
+  host_.api_version = VK_API_VERSION_1_0;
+  try {
+    const Context context(host_);
+    FAIL() << "nothing thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::NoDevice);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("1.1"));
+  }
+}
+
+TEST_F(HostDevices, ThatAreNotGivenWholeAreRefused) {
+  host_.device = VK_NULL_HANDLE;
+  EXPECT_THROW(Context{host_}, Error);
+}
+
+TEST_F(HostDevices, MissingOptionalFeaturesAreNamed) {
+  PretendedDriver::pretence().no_timestamps = true;
+  const Capabilities capabilities =
+      query_capabilities(host_.get_instance_proc, host_.instance, host_.physical_device);
+  EXPECT_TRUE(capabilities.usable);
+  ASSERT_EQ(capabilities.optional_features.size(), 2u);
+  EXPECT_EQ(capabilities.optional_features[0].name, "timestamps");
+  EXPECT_FALSE(capabilities.optional_features[0].available);
+  EXPECT_TRUE(capabilities.optional_features[1].available) << "VK_EXT_debug_utils";
+}
+
+TEST_F(HostDevices, LayersOverAnotherApiGetTheirExtension) {
+  // The pretended driver refuses a device without VK_KHR_portability_subset, as its rule wants.
+  PretendedDriver::pretence().portability_subset = true;
+  OwnDeviceOptions options;
+  options.wanted = test::wanted_device();
+  options.instance.get_proc = PretendedDriver::get_proc();
+  const OwnDevice device(options);
+  EXPECT_TRUE(device.capabilities().portability_subset);
+  EXPECT_THAT(device.capabilities().required_extensions,
+              ::testing::ElementsAre("VK_KHR_portability_subset"));
+  EXPECT_FALSE(own_->capabilities().portability_subset);
+}
+
+TEST_F(HostDevices, HearWhatWasChosen) {
+  std::vector<std::string> lines;
+  host_.log = [&](std::string_view line) { lines.emplace_back(line); };
+  const Context context(host_);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_THAT(lines[0], ::testing::HasSubstr(own_->capabilities().name));
+}
+
+TEST(VulkanResults, MapToErrorCodes) {
+  const auto code_of = [](VkResult result) {
+    try {
+      check(result, "call");
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode::Cancelled;  // nothing thrown
+  };
+  EXPECT_EQ(code_of(VK_SUCCESS), ErrorCode::Cancelled);
+  EXPECT_EQ(code_of(VK_INCOMPLETE), ErrorCode::Cancelled);
+  EXPECT_EQ(code_of(VK_ERROR_OUT_OF_DEVICE_MEMORY), ErrorCode::OutOfMemory);
+  EXPECT_EQ(code_of(VK_ERROR_DEVICE_LOST), ErrorCode::DeviceLost);
+  EXPECT_EQ(code_of(VK_ERROR_INCOMPATIBLE_DRIVER), ErrorCode::NoDevice);
+}
+
+// What the kernels ask of a device, read from their SPIR-V: nothing beyond Vulkan 1.1 without any
+// feature, within the limits that every device keeps. details.md of vulkan/ has the table.
+
+// Numbers of the SPIR-V specification.
+constexpr std::uint32_t kMagic = 0x07230203;
+constexpr std::uint32_t kVersion13 = 0x00010300;  // Vulkan 1.1 takes no later one
+enum Op : std::uint32_t {
+  OpExtension = 10,
+  OpExtInstImport = 11,
+  OpEntryPoint = 15,
+  OpExecutionMode = 16,
+  OpCapability = 17,
+  OpTypeInt = 21,
+  OpTypeFloat = 22,
+  OpTypeImage = 25,
+  OpDecorate = 71,
+  OpFSub = 131,
+  OpFMul = 133,
+};
+constexpr std::uint32_t kShader = 1, kSampledBuffer = 46;                   // capabilities
+constexpr std::uint32_t kCompute = 5;                                       // execution model
+constexpr std::uint32_t kLocalSize = 17;                                    // execution mode
+constexpr std::uint32_t kBuiltIn = 11, kBinding = 33, kNoContraction = 42;  // decorations
+// Built-ins that do not depend on the size of subgroups.
+const std::set<std::uint32_t> kPlainBuiltIns = {24, 25, 26, 27, 28, 29};
+constexpr std::uint32_t kSmallestGroupLimit = 128;  // maxComputeWorkGroupInvocations of any device
+
+struct Instruction {
+  std::uint32_t op;
+  std::vector<std::uint32_t> operands;
+};
+
+struct Module {
+  std::uint32_t version = 0;
+  std::vector<Instruction> instructions;
+};
+
+Module read_module(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::vector<std::uint32_t> words(bytes.size() / sizeof(std::uint32_t));
+  std::memcpy(words.data(), bytes.data(), words.size() * sizeof words[0]);
+  Module module;
+  if (words.size() < 5 || words[0] != kMagic) return module;
+  module.version = words[1];
+  for (std::size_t at = 5; at < words.size();) {
+    const std::size_t length = words[at] >> 16;
+    if (length == 0 || at + length > words.size()) return {};
+    module.instructions.push_back(
+        {words[at] & 0xffff, {words.begin() + at + 1, words.begin() + at + length}});
+    at += length;
+  }
+  return module;
+}
+
+std::map<std::string, Module> modules() {
+  std::map<std::string, Module> all;
+  for (const auto& entry : std::filesystem::directory_iterator(PLANISH_SHADER_FOLDER))
+    if (entry.path().extension() == ".spv")
+      all[entry.path().stem().string()] = read_module(entry.path());
+  return all;
+}
+
+TEST(Spirv, EveryKernelIsThere) {
+  const std::map<std::string, Module> all = modules();
+  for (std::size_t i = 0; i < vulkan::kKernelCount; ++i) {
+    // Debuggers are told "planish NAME".
+    const std::string label = vulkan::source_of(static_cast<vulkan::Kernel>(i)).name;
+    const std::string name = label.substr(label.find(' ') + 1);
+    ASSERT_TRUE(all.count(name)) << name;
+    EXPECT_GT(all.at(name).instructions.size(), 20u) << name;
+  }
+}
+
+TEST(Spirv, KernelsNeedNoFeature) {
+  for (const auto& [name, module] : modules()) {
+    SCOPED_TRACE(name);
+    EXPECT_LE(module.version, kVersion13);
+    for (const Instruction& instruction : module.instructions) {
+      const std::vector<std::uint32_t>& operands = instruction.operands;
+      if (instruction.op == OpCapability) {
+        // Neither subgroup operations nor 8, 16 or 64 bits, each of which has one of its own.
+        EXPECT_TRUE(operands[0] == kShader || operands[0] == kSampledBuffer) << operands[0];
+        if (operands[0] == kSampledBuffer) {
+          EXPECT_TRUE(name.ends_with("_texel"));
+        }
+      }
+      EXPECT_NE(instruction.op, OpExtension);
+      if (instruction.op == OpEntryPoint) {
+        EXPECT_EQ(operands[0], kCompute);
+      }
+      if (instruction.op == OpTypeInt || instruction.op == OpTypeFloat) {
+        EXPECT_EQ(operands[1], 32u);
+      }
+    }
+  }
+}
+
+TEST(Spirv, KernelsKeepToTheSmallestLimits) {
+  for (const auto& [name, module] : modules()) {
+    SCOPED_TRACE(name);
+    std::set<std::uint32_t> bindings;
+    std::uint32_t lanes = 0;
+    for (const Instruction& instruction : module.instructions) {
+      const std::vector<std::uint32_t>& operands = instruction.operands;
+      if (instruction.op == OpExecutionMode && operands[1] == kLocalSize)
+        lanes = operands[2] * operands[3] * operands[4];
+      if (instruction.op != OpDecorate) continue;
+      if (operands[1] == kBinding) bindings.insert(operands[2]);
+      if (operands[1] == kBuiltIn) {
+        EXPECT_TRUE(kPlainBuiltIns.count(operands[2])) << operands[2];
+      }
+    }
+    EXPECT_GE(lanes, 1u);
+    EXPECT_LE(lanes, kSmallestGroupLimit);
+    EXPECT_LE(bindings.size(), vulkan::kMaxBindings);
+  }
+}
+
+// A determinant that a device fuses with one of its products is not zero where the products are
+// equal, but the rounding of the other: the fair kernels compare them with zero.
+TEST(Spirv, FairKernelsNeverFuseDifferencesOfProducts) {
+  int differences = 0;
+  for (const auto& [name, module] : modules()) {
+    if (!name.starts_with("fair_")) continue;
+    std::set<std::uint32_t> exact, products;
+    for (const Instruction& instruction : module.instructions) {
+      const std::vector<std::uint32_t>& operands = instruction.operands;
+      if (instruction.op == OpDecorate && operands[1] == kNoContraction) exact.insert(operands[0]);
+      if (instruction.op == OpFMul) products.insert(operands[1]);
+      if (instruction.op != OpFSub) continue;
+      if (!products.count(operands[2]) || !products.count(operands[3])) continue;
+      EXPECT_TRUE(exact.count(operands[1])) << name;
+      ++differences;
+    }
+  }
+  EXPECT_GT(differences, 20);
+}
+
+// Of VK_KHR_portability_subset all features are of images, samplers, events, vertex input and
+// drawing: planish asks for no function that could use one.
+TEST(Spirv, NoFunctionOfThePortabilitySubsetIsAskedFor) {
+#define PLANISH_NAME(name) #name,
+  const std::string_view asked[] = {PLANISH_VULKAN_DEVICE_FUNCTIONS(PLANISH_NAME)};
+#undef PLANISH_NAME
+  for (const std::string_view name : asked)
+    for (const char* of : {"Image", "Sampler", "Event", "Graphics", "Draw", "RenderPass", "Vertex",
+                           "Depth", "Stencil", "Blend"})
+      EXPECT_EQ(name.find(of), std::string_view::npos) << name;
+  EXPECT_GT(std::size(asked), 40u);
 }
 
 }  // namespace

@@ -1,24 +1,132 @@
-// Edits on a device: against solves of all points, against the CPU's Editor, and what they cost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <limits>
+#include <list>
+#include <optional>
 #include <random>
+#include <vector>
 
 #include "planish/edit/editor.h"
 #include "planish/solve/backend.h"
 #include "planish/vulkan/device/commands.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
-#include "vulkan/edit_host.h"
-#include "vulkan/large_rings.h"
+#include "vulkan/device_cases.h"
+#include "vulkan/embedding_fixture.h"
 
 namespace planish::testing {
 namespace {
+
+constexpr std::uint32_t kMostMoves = 4096;
+
+// A host that edits: everything is mapped.
+struct EditHost {
+  EditHost(vulkan::Context& on, vulkan::Submitter& with, const PolygonMesh& mesh,
+           const vulkan::SystemOptions& options = {}, std::uint32_t instance_count = 1)
+      : context(on),
+        submitter(with),
+        instances(instance_count),
+        system(mesh, options),
+        tables(on, system, {.takes_edits = true}),
+        points(on, instances * mesh.positions.size() * sizeof(glm::vec3),
+               vulkan::MemoryUse::Upload),
+        output(on, std::uint64_t(instances) * system.vertex_count() * sizeof(Vertex),
+               vulkan::MemoryUse::Download),
+        report(on, instances * sizeof(vulkan::GpuStatus) + sizeof(vulkan::EditReach),
+               vulkan::MemoryUse::Download),
+        moves(on, (1 + kMostMoves) * sizeof(std::uint32_t), vulkan::MemoryUse::Upload),
+        solve(on, tables,
+              {.given = {points.handle()},
+               .vertices = {output.handle()},
+               .instances = instances,
+               .moved = {moves.handle(), 0, kMostMoves}}) {
+    vulkan::Buffer staging(on, tables.upload_bytes(), vulkan::MemoryUse::Upload);
+    tables.write_upload(system, staging.mapped().first(tables.upload_bytes()));
+    staging.flush();
+    submitter.run(
+        [&](VkCommandBuffer commands) { tables.record_upload(commands, staging.handle(), 0); });
+    stop_error = static_cast<float>(system.tolerance() / 8);
+    for (std::uint32_t i = 0; i < instances; ++i)
+      for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+        set_point(static_cast<std::int32_t>(v), glm::vec3(mesh.positions[v]), i);
+    solve_all(false);
+  }
+
+  void set_point(std::int32_t vertex, const glm::vec3& to, std::uint32_t instance = 0) {
+    const std::size_t place = instance * static_cast<std::size_t>(tables.given_count()) +
+                              static_cast<std::size_t>(vertex);
+    std::memcpy(points.mapped().data() + place * sizeof to, &to, sizeof to);
+    points.flush();
+  }
+  void list(const std::vector<std::uint32_t>& words, std::uint32_t count) {
+    std::memcpy(moves.mapped().data(), &count, sizeof count);
+    std::memcpy(moves.mapped().data() + sizeof count, words.data(), words.size() * sizeof words[0]);
+    moves.flush();
+  }
+  void solve_all(bool warm) {
+    vulkan::SolveParameters parameters = iterations(60);
+    parameters.stop_error = stop_error;
+    parameters.warm_start = warm;
+    submitter.run([&](VkCommandBuffer commands) {
+      solve.record_solve(commands, parameters);
+      solve.record_evaluate(commands);
+      solve.record_status(commands, report.handle(), 0);
+    });
+  }
+  vulkan::EditReach edit(const vulkan::EditParameters& parameters) {
+    submitter.run([&](VkCommandBuffer commands) { record(commands, parameters); });
+    return reach();
+  }
+  vulkan::EditReach edit() { return edit({.iterations = 40, .stop_error = stop_error}); }
+  void record(VkCommandBuffer commands, const vulkan::EditParameters& parameters) const {
+    solve.record_edit(commands, parameters);
+    solve.record_status(commands, report.handle(), 0);
+    solve.record_reach(commands, report.handle(), instances * sizeof(vulkan::GpuStatus));
+  }
+  template <class T>
+  T report_at(std::size_t offset) {
+    report.invalidate();
+    T result;
+    std::memcpy(&result, report.mapped().data() + offset, sizeof result);
+    return result;
+  }
+  vulkan::GpuStatus status(std::uint32_t i = 0) {
+    return report_at<vulkan::GpuStatus>(i * sizeof(vulkan::GpuStatus));
+  }
+  vulkan::EditReach reach() {
+    return report_at<vulkan::EditReach>(instances * sizeof(vulkan::GpuStatus));
+  }
+  std::vector<Vertex> vertices(std::uint32_t instance = 0) {
+    output.invalidate();
+    std::vector<Vertex> result(static_cast<std::size_t>(system.vertex_count()));
+    std::memcpy(result.data(), output.mapped().data() + instance * result.size() * sizeof(Vertex),
+                result.size() * sizeof(Vertex));
+    return result;
+  }
+  // All rows made anew from what edits left.
+  std::vector<Vertex> evaluated() {
+    submitter.run([&](VkCommandBuffer commands) { solve.record_evaluate(commands); });
+    return vertices();
+  }
+
+  vulkan::Context& context;
+  vulkan::Submitter& submitter;
+  std::uint32_t instances;
+  vulkan::System system;
+  vulkan::DeviceSystem tables;
+  vulkan::Buffer points, output, report, moves;
+  vulkan::Solve solve;
+  float stop_error = 0;
+};
+
+// Edits on a device: against solves of all points, against the CPU's Editor, and what they cost.
 
 using namespace vulkan;
 using ::testing::ElementsAre;
@@ -412,6 +520,213 @@ TEST_F(EmbedEdit, WhatCannotBeHadIsRefusedByName) {
                "points of level 1 take 81280 bytes of one binding, but "
                "maxStorageBufferRange is 80000");
   expect_limit(85000, "the limit masks are in 2 slices, edits take one");
+}
+
+// Edits with several frames in flight: each slot's vertices are those that a Solve of one slot has
+// after the same edits, whatever slots took them.
+
+// Slots of a Solve beside the EditHost's own, made on the same tables.
+class SlotsOfEdits {
+ public:
+  SlotsOfEdits(Context& context, const OwnDevice& device, EditHost& host, int count) : host_(host) {
+    for (int i = 0; i < count; ++i) slots_.emplace_back(context, device, host);
+    SolveOptions options;
+    options.instances = host.instances;
+    for (const Slot& slot : slots_)
+      options.further_slots.push_back(
+          {{slot.points.handle()}, {slot.output.handle()}, {slot.moves.handle(), 0, kMostMoves}});
+    options.given = options.further_slots[0].given;
+    options.vertices = options.further_slots[0].vertices;
+    options.moved = options.further_slots[0].moved;
+    options.further_slots.erase(options.further_slots.begin());
+    solve_.emplace(context, host.tables, options);
+    solve_all();
+  }
+  ~SlotsOfEdits() {
+    for (Slot& slot : slots_) slot.wait();
+  }
+  SlotsOfEdits(const SlotsOfEdits&) = delete;
+  SlotsOfEdits& operator=(const SlotsOfEdits&) = delete;
+
+  // All points, as the host has them; then each slot's vertices.
+  void solve_all() {
+    SolveParameters parameters = iterations(60);
+    parameters.stop_error = host_.stop_error;
+    for (Slot& slot : slots_) {
+      slot.wait();
+      std::ranges::copy(host_.points.mapped(), slot.points.mapped().begin());
+      slot.points.flush();
+    }
+    host_.submitter.run([&](VkCommandBuffer commands) {
+      solve_->record_solve(commands, parameters);
+      for (std::uint32_t i = 0; i < slots_.size(); ++i)
+        solve_->record_evaluate(commands, {.slot = i});
+    });
+  }
+  // Points are those of the EditHost, which holds the list, too; earlier edits may still run.
+  void edit(int number) {
+    Slot& slot = at(number);
+    slot.wait();
+    std::ranges::copy(host_.points.mapped(), slot.points.mapped().begin());
+    std::ranges::copy(host_.moves.mapped(), slot.moves.mapped().begin());
+    slot.points.flush();
+    slot.moves.flush();
+    slot.commands.record([&](VkCommandBuffer commands) {
+      solve_->record_edit(commands, {.iterations = 40,
+                                     .stop_error = host_.stop_error,
+                                     .slot = static_cast<std::uint32_t>(number)});
+      solve_->record_reach(commands, slot.report.handle(), 0);
+    });
+    slot.commands.submit();
+    slot.is_under_way = true;
+  }
+  std::vector<Vertex> vertices(int number, std::uint32_t instance = 0) {
+    Slot& slot = at(number);
+    slot.wait();
+    slot.output.invalidate();
+    std::vector<Vertex> result(static_cast<std::size_t>(host_.system.vertex_count()));
+    const std::size_t bytes = result.size() * sizeof(Vertex);
+    std::memcpy(result.data(), slot.output.mapped().data() + instance * bytes, bytes);
+    return result;
+  }
+  EditReach reach(int number) {
+    Slot& slot = at(number);
+    slot.wait();
+    slot.report.invalidate();
+    EditReach result;
+    std::memcpy(&result, slot.report.mapped().data(), sizeof result);
+    return result;
+  }
+
+ private:
+  struct Slot {
+    Slot(Context& context, const OwnDevice& device, const EditHost& host)
+        : points(context, host.points.size(), MemoryUse::Upload),
+          output(context, host.output.size(), MemoryUse::Download),
+          moves(context, host.moves.size(), MemoryUse::Upload),
+          report(context, sizeof(EditReach), MemoryUse::Download),
+          commands(device) {}
+    void wait() {
+      if (is_under_way) commands.wait();
+      is_under_way = false;
+    }
+    Buffer points, output, moves, report;
+    HostCommands commands;
+    bool is_under_way = false;
+  };
+  Slot& at(int number) {
+    return *std::next(slots_.begin(), number % static_cast<int>(slots_.size()));
+  }
+
+  EditHost& host_;
+  std::list<Slot> slots_;
+  std::optional<vulkan::Solve> solve_;
+};
+
+class EmbedEditSlots : public Embedding {
+ protected:
+  // Moves a vertex of an instance and lists it.
+  static void move(EditHost& host, const PolygonMesh& mesh, std::uint32_t vertex,
+                   std::uint32_t instance, float way) {
+    const glm::vec3 rest(mesh.positions[vertex]);
+    host.set_point(static_cast<std::int32_t>(vertex),
+                   rest + way * glm::vec3(std::sin(7.0f * rest.x), 1, std::cos(5.0f * rest.y)),
+                   instance);
+    host.list({instance * static_cast<std::uint32_t>(mesh.positions.size()) + vertex}, 1);
+  }
+};
+
+// In turn, as frames are, and in any order.
+TEST_F(EmbedEditSlots, VerticesAreThoseOfOneSlot) {
+  std::vector<test::NamedMesh> meshes = {
+      {"torus", test::torus(30, 20, 1, 0.4)},
+      {"creased", test::with_random_creases(test::random_open_mesh(2), 0.1, 3)}};
+  meshes.push_back(large_rings().front());
+  with_both_variants([&] {
+    for (const auto& [name, mesh] : meshes)
+      for (const int count : {2, 3}) {
+        SCOPED_TRACE(name + " " + std::to_string(count));
+        EditHost host(*context_, *submitter_, mesh);
+        SlotsOfEdits slots(*context_, *own_, host, count);
+        std::mt19937 random(3);
+        std::vector<std::vector<Vertex>> expected(static_cast<std::size_t>(count));
+        for (int i = 0; i < 18; ++i) {
+          const int slot = i < 9 ? i % count : static_cast<int>(random() % unsigned(count));
+          const auto used = host.system.used_vertices();
+          move(host, mesh, static_cast<std::uint32_t>(used[random() % used.size()]), 0, 0.05f);
+          slots.edit(slot);
+          host.edit();
+          expected[slot] = host.vertices();
+          // One that is older: as it was when its edit was done.
+          const int other = (slot + 1) % count;
+          if (!expected[other].empty() && i % 3 == 2) {
+            EXPECT_TRUE(same_bits(slots.vertices(other), expected[other])) << i;
+          }
+          if (i % 2 == 1) {
+            EXPECT_TRUE(same_bits(slots.vertices(slot), host.vertices())) << i;
+          }
+        }
+      }
+  });
+}
+
+TEST_F(EmbedEditSlots, InstancesHaveThem) {
+  const PolygonMesh mesh = test::torus(12, 7, 2, 0.7);
+  EditHost host(*context_, *submitter_, mesh, {}, 3);
+  SlotsOfEdits slots(*context_, *own_, host, 2);
+  for (int i = 0; i < 9; ++i) {
+    move(host, mesh, static_cast<std::uint32_t>(11 * i) % 84, static_cast<std::uint32_t>(i) % 3,
+         0.05f);
+    slots.edit(i);
+    host.edit();
+    for (std::uint32_t k = 0; k < 3; ++k)
+      EXPECT_TRUE(same_bits(slots.vertices(i, k), host.vertices(k))) << i << " " << k;
+  }
+}
+
+// What a slot has not yet got costs once, and what all have got nothing.
+TEST_F(EmbedEditSlots, StalePatchesAreEvaluatedOnce) {
+  const PolygonMesh mesh = test::torus(60, 30, 1, 0.4);
+  EditHost host(*context_, *submitter_, mesh);
+  SlotsOfEdits slots(*context_, *own_, host, 3);
+  move(host, mesh, 900, 0, 0.01f);
+  slots.edit(0);
+  const EditReach first = slots.reach(0);
+  EXPECT_GT(first.patches, 0u);
+  host.list({}, 0);
+  for (const int slot : {1, 2}) {
+    slots.edit(slot);
+    EXPECT_EQ(slots.reach(slot).patches, first.patches) << slot;
+    EXPECT_EQ(slots.reach(slot).points, first.points) << slot;
+    EXPECT_EQ(slots.reach(slot).listed, 0u);
+  }
+  for (const int slot : {0, 1, 2}) {
+    slots.edit(slot);
+    EXPECT_EQ(slots.reach(slot).patches, 0u) << slot;
+  }
+  // The same place twice is stale once; the second edit finds all as it should be.
+  move(host, mesh, 900, 0, 0.02f);
+  slots.edit(0);
+  const EditReach moved = slots.reach(0);
+  slots.edit(0);
+  EXPECT_LT(slots.reach(0).patches, moved.patches);
+  host.list({}, 0);
+  slots.edit(1);
+  EXPECT_EQ(slots.reach(1).patches, moved.patches);
+  EXPECT_TRUE(same_bits(slots.vertices(1), slots.vertices(0)));
+}
+
+TEST_F(EmbedEditSlots, SolvesForgetWhatWasStale) {
+  const PolygonMesh mesh = test::torus(30, 20, 1, 0.4);
+  EditHost host(*context_, *submitter_, mesh);
+  SlotsOfEdits slots(*context_, *own_, host, 2);
+  move(host, mesh, 100, 0, 0.1f);
+  slots.edit(0);
+  slots.solve_all();
+  host.list({}, 0);
+  slots.edit(1);
+  EXPECT_EQ(slots.reach(1).patches, 0u);
+  EXPECT_TRUE(same_bits(slots.vertices(1), slots.vertices(0)));
 }
 
 }  // namespace

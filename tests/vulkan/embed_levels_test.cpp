@@ -1,23 +1,247 @@
-// Levels by need: which one each instance of a view has, against a choice in double; that what is
-// evaluated has record_evaluate's bits; that what is not seen is neither dispatched nor drawn.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "planish/pipeline/fit.h"
 #include "planish/queries/surface_queries.h"
 #include "planish/solve/backend.h"
+#include "planish/vulkan/device/commands.h"
+#include "support/calls.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
-#include "vulkan/large_rings.h"
-#include "vulkan/level_host.h"
-#include "vulkan/places_fixture.h"
+#include "vulkan/device_cases.h"
+#include "vulkan/embedding_fixture.h"
 
 namespace planish::testing {
 namespace {
+
+// Words of a buffer, as a host gets them.
+std::vector<std::uint32_t> words_of(vulkan::Buffer& buffer) {
+  buffer.invalidate();
+  std::vector<std::uint32_t> words(buffer.mapped().size() / sizeof(std::uint32_t));
+  std::memcpy(words.data(), buffer.mapped().data(), words.size() * sizeof words[0]);
+  return words;
+}
+
+// The sphere around a box of points, in double.
+struct Sphere {
+  glm::dvec3 centre{0.0};
+  double radius = 0;
+};
+Sphere sphere_around(const std::vector<glm::dvec3>& points) {
+  glm::dvec3 low = points.at(0), high = low;
+  for (const glm::dvec3& p : points) low = glm::min(low, p), high = glm::max(high, p);
+  Sphere sphere{0.5 * (low + high)};
+  for (const glm::dvec3& p : points)
+    sphere.radius = std::max(sphere.radius, glm::distance(p, sphere.centre));
+  return sphere;
+}
+
+// A camera at the origin that looks along -z, 60 degrees high and wide, in Vulkan's clip space.
+glm::mat4 perspective(float near, float far) {
+  const float f = std::sqrt(3.0f);
+  glm::mat4 clip(0.0f);
+  clip[0][0] = f;
+  clip[1][1] = -f;
+  clip[2][2] = far / (near - far);
+  clip[2][3] = -1;
+  clip[3][2] = near * far / (near - far);
+  return clip;
+}
+
+// A view of instances, with a host's picture in mind.
+vulkan::TessellateParameters view_of(const glm::mat4& clip, float chord_pixels = 0.5f) {
+  vulkan::TessellateParameters view;
+  std::memcpy(view.clip_from_world.data(), &clip, sizeof clip);
+  view.viewport_height = 720;
+  view.chord_pixels = chord_pixels;
+  return view;
+}
+
+// Instances of a mesh, each at a place of its own in a pose of its own, with a Tessellation.
+struct LevelHost {
+  using Place = std::function<glm::dvec3(std::uint32_t)>;
+
+  LevelHost(vulkan::Context& on, vulkan::Submitter& with, const PolygonMesh& mesh,
+            const vulkan::SystemOptions& options, const std::vector<glm::dvec3>& places,
+            std::vector<std::uint32_t> room = {}, vulkan::VertexLayout layout = {})
+      : context(on),
+        submitter(with),
+        rest(mesh),
+        offsets(places),
+        count(static_cast<std::uint32_t>(places.size())),
+        level_numbers(options.levels),
+        system(mesh, options),
+        tables(on, system, {.max_vertex_stride = 64}),
+        points(on, count * mesh.positions.size() * sizeof(glm::vec3), vulkan::MemoryUse::Upload),
+        output(on, vertex_total(tables, count, room) * layout.stride, vulkan::MemoryUse::Download),
+        solve(on, tables, {.given = {points.handle()}, .instances = count}) {
+    layout.buffer = output.handle();
+    levels.emplace(on, tables, solve,
+                   vulkan::TessellationOptions{.vertices = layout, .places = std::move(room)});
+    vulkan::Buffer staging(on, tables.upload_bytes(), vulkan::MemoryUse::Upload);
+    tables.write_upload(system, staging.mapped().first(tables.upload_bytes()));
+    staging.flush();
+    submitter.run(
+        [&](VkCommandBuffer commands) { tables.record_upload(commands, staging.handle(), 0); });
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const PolygonMesh pose = pose_of(i);
+      const std::vector<glm::vec3> rounded(pose.positions.begin(), pose.positions.end());
+      const std::size_t bytes = rounded.size() * sizeof rounded[0];
+      std::memcpy(points.mapped().data() + i * bytes, rounded.data(), bytes);
+    }
+    points.flush();
+    submitter.run([&](VkCommandBuffer commands) {
+      levels->record_reset(commands);
+      solve.record_solve(commands, iterations(20));
+      solve.record_surface(commands);
+    });
+  }
+
+  static std::uint64_t vertex_total(const vulkan::DeviceSystem& tables, std::uint32_t instances,
+                                    const std::vector<std::uint32_t>& room) {
+    const std::vector<std::int32_t> counts = tables.level_vertex_counts();
+    std::uint64_t total = 0;
+    for (std::size_t k = 0; k < counts.size(); ++k)
+      total +=
+          std::uint64_t(room.empty() ? instances : room[k]) * static_cast<std::uint64_t>(counts[k]);
+    return total;
+  }
+
+  [[nodiscard]] PolygonMesh pose_of(std::uint32_t instance) const {
+    PolygonMesh pose = posed(rest, static_cast<int>(instance));
+    for (glm::dvec3& p : pose.positions) p = glm::dvec3(glm::vec3(p + offsets[instance]));
+    return pose;
+  }
+
+  // Draws a view; returns each instance's level.
+  std::vector<std::uint32_t> draw(const vulkan::TessellateParameters& view) {
+    vulkan::Buffer report(context, count * sizeof(std::uint32_t), vulkan::MemoryUse::Download);
+    submitter.run([&](VkCommandBuffer commands) {
+      levels->record_evaluate(commands, view);
+      levels->record_levels(commands, report.handle(), 0);
+    });
+    std::vector<std::uint32_t> words = words_of(report);
+    words.resize(count);
+    return words;
+  }
+
+  // A buffer of planish's own.
+  std::vector<std::uint32_t> fetch(VkBuffer from, VkDeviceSize offset, VkDeviceSize bytes) {
+    vulkan::Buffer copy(context, bytes, vulkan::MemoryUse::Download);
+    submitter.run([&](VkCommandBuffer commands) {
+      vulkan::record_barrier(context, commands, vulkan::kExitScope, vulkan::kEntryScope);
+      const VkBufferCopy region{offset, 0, bytes};
+      context.vk().vkCmdCopyBuffer(commands, from, copy.handle(), 1, &region);
+    });
+    std::vector<std::uint32_t> words = words_of(copy);
+    words.resize(bytes / sizeof(std::uint32_t));
+    return words;
+  }
+  std::vector<VkDrawIndexedIndirectCommand> draws() {
+    const VkDeviceSize bytes = count * sizeof(VkDrawIndexedIndirectCommand);
+    const std::vector<std::uint32_t> words = fetch(levels->draws(), 0, bytes);
+    std::vector<VkDrawIndexedIndirectCommand> result(count);
+    std::memcpy(result.data(), words.data(), bytes);
+    return result;
+  }
+  // Control points of an instance.
+  std::vector<glm::dvec3> control_points(std::uint32_t instance) {
+    const std::size_t rows = system.used_vertices().size();
+    const std::vector<std::uint32_t> words = fetch(
+        solve.control_points(), instance * solve.control_point_stride(), rows * 4 * sizeof(float));
+    std::vector<glm::dvec3> result;
+    for (std::size_t i = 0; i < rows; ++i) {
+      std::array<float, 3> p{};
+      std::memcpy(p.data(), &words[4 * i], sizeof p);
+      result.emplace_back(p[0], p[1], p[2]);
+    }
+    return result;
+  }
+
+  vulkan::Context& context;
+  vulkan::Submitter& submitter;
+  PolygonMesh rest;
+  std::vector<glm::dvec3> offsets;
+  std::uint32_t count;
+  std::vector<int> level_numbers;
+  vulkan::System system;
+  vulkan::DeviceSystem tables;
+  vulkan::Buffer points, output;
+  vulkan::Solve solve;
+  std::optional<vulkan::Tessellation> levels;
+};
+
+// What a view should choose, in double and without a device: the rule of host/tessellation.h.
+class LevelChoice {
+ public:
+  static constexpr std::uint32_t kNotSeen = vulkan::Tessellation::kNotSeen;
+
+  // `ratios`: chord errors for a sphere of radius 1.
+  LevelChoice(const vulkan::TessellateParameters& view, std::vector<double> ratios)
+      : view_(view), ratios_(std::move(ratios)) {}
+
+  [[nodiscard]] std::uint32_t level(const Sphere& sphere, std::uint32_t last = kNotSeen) {
+    glm::dvec4 rows[4];
+    for (int r = 0; r < 4; ++r)
+      for (int c = 0; c < 4; ++c) rows[r][c] = view_.clip_from_world[4 * c + r];
+    const glm::dvec4 planes[] = {rows[3] + rows[0], rows[3] - rows[0], rows[3] + rows[1],
+                                 rows[3] - rows[1], rows[2],           rows[3] - rows[2]};
+    for (const glm::dvec4& plane : planes) {
+      const double length = glm::length(glm::dvec3(plane));
+      if (length == 0) continue;
+      const double distance = (glm::dot(glm::dvec3(plane), sphere.centre) + plane.w) / length;
+      note(distance, -sphere.radius, sphere.radius);
+      if (distance < -sphere.radius) return kNotSeen;
+    }
+    const double depth = glm::dot(glm::dvec3(rows[3]), sphere.centre) + rows[3].w -
+                         sphere.radius * glm::length(glm::dvec3(rows[3]));
+    const auto pixels = [&](std::size_t k) {
+      return depth > 0 ? sphere.radius * ratios_[k] * glm::length(glm::dvec3(rows[1])) * 0.5 *
+                             view_.viewport_height / depth
+                       : 1e30;
+    };
+    const auto first_within = [&](double limit) {
+      std::uint32_t k = 0;
+      while (k + 1 < ratios_.size()) {
+        note(pixels(k), limit, limit);
+        if (pixels(k) <= limit) break;
+        ++k;
+      }
+      return k;
+    };
+    const std::uint32_t needed = first_within(view_.chord_pixels);
+    if (last >= ratios_.size() || needed >= last) return needed;
+    return std::min(last, first_within(view_.chord_pixels * view_.coarser_at));
+  }
+  // How near any comparison was to its limit, of the limit's size.
+  [[nodiscard]] double closest_call() const { return closest_; }
+
+ private:
+  void note(double value, double limit, double scale) {
+    if (scale > 0) closest_ = std::min(closest_, std::abs(value - limit) / scale);
+  }
+
+  vulkan::TessellateParameters view_;
+  std::vector<double> ratios_;
+  double closest_ = 1e30;
+};
+
+// Levels by need: which one each instance of a view has, against a choice in double; that what is
+// evaluated has record_evaluate's bits; that what is not seen is neither dispatched nor drawn.
 
 using namespace vulkan;
 using ::testing::Each;
@@ -357,6 +581,132 @@ TEST_F(EmbedLevels, ChordErrorsAreThoseOfTheSurface) {
       EXPECT_GE(largest, 0.4 * errors[k]) << kLevels[k];
     }
   }
+}
+
+// What a Tessellation promises its host: that recording only records, and that options which do not
+// fit are refused by name.
+using ::testing::HasSubstr;
+
+class EmbedLevelsHost : public Embedding {};
+
+TEST_F(EmbedLevelsHost, RecordingOnlyRecords) {
+  LevelHost host(*context_, *submitter_, test::icosphere(1), {.levels = {1, 2, 3, 4}},
+                 {{0, 0, -4}, {0, 0, -40}, {0, 0, 4}});
+  HostCommands commands(*own_);
+  Buffer report(*context_, 64, MemoryUse::Download);
+  commands.record([&](VkCommandBuffer buffer) {
+    const std::map<std::string, int> before = PretendedDriver::counts();
+    host.levels->record_reset(buffer);
+    host.levels->record_evaluate(buffer, view_of(perspective(0.1f, 5000)));
+    host.levels->record_levels(buffer, report.handle(), 0);
+    for (const auto& [name, count] : PretendedDriver::counts()) {
+      const auto found = before.find(name);
+      if (found != before.end() && found->second == count) continue;
+      EXPECT_THAT(name, ::testing::StartsWith("vkCmd"));
+    }
+  });
+  // The same commands again and again.
+  std::vector<std::uint32_t> first;
+  for (int i = 0; i < 3; ++i) {
+    commands.submit();
+    commands.wait();
+    if (i == 0) first = words_of(report);
+    EXPECT_EQ(words_of(report), first);
+  }
+}
+
+TEST_F(EmbedLevelsHost, WrongOptionsAreRefusedByName) {
+  const PolygonMesh mesh = test::icosphere(1);
+  const auto refusal = [](const auto& make) {
+    try {
+      make();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+      return std::string(error.what());
+    }
+    return std::string("nothing thrown");
+  };
+  const auto of_levels = [&](std::vector<int> levels) {
+    return refusal([&] { const System system(mesh, {.levels = std::move(levels)}); });
+  };
+  EXPECT_THAT(of_levels({0, 1}), HasSubstr("ascend from 1 to 5, but 0 stands first"));
+  EXPECT_THAT(of_levels({2, 2}), HasSubstr("but 2 stands behind 2"));
+  EXPECT_THAT(of_levels({3, 6}), HasSubstr("but 6 stands behind 3"));
+  HostTopology none(*context_, mesh), some(*context_, mesh, {.levels = {1, 3}});
+  const Buffer target(*context_, 1 << 16, MemoryUse::Device),
+      other(*context_, 64, MemoryUse::Device);
+  const vulkan::Solve without(*context_, none.device),
+      with(*context_, some.device, {.instances = 3});
+  const auto of_options = [&](const TessellationOptions& options) {
+    return refusal([&] { const Tessellation levels(*context_, some.device, with, options); });
+  };
+  EXPECT_THAT(refusal([&] {
+                const Tessellation levels(*context_, none.device, without,
+                                          {.vertices = {target.handle()}});
+              }),
+              HasSubstr("no levels to choose from"));
+  EXPECT_THAT(of_options({}), HasSubstr("have no buffer"));
+  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {3}}),
+              HasSubstr("places are of 1 levels, but the System has 2"));
+  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {2, 2}}),
+              HasSubstr("places for 2 instances, but takes all 3"));
+  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {3, 0}}),
+              HasSubstr("places for no instance"));
+  VertexLayout apart{target.handle()};
+  apart.attributes = {other.handle(), 0, 12};
+  apart.normal_offset = 0;
+  EXPECT_THAT(of_options({.vertices = apart}), HasSubstr("in one buffer"));
+}
+
+// Of a device that binds 128 KiB: what is too large, by how much, and the way out.
+TEST_F(EmbedLevelsHost, TooManyPlacesAreRefusedByLevel) {
+  PretendedDriver::pretence().storage_range = 1 << 17;
+  with_both_variants([&] {
+    HostTopology topology(*context_, test::icosphere(1), {.levels = {1, 4}}, 24);
+    const vulkan::Solve solve(*context_, topology.device, {.instances = 5});
+    const Buffer target(*context_, 1 << 21, MemoryUse::Device);
+    TessellationOptions options{.vertices = {.buffer = target.handle(), .offset = 8, .stride = 24}};
+    const auto counts = topology.device.level_vertex_counts();
+    const auto bytes = [&](std::int32_t coarse, std::int32_t fine) {
+      return static_cast<std::uint64_t>(8 + 24 * (coarse * counts[0] + fine * counts[1]));
+    };
+    EXPECT_EQ(topology.device.tessellation_bytes(options, 5), bytes(5, 5));
+    try {
+      const Tessellation levels(*context_, topology.device, solve, options);
+      FAIL() << "nothing thrown";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
+      EXPECT_THAT(error.what(), HasSubstr(": the Tessellation's vertices of level 4 take "));
+      EXPECT_THAT(error.what(),
+                  HasSubstr(" bytes of one binding, but maxStorageBufferRange is 131072; give that "
+                            "level fewer places than 5 (TessellationOptions::places), or vertices "
+                            "a smaller stride"));
+    }
+    options.places = {9, 1};  // of which there are five
+    EXPECT_EQ(topology.device.tessellation_bytes(options, 5), bytes(5, 1));
+    const Tessellation levels(*context_, topology.device, solve, options);
+    options.places = {5};
+    EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
+                                 [&] { (void)topology.device.tessellation_bytes(options, 5); }),
+                HasSubstr("places are of 1 levels, but the System has 2"));
+  });
+}
+
+// Of a buffer that the Solve's points are in.
+TEST_F(EmbedLevelsHost, VerticesOverPointsAreRefused) {
+  HostTopology topology(*context_, test::icosphere(1), {.levels = {1, 3}});
+  const Buffer all(*context_, 1 << 21, MemoryUse::Device);
+  const vulkan::Solve solve(*context_, topology.device,
+                            {.given = {all.handle(), 1 << 20}, .instances = 2});
+  const auto made_at = [&](VkDeviceSize offset) {
+    const Tessellation levels(*context_, topology.device, solve,
+                              {.vertices = {.buffer = all.handle(), .offset = offset}});
+  };
+  const std::uint64_t bytes = topology.device.tessellation_bytes({}, 2);
+  made_at((1 << 20) - bytes);
+  EXPECT_THAT(
+      test::message_of(ErrorCode::InvalidArgument, [&] { made_at((1 << 20) + 24 - bytes); }),
+      HasSubstr("given points of slot 0 and positions of the Tessellation share bytes "));
 }
 
 }  // namespace

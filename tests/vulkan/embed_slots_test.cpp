@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "support/expect_error.h"
+#include "support/calls.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"

@@ -12,8 +12,8 @@
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 #include "support/random_meshes.h"
+#include "vulkan/device_cases.h"
 #include "vulkan/fixture.h"
-#include "vulkan/large_rings.h"
 
 namespace planish::testing {
 

@@ -1,15 +1,95 @@
-// Every kernel against its CPU twin.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
 
+#include "planish/solve/backend.h"
+#include "planish/solve/stencil_table.h"
+#include "vulkan/device_cases.h"
 #include "vulkan/fixture.h"
-#include "vulkan/tables.h"
-#include "vulkan/twins.h"
+
+namespace planish::testing::twin {
+namespace {
+
+/// The kernels again, on the CPU, in the same float arithmetic in the same order.
+
+// The state that interpolation steps go through.
+struct Interpolation {
+  std::vector<glm::vec3> initial, previous, current;
+
+  // Measures, then steps. Returns the largest |residual|^2 and the sum of them.
+  struct Measure {
+    float max_square;
+    double square_sum;
+  };
+  Measure interpolation_step(const StencilView<double>& masks, const StepCoefficients& step);
+};
+
+std::vector<glm::vec3> rounded(std::span<const glm::dvec3> points) {
+  return {points.begin(), points.end()};
+}
+
+// One row of a table applied to points.
+glm::vec3 apply_row(const StencilView<double>& table, std::span<const double> weights,
+                    std::span<const glm::vec3> source, std::int32_t row) {
+  glm::vec3 sum(0);
+  for (std::int32_t k = table.offsets[row]; k < table.offsets[row] + table.sizes[row]; ++k)
+    sum += static_cast<float>(weights[k]) * source[table.indices[k]];
+  return sum;
+}
+
+std::vector<glm::vec3> apply_stencils(const StencilView<double>& table,
+                                      std::span<const glm::vec3> source) {
+  std::vector<glm::vec3> target(table.row_count());
+  for (std::int32_t row = 0; row < table.row_count(); ++row)
+    target[row] = apply_row(table, table.weights, source, row);
+  return target;
+}
+
+// Normal du x dv / |du x dv|, zero where it has no direction.
+glm::vec3 limit_normal(const glm::vec3& du, const glm::vec3& dv) {
+  const auto largest = [](const glm::vec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  };
+  if (!(largest(du) > 0) || !(largest(dv) > 0)) return glm::vec3(0);
+  const glm::vec3 a = du / largest(du), b = dv / largest(dv);
+  const glm::vec3 c(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  const auto length = [](const glm::vec3& v) {
+    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+  };
+  return length(c) >= 1e-6f * length(a) * length(b) ? c / length(c) : glm::vec3(0);
+}
+
+Interpolation::Measure Interpolation::interpolation_step(const StencilView<double>& masks,
+                                                         const StepCoefficients& step) {
+  const auto momentum = static_cast<float>(step.momentum);
+  const auto gain = static_cast<float>(step.gain);
+  std::vector<glm::vec3> next(current.size());
+  Measure measure{0, 0};
+  for (std::int32_t row = 0; row < masks.row_count(); ++row) {
+    const glm::vec3 residual = initial[row] - apply_row(masks, masks.weights, current, row);
+    next[row] = current[row] + (momentum * (current[row] - previous[row]) + gain * residual);
+    const float square =
+        residual.x * residual.x + residual.y * residual.y + residual.z * residual.z;
+    measure.max_square = std::max(measure.max_square, square);
+    measure.square_sum += square;
+  }
+  previous = std::move(current);
+  current = std::move(next);
+  return measure;
+}
+
+}  // namespace
+}  // namespace planish::testing::twin
 
 namespace planish::testing {
 namespace {
+
+// Every kernel against its CPU twin.
 
 using RowsAndReads = std::tuple<std::int32_t, VulkanReads>;
 

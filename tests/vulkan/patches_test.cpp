@@ -21,10 +21,8 @@
 #include "planish/vulkan/host/system.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
+#include "vulkan/device_cases.h"
 #include "vulkan/embedding_fixture.h"
-#include "vulkan/large_rings.h"
-#include "vulkan/random_kinds.h"
-#include "vulkan/tables.h"
 
 namespace planish::testing {
 namespace {

@@ -1,20 +1,75 @@
 #include "vulkan/pretended_driver.h"
 
+#include <dlfcn.h>
+#include <vulkan/vulkan_core.h>
+
 #include <array>
 #include <atomic>
 #include <cstdio>
 #include <cstring>
 #include <mutex>
 #include <set>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "vulkan/pretended_calls.h"
-#include "vulkan/pretended_memory.h"
-#include "vulkan/pretended_rules.h"
+#include "planish/vulkan/device/driver.h"
+
+// All functions that a program is given.
+#define PRETENDED_OTHERS(X)          \
+  X(vkCreateInstance)                \
+  X(vkCreateDebugUtilsMessengerEXT)  \
+  X(vkDestroyDebugUtilsMessengerEXT) \
+  X(vkSetDebugUtilsObjectNameEXT)    \
+  X(vkCmdBeginDebugUtilsLabelEXT)    \
+  X(vkCmdEndDebugUtilsLabelEXT)
+
+#define PRETENDED_ALL(X)               \
+  PLANISH_VULKAN_INSTANCE_FUNCTIONS(X) \
+  PLANISH_VULKAN_DEVICE_FUNCTIONS(X)   \
+  PRETENDED_OTHERS(X)
 
 namespace planish::testing {
-
 namespace {
+
+// What a function makes or destroys; empty for others, and for what pools free.
+std::string kind_of(std::string_view name) {
+  if (name == "vkCreateComputePipelines") return "Pipeline";
+  for (const char* verb : {"vkCreate", "vkDestroy", "vkAllocate", "vkFree"})
+    if (name.starts_with(verb)) {
+      const std::string kind(name.substr(std::strlen(verb)));
+      return kind == "DescriptorSets" || kind == "CommandBuffers" ? std::string() : kind;
+    }
+  return {};
+}
+
+// Whether a destroying function, (handle, callbacks) or (parent, handle, callbacks), is given
+// one.
+template <class Handle>
+bool is_handle(Handle handle, const VkAllocationCallbacks*) {
+  return handle != VK_NULL_HANDLE;
+}
+template <class Parent, class Handle>
+bool is_handle(Parent, Handle handle, const VkAllocationCallbacks*) {
+  return handle != VK_NULL_HANDLE;
+}
+template <class... Others>
+bool is_handle(Others...) {
+  return false;
+}
+
+// Threads may ask for functions at the same time: only the first answer is written.
+template <class Function>
+void keep(Function& kept, PFN_vkVoidFunction function) {
+  if (kept != reinterpret_cast<Function>(function)) kept = reinterpret_cast<Function>(function);
+}
+
+PFN_vkGetInstanceProcAddr loader() {
+  static void* const library = ::dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw std::runtime_error("no Vulkan loader");
+  return reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library, "vkGetInstanceProcAddr"));
+}
 
 #define PRETENDED_SLOT(name) Slot_##name,
 #define PRETENDED_NAME(name) #name,
@@ -22,7 +77,7 @@ namespace {
 enum Slot : int { PRETENDED_ALL(PRETENDED_SLOT) kSlotCount };
 constexpr const char* kNames[] = {PRETENDED_ALL(PRETENDED_NAME)};
 
-/// The loader's and the driver's functions.
+// The loader's and the driver's functions.
 struct Real {
   PRETENDED_ALL(PRETENDED_MEMBER)
 } real;
@@ -247,7 +302,7 @@ VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInf
   return real.vkQueueSubmit(queue, count, infos, fence);
 }
 
-/// The function behind a slot: ours where there is one.
+// The function behind a slot: ours where there is one.
 template <Slot slot, class Function>
 Function behind(Function otherwise) {
   if constexpr (slot == Slot_vkGetPhysicalDeviceProperties2) return get_properties;
@@ -303,7 +358,7 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
   }
 };
 
-/// The counting function of that name, whose real one is kept; or just the real one.
+// The counting function of that name, whose real one is kept; or just the real one.
 PFN_vkVoidFunction counted(const char* name, PFN_vkVoidFunction function) {
   if (!function) return nullptr;
 #define PRETENDED_CASE(known)                                   \

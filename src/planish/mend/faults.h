@@ -85,7 +85,7 @@ std::vector<std::int32_t> cut_mirrored_charts(PolygonMesh& mesh, std::span<const
 /// By how many corners a polygon's lie turned at most from those of the affine regular polygon that
 /// the steps of Doo and Sabin make of it: the largest angle about the mean, in the coordinates in
 /// which that polygon is regular, by 2 pi / n. From about 8 on the lines of a surface that come
-/// from the corners and from between them cross each other (tests/pipeline/fine_outlines_test.cpp).
+/// from the corners and from between them cross each other (tests/pipeline/fair_fit_test.cpp).
 /// 0 for affine regular polygons; half of n at most, and where that polygon is turned over or has
 /// no area.
 [[nodiscard]] double corner_swirl(std::span<const glm::dvec2> polygon);

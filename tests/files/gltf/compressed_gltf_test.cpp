@@ -11,8 +11,8 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "files/gltf/read_square.h"
 #include "files/gltf/surfaces.h"
+#include "files/read_bytes.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/files/gltf/gltf_payload.h"

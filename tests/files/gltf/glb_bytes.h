@@ -6,7 +6,7 @@
 #include <string>
 
 #include "planish/core/json.h"
-#include "support/byte_strings.h"
+#include "support/files.h"
 
 namespace planish::test {
 

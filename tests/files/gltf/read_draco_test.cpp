@@ -18,13 +18,13 @@
 #include <vector>
 
 #include "files/gltf/glb_bytes.h"
-#include "files/gltf/read_square.h"
+#include "files/read_bytes.h"
 #include "planish/core/error.h"
 #include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/read_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/fit_file.h"
-#include "support/temporary_folder.h"
+#include "support/files.h"
 
 namespace planish {
 namespace {

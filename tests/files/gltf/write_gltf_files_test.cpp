@@ -1,22 +1,29 @@
-// Bytes and files that the glTF writer makes, and what it refuses to write.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <oneapi/tbb/task_arena.h>
+#include <tiny_gltf.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <string>
 
 #include "files/gltf/parsed_gltf.h"
 #include "files/gltf/surfaces.h"
+#include "planish/core/error.h"
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/mesh_file.h"
 
 namespace planish {
 namespace {
+
+// Bytes and files that the glTF writer makes, and what it refuses to write.
 
 using test::flat_polygons;
 using test::indices_of;
@@ -212,6 +219,196 @@ TEST_F(WriteGltfFiles, ProgressRisesToOne) {
 TEST_F(WriteGltfFiles, UriIsPercentEncoded) {
   EXPECT_EQ(encode_uri("Az09-._~.bin"), "Az09-._~.bin");
   EXPECT_EQ(encode_uri("a b%/\xC3\xA4.bin"), "a%20b%25%2F%C3%A4.bin");
+}
+
+// A .gltf of several buffers, read back by our reader and by tinygltf.
+
+namespace fs = std::filesystem;
+
+class SeveralBuffers : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::path(testing::TempDir()) /
+        (std::string("buffers_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // All files, by name.
+  [[nodiscard]] std::map<std::string, std::string> contents() const {
+    std::map<std::string, std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      std::ifstream file(entry.path(), std::ios::binary);
+      found[entry.path().filename()] = {std::istreambuf_iterator<char>(file), {}};
+    }
+    return found;
+  }
+
+  fs::path folder_;
+};
+
+SurfaceMesh laden_grid(std::int32_t columns, std::int32_t rows) {
+  SurfaceMesh surface = test::wavy_grid(columns, rows);
+  for (const glm::dvec3& p : surface.positions) surface.uvs.emplace_back(p.x, p.y);
+  // A seam in the middle, whose vertices have a second texture coordinate.
+  for (const glm::dvec3& p : surface.positions) surface.uvs.emplace_back(p.x + 100, p.y);
+  const auto count = static_cast<std::int32_t>(surface.positions.size());
+  for (std::size_t c = 0; c < surface.face_vertices.size(); ++c) {
+    const auto face = static_cast<std::int32_t>(c / 4);
+    const bool is_right = face % (columns - 1) >= columns / 2;
+    surface.face_uvs.push_back(surface.face_vertices[c] + (is_right ? count : 0));
+    if (c % 4 == 0) surface.face_groups.push_back(is_right ? 1 : 0);
+  }
+  surface.groups = {{"left", "red"}, {"right", "blue"}};
+  for (std::int32_t v = 0; v < count; ++v)
+    surface.colors.emplace_back(0.25f * static_cast<float>(v % 5), 0.5f, 0.25f, 1.0f);
+  return surface;
+}
+
+using Numbers = std::array<double, 8>;  // of a corner: position, texture coordinate, colour
+
+// Triangles by what they have, in an order that does not depend on the file's.
+std::vector<std::pair<std::string, std::array<Numbers, 3>>> placed_triangles(
+    const PolygonMesh& mesh) {
+  std::vector<std::pair<std::string, std::array<Numbers, 3>>> triangles;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    auto& [group, corners] = triangles.emplace_back();
+    group = mesh.groups.at(static_cast<std::size_t>(mesh.face_groups[f])).name;
+    for (std::int32_t k = 0; k < 3; ++k) {
+      const std::int32_t c = mesh.face_offsets[f] + k, v = mesh.face_vertices[c];
+      const glm::dvec3& p = mesh.positions[v];
+      const glm::dvec2& uv = mesh.uvs.at(static_cast<std::size_t>(mesh.face_uvs[c]));
+      const glm::vec4& color = mesh.colors.at(static_cast<std::size_t>(v));
+      corners[k] = {p.x, p.y, p.z, uv.x, uv.y, color.x, color.y, color.z};
+    }
+    std::ranges::rotate(corners, std::ranges::min_element(corners));
+  }
+  std::ranges::sort(triangles);
+  return triangles;
+}
+
+TEST_F(SeveralBuffers, HaveTheTrianglesOfOne) {
+  const SurfaceMesh surface = laden_grid(41, 30);
+  GltfOptions options;
+  options.name = "grid";
+  const GltfFile one = write_gltf(folder_ / "one.gltf", surface, options);
+  EXPECT_EQ(one.buffer_count, 1u);
+  options.buffer_bytes = 20000;
+  const GltfFile several = write_gltf(folder_ / "two words.gltf", surface, options);
+  EXPECT_GT(several.buffer_count, 4u);
+  // Neighbours in two buffers have copies, which are not counted on.
+  const std::size_t told =
+      gltf_buffer_count(fs::file_size(gltf_buffer_path(folder_ / "one.gltf", 0)), 20000);
+  EXPECT_LE(told, several.buffer_count);
+  EXPECT_GE(2 * told, several.buffer_count);
+  EXPECT_EQ(gltf_buffer_count(20000, 20000), 1u);
+  EXPECT_EQ(several.triangle_count, one.triangle_count);
+  EXPECT_GT(several.vertex_count, one.vertex_count);
+  std::uint64_t bytes = fs::file_size(folder_ / "two words.gltf");
+  for (std::size_t i = 0; i < several.buffer_count; ++i) {
+    const fs::path buffer = gltf_buffer_path(folder_ / "two words.gltf", i);
+    ASSERT_TRUE(fs::exists(buffer)) << buffer;
+    EXPECT_LE(fs::file_size(buffer), 20000u);
+    // All but the last are rather full.
+    if (i + 1 < several.buffer_count) {
+      EXPECT_GT(fs::file_size(buffer), 10000u);
+    }
+    bytes += fs::file_size(buffer);
+  }
+  EXPECT_EQ(several.byte_count, bytes);
+  EXPECT_EQ(contents().size(), 2 + 1 + several.buffer_count);
+  const MeshFile plain = read_mesh(folder_ / "one.gltf"),
+                 parts = read_mesh(folder_ / "two words.gltf");
+  EXPECT_EQ(plain.mesh.positions.size(), surface.positions.size());
+  EXPECT_EQ(parts.mesh.positions.size(), surface.positions.size());
+  EXPECT_EQ(placed_triangles(parts.mesh), placed_triangles(plain.mesh));
+}
+
+TEST_F(SeveralBuffers, ADocumentHasAMeshForEach) {
+  GltfOptions options;
+  options.name = "grid";
+  options.origin = {4, 5, 6};
+  options.buffer_bytes = 20000;
+  const SurfaceMesh surface = laden_grid(41, 30);
+  const std::vector<float> height(surface.positions.size(), 0.5f);
+  options.fields = {{"error", height}};
+  const GltfFile written = write_gltf(folder_ / "a.gltf", surface, options);
+  tinygltf::Model model;
+  std::string error, warning;
+  ASSERT_TRUE(tinygltf::TinyGLTF().LoadASCIIFromFile(&model, &error, &warning,
+                                                     (folder_ / "a.gltf").string()))
+      << error;
+  ASSERT_EQ(model.buffers.size(), written.buffer_count);
+  ASSERT_EQ(model.meshes.size(), written.buffer_count);
+  ASSERT_EQ(model.nodes.size(), written.buffer_count);
+  EXPECT_EQ(model.scenes.at(0).nodes.size(), written.buffer_count);
+  EXPECT_EQ(model.materials.size(), 2u);
+  std::uint64_t vertices = 0;
+  for (std::size_t m = 0; m < model.meshes.size(); ++m) {
+    EXPECT_EQ(model.nodes[m].mesh, static_cast<int>(m));
+    EXPECT_EQ(model.nodes[m].translation, (std::vector<double>{4, 5, 6}));
+    EXPECT_EQ(model.meshes[m].name, "grid " + std::to_string(m + 1));
+    for (const tinygltf::Primitive& primitive : model.meshes[m].primitives) {
+      EXPECT_EQ(model.materials.at(primitive.material).name,
+                primitive.extras.Get("group").Get<std::string>() == "left" ? "red" : "blue");
+      EXPECT_TRUE(primitive.attributes.contains("_ERROR"));
+      for (const auto& [name, accessor] : primitive.attributes) {
+        const auto& view = model.bufferViews.at(model.accessors.at(accessor).bufferView);
+        EXPECT_EQ(view.buffer, static_cast<int>(m));
+        EXPECT_LE(view.byteOffset + view.byteLength, model.buffers[m].data.size());
+      }
+      vertices += model.accessors.at(primitive.attributes.at("POSITION")).count;
+    }
+  }
+  EXPECT_EQ(vertices, written.vertex_count);
+}
+
+TEST_F(SeveralBuffers, BytesDoNotDependOnThreads) {
+  const SurfaceMesh surface = laden_grid(300, 200);
+  GltfOptions options;
+  options.buffer_bytes = 1000000;
+  (void)write_gltf(folder_ / "a.gltf", surface, options);
+  const auto all_threads = contents();
+  oneapi::tbb::task_arena(1).execute([&] { write_gltf(folder_ / "a.gltf", surface, options); });
+  EXPECT_EQ(contents(), all_threads);
+}
+
+TEST_F(SeveralBuffers, FailureLeavesTheOldFiles) {
+  const SurfaceMesh surface = laden_grid(41, 30);
+  GltfOptions options;
+  options.buffer_bytes = 20000;
+  (void)write_gltf(folder_ / "a.gltf", surface, options);
+  const auto before = contents();
+  options.name = "another";
+  int asked = 0;  // every few milliseconds: the second time some buffers stand there
+  options.callbacks.cancelled = [&] { return ++asked > 1; };
+  EXPECT_THROW((void)write_gltf(folder_ / "a.gltf", laden_grid(600, 400), options), Error);
+  EXPECT_EQ(contents(), before);
+  // In the third buffer, by the vertex's number in the surface.
+  SurfaceMesh bad = surface;
+  bad.positions[700].x = 1e300;
+  options.callbacks = {};
+  try {
+    (void)write_gltf(folder_ / "a.gltf", bad, options);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const Error& refusal) {
+    EXPECT_EQ(refusal.element(), 700);
+  }
+  EXPECT_EQ(contents(), before);
+}
+
+TEST_F(SeveralBuffers, ProgressRisesToOne) {
+  GltfOptions options;
+  options.buffer_bytes = 20000;
+  std::vector<double> fractions;
+  options.callbacks.progress = [&](std::string_view, double done) { fractions.push_back(done); };
+  (void)write_gltf(folder_ / "a.gltf", laden_grid(41, 30), options);
+  ASSERT_GE(fractions.size(), 3u);
+  EXPECT_EQ(fractions.front(), 0.0);
+  EXPECT_TRUE(std::ranges::is_sorted(fractions));
+  EXPECT_NEAR(fractions.back(), 1.0, 1e-12);
 }
 
 }  // namespace

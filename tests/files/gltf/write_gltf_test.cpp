@@ -1,16 +1,22 @@
-#include "planish/files/gltf/write_gltf.h"
-#include "planish/files/gltf/gltf_vertices.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 
 #include "files/gltf/parsed_gltf.h"
 #include "files/gltf/surfaces.h"
+#include "planish/core/error.h"
 #include "planish/core/version.h"
+#include "planish/files/gltf/gltf_vertices.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/files/mesh_file.h"
 
 namespace planish {
 namespace {
@@ -225,6 +231,313 @@ TEST(FloatBox, TakesNoLengthBeyondTheToleranceForAUnit) {
     const bool is_near = std::abs(length - 1.0f) < 4.5e-4f;
     EXPECT_EQ(are_surely_units(vectors, 5e-4f), is_near) << length;
   }
+}
+
+// Texture coordinates, colours and groups in the files that the writer makes.
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+tinygltf::Model parsed(const SurfaceMesh& surface, const GltfOptions& options = {}) {
+  return test::parsed(encode_glb(surface, options));
+}
+
+template <class Value>
+std::vector<Value> values_of(const tinygltf::Model& model, int accessor_index) {
+  const auto& accessor = model.accessors.at(accessor_index);
+  const auto& view = model.bufferViews.at(accessor.bufferView);
+  EXPECT_EQ(view.byteOffset % 4, 0u);
+  EXPECT_EQ(view.byteLength, accessor.count * sizeof(Value));
+  std::vector<Value> values(accessor.count);
+  std::memcpy(values.data(), model.buffers.at(0).data.data() + view.byteOffset, view.byteLength);
+  return values;
+}
+
+template <class Value>
+std::vector<Value> attribute_of(const tinygltf::Model& model, const std::string& name,
+                                std::size_t primitive = 0) {
+  return values_of<Value>(model, model.meshes.at(0).primitives.at(primitive).attributes.at(name));
+}
+
+SurfaceMesh charts_without_groups() {
+  SurfaceMesh surface = test::two_charts();
+  surface.groups.clear();
+  surface.face_groups.clear();
+  return surface;
+}
+
+TEST(GltfAttributes, FieldsBecomeScalarsOfTheirNames) {
+  const SurfaceMesh surface = charts_without_groups();
+  std::vector<float> values(surface.positions.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5f * static_cast<float>(i) - 2;
+  GltfOptions options;
+  options.fields = {{"error", values}, {"mean_curvature", values}};
+  const tinygltf::Model model = parsed(surface, options);
+  const auto positions = attribute_of<glm::vec3>(model, "POSITION");
+  for (const char* name : {"_ERROR", "_MEAN_CURVATURE"}) {
+    const auto found = attribute_of<float>(model, name);
+    ASSERT_EQ(found.size(), positions.size());
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(found[i], values[i]);
+    // Copies along seams have the value of their place.
+    for (std::size_t i = values.size(); i < found.size(); ++i) {
+      const auto original = std::find(positions.begin(), positions.end(), positions[i]);
+      EXPECT_EQ(found[i], values[original - positions.begin()]);
+    }
+    EXPECT_EQ(model.accessors.at(test::attribute(model, name)).type, TINYGLTF_TYPE_SCALAR);
+  }
+}
+
+TEST(GltfAttributes, ThoseOfTargetsMoveTheMesh) {
+  const SurfaceMesh surface = charts_without_groups();
+  std::vector<float> moves(3 * surface.positions.size());
+  for (std::size_t i = 0; i < moves.size(); ++i) moves[i] = 0.25f * static_cast<float>(i);
+  GltfOptions options;
+  options.attributes = {{.name = "target/0/POSITION", .width = 3, .values = moves}};
+  const tinygltf::Model model = parsed(surface, options);
+  const tinygltf::Primitive& primitive = model.meshes.at(0).primitives.at(0);
+  EXPECT_FALSE(primitive.attributes.contains("target/0/POSITION"));
+  ASSERT_EQ(primitive.targets.size(), 1u);
+  const int accessor = primitive.targets[0].at("POSITION");
+  EXPECT_THAT(model.accessors.at(accessor).minValues, ElementsAre(0, 0.25, 0.5));
+  EXPECT_EQ(values_of<glm::vec3>(model, accessor).at(1), glm::vec3(0.75f, 1.0f, 1.25f));
+}
+
+TEST(GltfAttributes, FieldsAreCheckedBeforeTheyAreWritten) {
+  const SurfaceMesh surface = test::two_charts();
+  const auto message_for = [&](std::vector<float> values) -> std::string {
+    GltfOptions options;
+    options.fields = {{"error", values}};
+    try {
+      (void)encode_glb(surface, options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing was thrown";
+  };
+  EXPECT_THAT(message_for(std::vector<float>(3)), HasSubstr("3 values of error for 15 positions"));
+  std::vector<float> wild(15);
+  wild[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(message_for(wild), HasSubstr("error of vertex 7 is not finite"));
+}
+
+TEST(GltfAttributes, GiveVerticesOnSeamsOneCopyForEachChart) {
+  const SurfaceMesh surface = charts_without_groups();
+  const tinygltf::Model model = parsed(surface);
+  const auto positions = attribute_of<glm::vec3>(model, "POSITION");
+  const auto normals = attribute_of<glm::vec3>(model, "NORMAL");
+  const auto uvs = attribute_of<glm::vec2>(model, "TEXCOORD_0");
+  ASSERT_EQ(positions.size(), surface.positions.size() + 3);
+  ASSERT_EQ(uvs.size(), positions.size());
+  for (std::size_t i = 0; i < surface.positions.size(); ++i) {
+    EXPECT_EQ(positions[i], glm::vec3(surface.positions[i]));
+    EXPECT_EQ(normals[i], surface.normals[i]);
+  }
+  // Each triangle lies in one chart, at its corners' places.
+  const auto indices = values_of<std::uint16_t>(model, model.meshes[0].primitives.at(0).indices);
+  EXPECT_EQ(indices.size(), 48u);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const glm::vec3 place = positions[indices[i]];
+    const float u = place.x + (i / 6 % 4 < 2 ? 0.0f : 10.0f);
+    EXPECT_EQ(uvs[indices[i]], glm::vec2(u, 1.0f - place.y));
+  }
+}
+
+// Three rows of five vertices, cut in the middle: three of a row on either side.
+TEST(GltfAttributes, EachPrimitiveHasVerticesOfItsOwn) {
+  SurfaceMesh surface = test::two_charts();
+  std::vector<float> values(surface.positions.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = static_cast<float>(i);
+    surface.colors.emplace_back(0.05f * static_cast<float>(i), 0.5f, 0.25f, 1.0f);
+  }
+  GltfOptions options;
+  options.fields = {{"error", values}};
+  const tinygltf::Model model = parsed(surface, options);
+  for (std::size_t part = 0; part < 2; ++part) {
+    SCOPED_TRACE(part);
+    const auto positions = attribute_of<glm::vec3>(model, "POSITION", part);
+    const auto uvs = attribute_of<glm::vec2>(model, "TEXCOORD_0", part);
+    const auto colors = attribute_of<glm::vec4>(model, "COLOR_0", part);
+    const auto fields = attribute_of<float>(model, "_ERROR", part);
+    ASSERT_EQ(positions.size(), 9u);
+    glm::vec3 low(1e9f), high(-1e9f);
+    for (std::size_t i = 0; i < 9; ++i) {
+      // In the surface's order.
+      const std::size_t row = 5 * (i / 3) + i % 3 + 2 * part;
+      EXPECT_EQ(positions[i], glm::vec3(surface.positions[row]));
+      EXPECT_EQ(uvs[i],
+                glm::vec2(positions[i].x + 10.0f * static_cast<float>(part), 1 - positions[i].y));
+      EXPECT_EQ(colors[i], surface.colors[row]);
+      EXPECT_EQ(fields[i], values[row]);
+      low = glm::min(low, positions[i]);
+      high = glm::max(high, positions[i]);
+    }
+    const auto& accessor =
+        model.accessors.at(model.meshes[0].primitives[part].attributes.at("POSITION"));
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(accessor.minValues.at(axis), low[axis]);
+      EXPECT_EQ(accessor.maxValues.at(axis), high[axis]);
+    }
+    const auto indices = values_of<std::uint16_t>(model, model.meshes[0].primitives[part].indices);
+    ASSERT_EQ(indices.size(), 24u);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      const auto face =
+          surface.face(static_cast<std::int64_t>(4 * (i / 12) + 2 * part + i / 6 % 2));
+      EXPECT_TRUE(std::ranges::any_of(face, [&](std::int32_t v) {
+        return glm::vec3(surface.positions[v]) == positions[indices[i]];
+      })) << i;
+    }
+  }
+}
+
+TEST(GltfAttributes, PrimitivesWithoutTextureCoordinatesSaySo) {
+  SurfaceMesh surface = test::two_charts();
+  for (std::size_t uv = 15; uv < 30; ++uv) surface.uvs[uv] = glm::dvec2(0.0);
+  const tinygltf::Model model = parsed(surface);
+  const auto& primitives = model.meshes.at(0).primitives;
+  EXPECT_EQ(attribute_of<glm::vec2>(model, "TEXCOORD_0").size(), 9u);
+  EXPECT_EQ(primitives.at(1).attributes.count("TEXCOORD_0"), 0u);
+  EXPECT_EQ(attribute_of<glm::vec3>(model, "POSITION", 1).size(), 9u);
+}
+
+TEST(GltfAttributes, GroupsBecomePrimitivesWithMaterials) {
+  SurfaceMesh surface = test::two_charts();
+  surface.groups = {{"unused", ""}, {"side", "blue"}, {"rest", ""}};
+  surface.face_groups = {2, 1, 2, 1, 2, 1, 1, 1};
+  const tinygltf::Model model = parsed(surface);
+  const auto& primitives = model.meshes.at(0).primitives;
+  ASSERT_EQ(primitives.size(), 2u);
+  ASSERT_EQ(model.materials.size(), 2u);
+  EXPECT_EQ(model.materials[primitives[0].material].name, "blue");
+  EXPECT_EQ(model.materials[primitives[1].material].name, "rest");
+  EXPECT_EQ(primitives[0].extras.Get("group").Get<std::string>(), "side");
+  EXPECT_NE(primitives[0].attributes, primitives[1].attributes);
+  EXPECT_EQ(values_of<std::uint16_t>(model, primitives[0].indices).size(), 30u);
+  // Faces keep their order within a group: 0, 2 and 4 are the second primitive's.
+  const auto indices = values_of<std::uint16_t>(model, primitives[1].indices);
+  const auto positions = attribute_of<glm::vec3>(model, "POSITION", 1);
+  ASSERT_EQ(indices.size(), 18u);
+  for (std::size_t i = 0; i < 18; ++i) {
+    const auto face = surface.face(static_cast<std::int64_t>(2 * (i / 6)));
+    const bool found = std::any_of(face.begin(), face.end(), [&](std::int32_t v) {
+      return glm::vec3(surface.positions[v]) == positions[indices[i]];
+    });
+    EXPECT_TRUE(found) << i;
+  }
+}
+
+TEST(GltfAttributes, ColoursFollowTheirVertices) {
+  SurfaceMesh surface = charts_without_groups();
+  for (std::size_t i = 0; i < surface.positions.size(); ++i)
+    surface.colors.emplace_back(0.05f * i, 1.5f, -1.0f, 0.5f);
+  const tinygltf::Model model = parsed(surface);
+  const auto colors = attribute_of<glm::vec4>(model, "COLOR_0");
+  const auto positions = attribute_of<glm::vec3>(model, "POSITION");
+  ASSERT_EQ(colors.size(), positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t own = 0; own < surface.positions.size(); ++own) {
+      if (glm::vec3(surface.positions[own]) != positions[i]) continue;
+      EXPECT_EQ(colors[i], glm::vec4(0.05f * own, 1, 0, 0.5f));
+    }
+  }
+}
+
+TEST(GltfAttributes, PolygonsKeepTheirCornersTextureCoordinates) {
+  SurfaceMesh surface = test::flat_polygons({{{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}}});
+  for (int i = 5; i >= 0; --i) {
+    surface.uvs.emplace_back(surface.positions[i].x / 8, surface.positions[i].y / 8);
+    surface.face_uvs.push_back(i);
+  }
+  const tinygltf::Model model = parsed(surface);
+  const auto positions = attribute_of<glm::vec3>(model, "POSITION");
+  const auto uvs = attribute_of<glm::vec2>(model, "TEXCOORD_0");
+  ASSERT_EQ(positions.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(uvs[i], glm::vec2(positions[i].x / 8, 1 - positions[i].y / 8));
+}
+
+// Written down from the bytes that earlier versions wrote.
+TEST(GltfAttributes, SurfacesWithoutAnyHaveAPlainDocument) {
+  const std::vector<std::byte> glb =
+      encode_glb(test::flat_polygons({{{0, 0}, {1, 0}, {0, 1}}}), {});
+  const std::string json =
+      R"({"accessors":[{"bufferView":0,"componentType":5126,"count":3,"max":[1.0,1.0,0.0],)"
+      R"("min":[0.0,0.0,0.0],"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":3,)"
+      R"("type":"VEC3"},{"bufferView":2,"componentType":5123,"count":3,"type":"SCALAR"}],)"
+      R"("asset":{"generator":"planish )" PLANISH_VERSION
+      R"(","version":"2.0"},"bufferViews":[{"buffer":0,"byteLength":36,)"
+      R"("target":34962},{"buffer":0,"byteLength":36,"byteOffset":36,"target":34962},)"
+      R"({"buffer":0,"byteLength":6,"byteOffset":72,"target":34963}],)"
+      R"("buffers":[{"byteLength":80}],"materials":[{"pbrMetallicRoughness":)"
+      R"({"metallicFactor":0.0,"roughnessFactor":0.5}}],"meshes":[{"name":"surface",)"
+      R"("primitives":[{"attributes":{"NORMAL":1,"POSITION":0},"indices":2,"material":0,)"
+      R"("mode":4}]}],"nodes":[{"mesh":0,"name":"surface"}],"scene":0,"scenes":[{"nodes":[0]}]})";
+  const std::string text(reinterpret_cast<const char*>(glb.data()), glb.size());
+  EXPECT_EQ(text.substr(20, json.size()), json);
+  EXPECT_EQ(text.substr(text.size() - 8), std::string("\0\0\1\0\2\0\0\0", 8));
+}
+
+TEST(GltfAttributes, WrongOnesAreRefused) {
+  const auto message_of = [](const SurfaceMesh& surface) -> std::string {
+    try {
+      (void)encode_glb(surface, {});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+      return error.what();
+    }
+    return "nothing was thrown";
+  };
+  SurfaceMesh surface = test::two_charts();
+  surface.face_uvs[5] = 99;
+  EXPECT_THAT(message_of(surface), HasSubstr("corner 5 has number 99 of"));
+  surface = test::two_charts();
+  surface.face_uvs.pop_back();
+  EXPECT_THAT(message_of(surface), HasSubstr("31 corners of the texture where 32 are needed"));
+  surface = test::two_charts();
+  surface.uvs[1].y = 1e300;
+  EXPECT_THAT(message_of(surface), HasSubstr("texture coordinate 1 is not finite"));
+  surface = test::two_charts();
+  surface.face_groups[3] = 2;
+  EXPECT_THAT(message_of(surface), HasSubstr("the group of face 3 has number 2 of 2"));
+}
+
+TEST(GltfAttributes, AreReadBackAsWritten) {
+  SurfaceMesh surface = test::two_charts();
+  surface.groups = {{"side", "blue"}, {"rest", "red"}};
+  surface.face_groups = {0, 1, 0, 1, 0, 1, 1, 1};
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    surface.colors.emplace_back(0.03125f * static_cast<float>(v), 0.5f, 0.25f, 1.0f);
+  }
+  const PolygonMesh mesh = read_mesh(encode_glb(surface, {}), "a.glb", FileFormat::Glb).mesh;
+
+  // By place: what each corner of the surface should have.
+  const auto key = [](const glm::dvec3& p) { return std::array{p.x, p.y, p.z}; };
+  std::map<std::array<double, 3>, glm::vec4> color_at;
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    color_at[key(surface.positions[v])] = surface.colors[v];
+  }
+  ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    EXPECT_EQ(mesh.colors[v], color_at.at(key(mesh.positions[v])));
+  }
+  ASSERT_EQ(mesh.face_uvs.size(), mesh.face_vertices.size());
+  ASSERT_EQ(mesh.face_groups.size(), static_cast<std::size_t>(mesh.face_count()));
+  std::map<std::string, int> faces_of_material;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const FaceGroup& group = mesh.groups[mesh.face_groups[f]];
+    ++faces_of_material[group.name + "/" + group.material];
+    // two_charts() has u = x on one chart and u = x + 10 on the other, v = y.
+    double offset = -1;
+    for (std::int32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+      const glm::dvec3& place = mesh.positions[mesh.face_vertices[c]];
+      const glm::dvec2& uv = mesh.uvs[mesh.face_uvs[c]];
+      EXPECT_NEAR(uv.y, place.y, 1e-6);
+      if (offset < 0) offset = uv.x - place.x;
+      EXPECT_EQ(uv.x - place.x, offset);
+    }
+    EXPECT_TRUE(offset == 0 || offset == 10) << offset;
+  }
+  EXPECT_EQ(faces_of_material, (std::map<std::string, int>{{"side/blue", 6}, {"rest/red", 10}}));
 }
 
 }  // namespace

@@ -1,27 +1,474 @@
-// Patches drawn by planish_osd_patches.glsl: what the tessellation made lies where
-// Osd::CpuEvaluator has it, and neighbours meet.
 #include <gtest/gtest.h>
+#include <opensubdiv/far/patchTable.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 #include <opensubdiv/osd/cpuPatchTable.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <random>
 #include <set>
 #include <string>
+#include <vector>
 
-#include "osd/drawing/borders.h"
+#include "osd/conformance.h"
+#include "planish/osd/vk_compute_evaluator.h"
 #include "planish/osd/vk_patch_shader_source.h"
+#include "planish/osd/vk_patch_table.h"
+#include "planish/osd/vk_vertex_buffer.h"
+#include "planish/vulkan/device/context.h"
+#include "viewer/device.h"
 #include "viewer/fixture.h"
 
 namespace planish::testing {
 namespace {
 
+// A vertex that the tessellation made.
+struct DrawnVertex {
+  float patch, u, v;
+  glm::vec3 position, du, dv, normal;
+};
+
+}  // namespace
+
+static_assert(sizeof(DrawnVertex) == 60);
+
+namespace {
+
+enum class Spacing {
+  Equal,
+  FractionalEven,
+  FractionalOdd,
+};
+
+struct DrawOptions {
+  Spacing spacing = Spacing::Equal;
+  bool by_screen = false;
+  float level = 4;
+  glm::mat4 clip_from_object{1};
+};
+
+// A cage, its points evaluated on the device.
+struct DrawnMesh {
+  DrawnMesh(const Cage& cage, const RefineOptions& options, osd::VkDeviceContext& target);
+
+  Refined refined;
+  std::unique_ptr<osd::VkVertexBuffer> points;  // the cage's, then the refined ones
+  std::unique_ptr<osd::VkPatchTable> table;
+};
+
+// Draws patches by planish_osd_patches.glsl and captures what the tessellation makes.
+class PatchDrawing {
+ public:
+  // `device` captures.
+  explicit PatchDrawing(const viewer::Device& device);
+
+  [[nodiscard]] osd::VkDeviceContext& target() { return target_; }
+  // Three vertices a triangle.
+  [[nodiscard]] std::vector<DrawnVertex> draw(const DrawnMesh& mesh, const DrawOptions& options);
+
+ private:
+  VkPipeline pipeline(const OpenSubdiv::Osd::PatchArray& array, Spacing spacing);
+  // As many patches of an array.
+  void record(VkCommandBuffer commands, const DrawnMesh& mesh,
+              const OpenSubdiv::Osd::PatchArray& array, int first, int count,
+              const DrawOptions& options);
+
+  const viewer::Device& device_;
+  vulkan::Context context_;
+  osd::VkDeviceContext target_;
+  viewer::OwnedRenderPass pass_;
+  viewer::OwnedFramebuffer framebuffer_;
+  viewer::OwnedSetLayout set_layout_;
+  viewer::OwnedPipelineLayout layout_;
+  viewer::OwnedDescriptorPool pool_;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  viewer::Buffer made_, byte_count_;
+  PFN_vkCmdBindTransformFeedbackBuffersEXT bind_;
+  PFN_vkCmdBeginTransformFeedbackEXT begin_;
+  PFN_vkCmdEndTransformFeedbackEXT end_;
+  std::map<std::pair<int, Spacing>, viewer::OwnedGraphicsPipeline> pipelines_;
+};
+
+using OpenSubdiv::Osd::BufferDescriptor;
+using namespace viewer;
+
+constexpr VkDeviceSize kMostVertices = 400000;
+// Mesa's llvmpipe (22.3) counts gl_PrimitiveID anew after so many control points of a draw.
+constexpr int kPrimitiveIdRun = 1024;
+constexpr vulkan::Scope kVertexInput{
+    VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_TESSELLATION_CONTROL_SHADER_BIT |
+        VK_PIPELINE_STAGE_TESSELLATION_EVALUATION_SHADER_BIT,
+    VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+constexpr vulkan::Scope kCapture{VK_PIPELINE_STAGE_TRANSFORM_FEEDBACK_BIT_EXT,
+                                 VK_ACCESS_TRANSFORM_FEEDBACK_WRITE_BIT_EXT |
+                                     VK_ACCESS_TRANSFORM_FEEDBACK_COUNTER_WRITE_BIT_EXT};
+constexpr vulkan::Scope kHost{VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
+constexpr VkShaderStageFlags kStages =
+    VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT | VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT;
+
+// As drawing/view.glsl has it.
+struct View {
+  glm::mat4 clip_from_object;
+  float level;
+  VkBool32 by_screen;
+  int first_patch;
+};
+
+// Without attachments: triangles are captured before they are drawn.
+OwnedRenderPass make_empty_pass(VkDevice device) {
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
+  info.subpassCount = 1;
+  info.pSubpasses = &subpass;
+  return OwnedRenderPass(device, info, "vkCreateRenderPass");
+}
+
+OwnedFramebuffer make_empty_framebuffer(VkDevice device, VkRenderPass pass) {
+  VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+  info.renderPass = pass;
+  info.width = info.height = info.layers = 1;
+  return OwnedFramebuffer(device, info, "vkCreateFramebuffer");
+}
+
+OwnedPipelineLayout make_patch_layout(VkDevice device, VkDescriptorSetLayout set) {
+  const VkPushConstantRange push{kStages, 0, sizeof(View)};
+  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  info.setLayoutCount = 1;
+  info.pSetLayouts = &set;
+  info.pushConstantRangeCount = 1;
+  info.pPushConstantRanges = &push;
+  return OwnedPipelineLayout(device, info, "vkCreatePipelineLayout");
+}
+
+OwnedDescriptorPool make_pool(VkDevice device) {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1};
+  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  info.maxSets = 1;
+  info.poolSizeCount = 1;
+  info.pPoolSizes = &size;
+  return OwnedDescriptorPool(device, info, "vkCreateDescriptorPool");
+}
+
+template <class Function>
+Function function(VkDevice device, const char* name) {
+  return reinterpret_cast<Function>(vkGetDeviceProcAddr(device, name));
+}
+
+// As CMakeLists.txt names them.
+constexpr const char* kSpacings[] = {"_equal", "_even", "_odd"};
+
+OwnedShader make_shader(VkDevice device, const std::string& name) {
+  std::ifstream file(PLANISH_DRAWING_SHADERS "/" + name + ".spv", std::ios::binary);
+  const std::string code(std::istreambuf_iterator<char>(file), {});
+  EXPECT_FALSE(code.empty()) << name;
+  std::vector<std::uint32_t> words(code.size() / sizeof(std::uint32_t));
+  std::memcpy(words.data(), code.data(), code.size());
+  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  info.codeSize = code.size();
+  info.pCode = words.data();
+  return OwnedShader(device, info, "vkCreateShaderModule");
+}
+
+DrawnMesh::DrawnMesh(const Cage& cage, const RefineOptions& options, osd::VkDeviceContext& target)
+    : refined(refine(cage, options)),
+      table(osd::VkPatchTable::Create(refined.patches.get(), &target)) {
+  const int coarse = static_cast<int>(cage.positions.size());
+  const int rows = refined.vertices->GetNumStencils();
+  points.reset(osd::VkVertexBuffer::Create(3, coarse + rows, &target));
+  points->UpdateData(cage.positions.front().data(), 0, coarse, &target);
+  if (rows > 0) {
+    const std::unique_ptr<osd::VkStencilTable> stencils(
+        osd::VkStencilTable::Create(refined.vertices.get(), &target));
+    EXPECT_TRUE(osd::VkComputeEvaluator::EvalStencils(
+        points.get(), BufferDescriptor(0, 3, 3), points.get(), BufferDescriptor(3 * coarse, 3, 3),
+        stencils.get(), nullptr, &target));
+  }
+  target.Synchronize();
+}
+
+PatchDrawing::PatchDrawing(const Device& device)
+    : device_(device),
+      context_(device.host()),
+      target_(context_, device.queue(), device.family()),
+      pass_(make_empty_pass(device)),
+      framebuffer_(make_empty_framebuffer(device, pass_)),
+      set_layout_(make_set_layout(device, 1, kStages)),
+      layout_(make_patch_layout(device, set_layout_)),
+      pool_(make_pool(device)),
+      made_(device, kMostVertices * sizeof(DrawnVertex),
+            VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_BUFFER_BIT_EXT, Place::Host),
+      byte_count_(device, sizeof(std::uint32_t),
+                  VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_COUNTER_BUFFER_BIT_EXT, Place::Host),
+      bind_(function<PFN_vkCmdBindTransformFeedbackBuffersEXT>(
+          device, "vkCmdBindTransformFeedbackBuffersEXT")),
+      begin_(
+          function<PFN_vkCmdBeginTransformFeedbackEXT>(device, "vkCmdBeginTransformFeedbackEXT")),
+      end_(function<PFN_vkCmdEndTransformFeedbackEXT>(device, "vkCmdEndTransformFeedbackEXT")) {}
+
+VkPipeline PatchDrawing::pipeline(const OpenSubdiv::Osd::PatchArray& array, Spacing spacing) {
+  OwnedGraphicsPipeline& kept = pipelines_[{array.GetPatchType(), spacing}];
+  if (kept != VkPipeline(VK_NULL_HANDLE)) return kept;
+  const std::string which = std::to_string(array.GetPatchType()) + kSpacings[int(spacing)];
+  const std::array shaders{make_shader(device_, "patch.vert"),
+                           make_shader(device_, "patch_" + which + ".tesc"),
+                           make_shader(device_, "patch_" + which + ".tese")};
+  constexpr std::array kKinds{VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT,
+                              VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT};
+  std::array<VkPipelineShaderStageCreateInfo, 3> stages{};
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    stages[i].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    stages[i].stage = kKinds[i];
+    stages[i].module = shaders[i];
+    stages[i].pName = "main";
+  }
+  const VkVertexInputBindingDescription binding{0, 3 * sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX};
+  const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
+  VkPipelineVertexInputStateCreateInfo input{
+      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  input.vertexBindingDescriptionCount = input.vertexAttributeDescriptionCount = 1;
+  input.pVertexBindingDescriptions = &binding;
+  input.pVertexAttributeDescriptions = &attribute;
+  VkPipelineInputAssemblyStateCreateInfo assembly{
+      VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+  assembly.topology = VK_PRIMITIVE_TOPOLOGY_PATCH_LIST;
+  VkPipelineTessellationStateCreateInfo tessellation{
+      VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO};
+  tessellation.patchControlPoints = static_cast<std::uint32_t>(array.GetStride());
+  VkPipelineRasterizationStateCreateInfo raster{
+      VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  raster.rasterizerDiscardEnable = VK_TRUE;
+  raster.lineWidth = 1;
+  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+  info.stageCount = stages.size();
+  info.pStages = stages.data();
+  info.pVertexInputState = &input;
+  info.pInputAssemblyState = &assembly;
+  info.pTessellationState = &tessellation;
+  info.pRasterizationState = &raster;
+  info.layout = layout_;
+  info.renderPass = pass_;
+  kept = OwnedGraphicsPipeline(device_, info, "vkCreateGraphicsPipelines");
+  return kept;
+}
+
+std::vector<DrawnVertex> PatchDrawing::draw(const DrawnMesh& mesh, const DrawOptions& options) {
+  vulkan::check(vkResetDescriptorPool(device_, pool_, 0), "vkResetDescriptorPool");
+  const VkDescriptorBufferInfo params{mesh.table->GetPatchParamBuffer(), 0, VK_WHOLE_SIZE};
+  set_ = make_set(device_, pool_, set_layout_, {&params, 1});
+  std::vector<DrawnVertex> vertices;
+  for (const OpenSubdiv::Osd::PatchArray& array : mesh.table->GetPatchArrays()) {
+    const int most = kPrimitiveIdRun / array.GetStride();
+    for (int first = 0; first < array.GetNumPatches(); first += most) {
+      const int count = std::min(most, array.GetNumPatches() - first);
+      device_.run(
+          [&](VkCommandBuffer commands) { record(commands, mesh, array, first, count, options); });
+      std::uint32_t bytes = 0;
+      std::memcpy(&bytes, byte_count_.mapped().data(), sizeof bytes);
+      EXPECT_LT(bytes, made_.bytes());  // or some may be missing
+      const auto* const made = reinterpret_cast<const DrawnVertex*>(made_.mapped().data());
+      vertices.insert(vertices.end(), made, made + bytes / sizeof(DrawnVertex));
+    }
+  }
+  return vertices;
+}
+
+void PatchDrawing::record(VkCommandBuffer commands, const DrawnMesh& mesh,
+                          const OpenSubdiv::Osd::PatchArray& array, int first, int count,
+                          const DrawOptions& options) {
+  const VkBuffer points = mesh.points->BindVBO(), made = made_, byte_count = byte_count_;
+  const VkDeviceSize start = 0, bytes = made_.bytes();
+  barrier(commands, vulkan::kExitScope, kVertexInput);
+  VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+  begin.renderPass = pass_;
+  begin.framebuffer = framebuffer_;
+  begin.renderArea.extent = {1, 1};
+  vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(array, options.spacing));
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0,
+                          nullptr);
+  const View view{options.clip_from_object, options.level, options.by_screen,
+                  array.GetPrimitiveIdBase() + first};
+  vkCmdPushConstants(commands, layout_, kStages, 0, sizeof view, &view);
+  vkCmdBindVertexBuffers(commands, 0, 1, &points, &start);
+  vkCmdBindIndexBuffer(commands, mesh.table->GetPatchIndexBuffer(), 0, VK_INDEX_TYPE_UINT32);
+  bind_(commands, 0, 1, &made, &start, &bytes);
+  begin_(commands, 0, 0, nullptr, nullptr);
+  const auto points_of = [&](int patches) {
+    return static_cast<std::uint32_t>(patches * array.GetStride());
+  };
+  vkCmdDrawIndexed(commands, points_of(count), 1,
+                   static_cast<std::uint32_t>(array.GetIndexBase()) + points_of(first), 0, 0);
+  end_(commands, 0, 1, &byte_count, &start);
+  vkCmdEndRenderPass(commands);
+  barrier(commands, kCapture, kHost);
+}
+
+struct Patch {
+  OpenSubdiv::Far::PatchTable::PatchHandle handle;
+  OpenSubdiv::Far::PatchParam param;
+  int type;
+};
+bool is_triangle(int type);
+
+}  // namespace
+
 using namespace OpenSubdiv;
 using Far::PatchDescriptor;
+
+namespace {
+
+// Corners of triangles on edges that no other triangle of the patch shares. Where a level is
+// hardly above 1, the tessellator rounds inner points onto the border, too.
+std::vector<DrawnVertex> border_of(const std::vector<DrawnVertex>& vertices) {
+  using Place = std::array<float, 3>;
+  const auto place = [](const DrawnVertex& v) { return Place{v.patch, v.u, v.v}; };
+  std::map<std::pair<Place, Place>, int> edges;
+  const auto each_edge = [&](const auto& visit) {
+    for (std::size_t i = 0; i < vertices.size(); i += 3)
+      for (std::size_t k = 0; k < 3; ++k) visit(vertices[i + k], vertices[i + (k + 1) % 3]);
+  };
+  each_edge([&](const auto& a, const auto& b) {
+    if (place(a) < place(b))
+      ++edges[{place(a), place(b)}];
+    else
+      --edges[{place(b), place(a)}];
+  });
+  std::vector<DrawnVertex> border;
+  each_edge([&](const auto& a, const auto& b) {
+    if (place(a) != place(b) && edges[std::minmax(place(a), place(b))] != 0)
+      border.insert(border.end(), {a, b});
+  });
+  return border;
+}
+
+// Points of a border by how far along.
+using Side = std::map<float, glm::vec3>;
+
+// Of each patch all borders, halves of transition edges apart.
+std::vector<Side> sides_of(const std::vector<Patch>& patches,
+                           const std::vector<DrawnVertex>& vertices) {
+  std::map<std::pair<int, int>, Side> sides;
+  for (const DrawnVertex& made : border_of(vertices)) {
+    const auto number = static_cast<int>(made.patch);
+    const Patch& patch = patches[number];
+    const bool triangle = is_triangle(patch.type);
+    const float far = triangle ? 1 - made.u - made.v : 1 - made.u;
+    const auto add = [&](int side, int transition, float t) {
+      const bool halves = (patch.param.GetTransition() & transition) != 0;
+      if (!halves || t <= 0.5f) sides[{number, 2 * side}][t] = made.position;
+      if (halves && t >= 0.5f) sides[{number, 2 * side + 1}][t] = made.position;
+    };
+    if (made.u == 0) add(0, triangle ? 4 : 8, made.v);
+    if (made.v == 0) add(1, 1, made.u);
+    if (std::abs(far) < 1e-6f) add(2, 2, made.v);
+    if (!triangle && made.v == 1) add(3, 4, made.u);
+  }
+  std::vector<Side> result;
+  for (auto& [key, side] : sides) result.push_back(std::move(side));
+  return result;
+}
+
+float distance_to(const Side& side, const glm::vec3& p) {
+  float least = glm::distance(p, side.begin()->second);
+  for (auto a = side.begin(), b = std::next(a); b != side.end(); a = b++) {
+    const glm::vec3 along = b->second - a->second;
+    const float size = glm::dot(along, along);
+    const float t = size > 0 ? std::clamp(glm::dot(p - a->second, along) / size, 0.0f, 1.0f) : 0.0f;
+    least = std::min(least, glm::distance(p, a->second + t * along));
+  }
+  return least;
+}
+
+bool is_triangle(int type) {
+  return type == PatchDescriptor::TRIANGLES || type == PatchDescriptor::LOOP ||
+         type == PatchDescriptor::GREGORY_TRIANGLE;
+}
+
+std::vector<Patch> patches_of(const Far::PatchTable& table) {
+  std::vector<Patch> patches;
+  for (int array = 0; array < table.GetNumPatchArrays(); ++array) {
+    const PatchDescriptor descriptor = table.GetPatchArrayDescriptor(array);
+    for (int local = 0; local < table.GetNumPatches(array); ++local) {
+      Patch patch{};
+      patch.handle.arrayIndex = array;
+      patch.handle.patchIndex = static_cast<int>(patches.size());
+      patch.handle.vertIndex = local * descriptor.GetNumControlVertices();
+      patch.param = table.GetPatchParam(patch.handle);
+      patch.type = descriptor.GetType();
+      patches.push_back(patch);
+    }
+  }
+  return patches;
+}
+
+// Edges of triangles whose ends are not, bit by bit, those of an opposite one; how many.
+int loose_edges(const std::vector<DrawnVertex>& vertices) {
+  std::map<std::array<float, 3>, int> points;
+  std::vector<int> numbers;
+  for (const DrawnVertex& vertex : vertices) {
+    const glm::vec3 p = vertex.position + 0.0f;  // no -0
+    numbers.push_back(points.try_emplace({p.x, p.y, p.z}, int(points.size())).first->second);
+  }
+  std::map<std::pair<int, int>, int> edges;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    const int* const n = &numbers[i];
+    if (n[0] == n[1] || n[1] == n[2] || n[2] == n[0]) continue;
+    for (int k = 0; k < 3; ++k) ++edges[{n[k], n[(k + 1) % 3]}];
+  }
+  EXPECT_FALSE(edges.empty());
+  return static_cast<int>(std::ranges::count_if(edges, [&](const auto& edge) {
+    const auto opposite = edges.find({edge.first.second, edge.first.first});
+    return opposite == edges.end() || opposite->second != edge.second;
+  }));
+}
+
+// Between the borders that patches of a closed mesh share; their ends are far apart.
+float widest_gap(const std::vector<Patch>& patches, const std::vector<DrawnVertex>& vertices,
+                 float extent) {
+  const std::vector<Side> sides = sides_of(patches, vertices);
+  std::vector<glm::vec3> corners;
+  const auto corner = [&](const glm::vec3& p) {
+    const auto same = std::ranges::find_if(
+        corners, [&](const glm::vec3& other) { return glm::distance(p, other) < 1e-4f * extent; });
+    const std::ptrdiff_t number = same - corners.begin();
+    if (same == corners.end()) corners.push_back(p);
+    return number;
+  };
+  std::map<std::pair<std::ptrdiff_t, std::ptrdiff_t>, std::vector<const Side*>> borders;
+  for (const Side& side : sides) {
+    const auto a = corner(side.begin()->second), b = corner(side.rbegin()->second);
+    borders[std::minmax(a, b)].push_back(&side);
+  }
+  float widest = 0;
+  for (const auto& [ends, shared] : borders) {
+    EXPECT_EQ(shared.size() % 2, 0u);
+    for (const Side* side : shared) {
+      // Of the others the nearest, where two patches share several borders.
+      float nearest = HUGE_VALF;
+      for (const Side* other : shared) {
+        float gap = 0;
+        for (const auto& [t, p] : *side) gap = std::max(gap, distance_to(*other, p));
+        for (const auto& [t, p] : *other) gap = std::max(gap, distance_to(*side, p));
+        if (other != side) nearest = std::min(nearest, gap);
+      }
+      widest = std::max(widest, nearest);
+    }
+  }
+  return widest;
+}
+
+// Patches drawn by planish_osd_patches.glsl: what the tessellation made lies where
+// Osd::CpuEvaluator has it, and neighbours meet.
 using Far::PatchTableFactory;
 using PatchOptions = PatchTableFactory::Options;
 
@@ -56,7 +503,7 @@ float extent_of(const Cage& cage) {
   return extent;
 }
 
-/// The same places by Osd::CpuEvaluator, of the device's points.
+// The same places by Osd::CpuEvaluator, of the device's points.
 struct Expected {
   std::vector<glm::vec3> positions, du, dv;
 
@@ -85,7 +532,7 @@ struct Expected {
   }
 };
 
-/// What the patches were.
+// What the patches were.
 struct Seen {
   std::set<int> types;
   int transitions = 0, boundaries = 0, rotated = 0;
@@ -225,7 +672,7 @@ TEST_F(OsdDrawing, NeighboursMeet) {
   EXPECT_GT(seen.transitions, 100);
 }
 
-/// The same with faces that begin at any of their corners, and points a little elsewhere.
+// The same with faces that begin at any of their corners, and points a little elsewhere.
 Cage turned(Cage cage, const std::string& name) {
   cage.name = name;
   std::mt19937 random(1);
