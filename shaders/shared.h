@@ -213,7 +213,7 @@ struct PlaceParameters {
 PLANISH_SHARED_CONSTANT kStepFaces = 0u;
 PLANISH_SHARED_CONSTANT kStepLargeFaces = 1u;
 PLANISH_SHARED_CONSTANT kStepSharp = 2u;
-// Faces of so many corners are large: kSummedRing of doosabin/face_rule.h.
+// Faces of so many corners are large: kSummedRing of doosabin/subdivision.h.
 PLANISH_SHARED_CONSTANT kStepLargeFace = 32u;
 // A large face's words: its first corner, its size, where cosine and sine of each corner begin.
 PLANISH_SHARED_CONSTANT kLargeFaceWords = 3u;
@@ -361,7 +361,7 @@ PLANISH_SHARED_CONSTANT kDart = 1u;
 PLANISH_SHARED_CONSTANT kCrease = 2u;
 PLANISH_SHARED_CONSTANT kCorner = 3u;
 
-// Where the mesh bends least: BendingTable of fair/least_bending.h. An entry is the vertex and the
+// Where the mesh bends least: BendingTable of fair/bending.h. An entry is the vertex and the
 // weight in the row; those of the other vertex's row stand apart.
 struct BendingVertex {
   uint first;  // of its entries

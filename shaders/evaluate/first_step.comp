@@ -59,7 +59,7 @@ vec2 turn_at(uint place, uint i) {
               uintBitsToFloat(words_at(place + 2u * i + 1u)));
 }
 
-// refine_large_face() of patches/first_step.cpp.
+// refine_large_face() of patches/doo_sabin_step.cpp.
 void step_large_face(uint head, uint lane) {
   uint first = words_at(head), size = words_at(head + 1u), turns = words_at(head + 2u);
   vec3 origin = origin_of(vertex_of(first));
@@ -110,7 +110,7 @@ void main() {
 #endif
 
 #ifdef KERNEL_ring_sums
-// Sums of large rings, a work group a ring; see patches/ring_sums.h, whose twin this is.
+// Sums of large rings, a work group a ring; see patches/patch_mesh.h, whose twin this is.
 
 float float_at(uint i) { return uintBitsToFloat(words_at(i)); }
 

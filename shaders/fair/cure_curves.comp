@@ -25,7 +25,7 @@ const float kHalfTurn = 3.14159265;
 vec3 origin;
 
 // Scales all control points of a vertex with sharp edges, those on its curves too;
-// scale_curve_vertex() of fair/perpendicular_curve.h.
+// scale_curve_vertex() of fair/perpendicular_polygon.h.
 void scale_ring(FairVertex vertex, float factor) {
   ring_sync();
   // The curve points that the first sector begins and the last one ends with.
@@ -42,7 +42,7 @@ void scale_ring(FairVertex vertex, float factor) {
 
 #ifdef KERNEL_fair_cure_creases
 // The perpendicular chains of every crease or boundary vertex that is to have them, and quarters of those
-// that have. build_perpendicular_crease() of fair/perpendicular_curve.h.
+// that have. build_perpendicular_crease() of fair/perpendicular_polygon.h.
 
 // Of the highest that the edges reach across the curve: what they are balanced about.
 const float kAcrossShare = 0.5;
@@ -246,7 +246,7 @@ void main() {
 
 #ifdef KERNEL_fair_cure_corners
 // The control points of every corner that is to be cured, each in its own face's plane, and quarters of
-// those that were. build_perpendicular_corner() of fair/perpendicular_curve.h.
+// those that were. build_perpendicular_corner() of fair/perpendicular_polygon.h.
 
 // A sector that leaves less of a full turn than this on either side of the gap between its sharp
 // edges, and of its outer faces less than a third, has them drawn apart.

@@ -46,7 +46,7 @@ const float kPartOfBest = 0.5;
 
 #ifdef KERNEL_fair_cure_edges
 // Flags the ends of every smooth edge whose limit normal is turned too far from the faces beside it, or
-// counts the edges that are turned over. NetSamples::at_edge() of fair/net_samples.h.
+// counts the edges that are turned over. NetSamples::at_edge() of fair/fold_cure.h.
 
 // Where the best is less, about 80 degrees, the mesh itself is folded.
 const float kLeastBest = 0.17;

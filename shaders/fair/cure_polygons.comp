@@ -65,7 +65,7 @@ UPDATE(7, vec4, result);
 #include "fair_plane.glsl"
 #include "fair_walk.glsl"
 
-// How planes of cured polygons lean; fair/plane_lean.h.
+// How planes of cured polygons lean; fair/fair_topology.h.
 
 #define NO_LEAN uintBitsToFloat(kNoLeanBits)
 
@@ -112,7 +112,7 @@ vec3 leaning_normal(FairVertex vertex, vec3 origin, vec3 normal, vec2 lean) {
 
 #ifdef KERNEL_fair_cure_planes
 // How the plane of every new perpendicular polygon leans, where that is not chosen yet, and how far its
-// points may lie from the vertex; at curves that alone. tilted_normal() of fair/smallest_cap.h,
+// points may lie from the vertex; at curves that alone. tilted_normal() of fair/perpendicular_polygon.h,
 // lean_towards(), perpendicular_size().
 
 // Of the least height of the faces around.
@@ -150,7 +150,7 @@ void main() {
 #ifdef KERNEL_fair_cure_polygons
 // The perpendicular polygon of every smooth or dart vertex that is to have one, and quarters of those that
 // have. build_perpendicular_polygon() of fair/perpendicular_polygon.h, build_hub_ellipse() of
-// fair/hub_ellipse.h.
+// fair/fold_cure.h.
 
 // Of the vertex that is done. Directions of edges are made where they are needed: no valence needs
 // more memory than another.

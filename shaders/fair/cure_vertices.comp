@@ -56,7 +56,7 @@ void main() {
 #ifdef KERNEL_fair_cure_around
 // Flags every noted vertex where the places that the next step adds around it are turned too far from its
 // faces: at its control points, on the sides of its polygon, and on those of the faces' polygons that
-// begin or end at it. NetSamples::least_cosine_around() of fair/net_samples.h.
+// begin or end at it. NetSamples::least_cosine_around() of fair/fold_cure.h.
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, FairLinks, links)
@@ -176,7 +176,7 @@ void main() {
 #ifdef KERNEL_fair_cure_sharp
 // Flags crease and boundary vertices where a sector's limit normal is turned from its faces, and corners
 // whose next control points leave their faces; neither twice, as no size changes that.
-// least_sector_cosine() and farthest_fan_point() of fair/perpendicular_curve.h.
+// least_sector_cosine() and farthest_fan_point() of fair/perpendicular_polygon.h.
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, FairLinks, links)

@@ -6,7 +6,7 @@
 
 #ifdef KERNEL_fair_handles
 // The two curve points at every crease or boundary vertex, on opposite sides of it, before fair_corridor.
-// fair/crease_handle.h.
+// fair/vertex_polygon.h.
 READ_STORED(0, FairCrease, creases);
 READ(1, vec4, given)
 READ(2, float, shares)
@@ -67,7 +67,7 @@ void main() {
 
 #ifdef KERNEL_fair_corridor
 // Curve points at crease and boundary vertices are drawn back where they lead too far into a face.
-// fair/crease_handle.h.
+// fair/vertex_polygon.h.
 READ_STORED(0, FairCrease, creases);
 READ(1, vec4, given)
 READ(2, FairPlace, places)
@@ -127,7 +127,7 @@ void main() {
 
 #ifdef KERNEL_fair_sectors
 // The control points of every sector at a crease or boundary vertex, following the curve's handles.
-// fair/crease_sector.h.
+// fair/vertex_polygon.h.
 READ_STORED(0, FairSector, sectors);
 READ(1, FairPlace, places)
 READ(2, vec4, given)

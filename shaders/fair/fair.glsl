@@ -68,7 +68,7 @@ vec3 normalised(vec3 v) {
   return size > 0.0 ? v / size : vec3(0.0, 0.0, 1.0);
 }
 
-// At a crease or boundary vertex, a quarter of the two sharp edges; fair/crease_handle.h.
+// At a crease or boundary vertex, a quarter of the two sharp edges; fair/vertex_polygon.h.
 struct CreaseArms {
   vec3 before, after;
 };

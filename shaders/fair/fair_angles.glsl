@@ -1,5 +1,5 @@
 // The angle-weighted normal of the corners at a vertex; angle_weighted_normal() of
-// fair/vertex_frame.h. The including kernel declares places, given and face_normals.
+// fair/fair_topology.h. The including kernel declares places, given and face_normals.
 #include "fair_walk.glsl"
 
 // Of the sum of the angles: a normal below this is what cancellation left. Single precision leaves

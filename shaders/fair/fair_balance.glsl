@@ -1,5 +1,5 @@
 // Positive weights with which the points of the including kernel, balance_point(i), have their sum at
-// 0; balance() of fair/balanced_weights.h.
+// 0; balance() of fair/vertex_polygon.h.
 #include "fair_walk.glsl"
 #define INFINITE uintBitsToFloat(0x7f800000u)
 const int kNewtonSteps = 6;

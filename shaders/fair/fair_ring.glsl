@@ -45,7 +45,7 @@ float above_least(float coordinate) {
   return kScale * (coordinate - kLeastSafeCoordinate);
 }
 
-// How far the mean of the control points lies out of balance; imbalance() of fair/planar_ring.h.
+// How far the mean of the control points lies out of balance; imbalance() of fair/vertex_polygon.h.
 float imbalance(Ring ring) {
   float worst = 0.0;
   FOR_RING(i, 0u, ring.vertex.count) {

@@ -1,5 +1,5 @@
-// The direction from which the worst of some vectors is seen best; fair/best_view.h. The vectors are the
-// normals of the faces at a vertex, fair/smallest_cap.h: the including kernel declares places and
+// The direction from which the worst of some vectors is seen best; fair/perpendicular_polygon.h. The vectors are the
+// normals of the faces at a vertex, fair/perpendicular_polygon.h: the including kernel declares places and
 // face_normals. fair_cure_creases has a worst_seen() and an as_view() of its own.
 #include "fair_walk.glsl"
 

@@ -95,7 +95,7 @@ void main() {
 
 #ifdef KERNEL_fair_offsets
 // One Doo-Sabin step of points: every corner's control point relative to its vertex's given point.
-// Based on: Doo & Sabin 1978; fair/corner_offsets.h.
+// Based on: Doo & Sabin 1978; fair/fair_topology.h.
 READ(0, FairFace, faces)
 READ(1, uint, owners)
 READ(2, vec4, given)

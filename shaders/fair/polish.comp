@@ -1,12 +1,12 @@
 // The polish: heights along the vertices' directions that bend the net least, by conjugate gradients.
-// fair/polish.h.
+// fair/bending.h.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
 #ifdef KERNEL_fair_directions
 // The vector by which a height of 1 moves the control points around every vertex: its normal, but 0
-// where they must stay or lie in a plane, and less near curves. polish_directions() of fair/polish.h.
+// where they must stay or lie in a plane, and less near curves. polish_directions() of fair/bending.h.
 READ(0, FairVertex, vertices)
 READ(1, vec4, normals)
 READ(2, float, shares)
@@ -24,7 +24,7 @@ void main() {
 
 #ifdef KERNEL_fair_rows
 // The bending of the two lines through every control point, linear in heights along the directions.
-// fair/bending_rows.h.
+// fair/bending.h.
 READ(0, FairLinks, links)
 READ(1, uint, owners)
 READ(2, vec4, given)

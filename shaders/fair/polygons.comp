@@ -6,7 +6,7 @@
 
 #ifdef KERNEL_fair_limit_errors
 // How far the limit point of the given points is from every large smooth or dart vertex, once and not
-// once for each of its neighbours; limit_error() of fair/masked_iteration.h.
+// once for each of its neighbours; limit_error() of fair/fair_topology.h.
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, vec4, offsets)
@@ -46,12 +46,12 @@ float arm_imbalance(CreaseArms arms) {
 
 #include "fair_ring.glsl"
 
-// Such an imbalance counts this much; fair/tensor_share.h.
+// Such an imbalance counts this much; fair/vertex_polygon.h.
 const float kRelativeWeight = 2.0;
 const float kFullShareBelow = 0.4, kNoShareFrom = 0.9;
 
 // How far the limit point of the given points is from its vertex; limit_error() of
-// fair/masked_iteration.h.
+// fair/fair_topology.h.
 vec3 limit_error(uint v) {
   FairVertex vertex = vertices_at(v);
   if (has_polygon(vertex)) {
@@ -143,7 +143,7 @@ void main() {
 
 #ifdef KERNEL_fair_polygons
 // The polygon of control points around every smooth or dart vertex, its mean the vertex and each in
-// its own face's wedge, and those of corners as they are. fair/vertex_polygon.h, local_polygon.h.
+// its own face's wedge, and those of corners as they are. fair/vertex_polygon.h, vertex_polygon.h.
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, vec4, given)

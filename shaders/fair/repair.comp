@@ -1,5 +1,5 @@
 // Finding what is turned over, edges and faces, and halving the control points of their vertices, round by
-// round; fair/fold_repair.h.
+// round; fair/fold_cure.h.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"

@@ -8,7 +8,7 @@ namespace planish::vulkan::shared {
 #endif
 
 // Vertices, faces and sectors of so many corners are walked around by a work group, others by a
-// lane: kSummedRing of doosabin/face_rule.h.
+// lane: kSummedRing of doosabin/subdivision.h.
 PLANISH_SHARED_CONSTANT kLargeRing = 32u;
 
 // The fair construction: topology records, see FairTopology; those that every vertex, corner, face

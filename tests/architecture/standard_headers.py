@@ -13,7 +13,7 @@ import re
 import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/checks"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/dev/checks"))
 from compile_checks import compile_commands, flags  # noqa: E402
 
 # C++23's, and C's.

@@ -114,8 +114,8 @@ TEST_F(BenchDevice, NoLaneWalksAroundAHubAlone) {
   EXPECT_GT(counted, 25);
 }
 
-// Bytes of an element, as tools/bench/measurements.md says of 99,856 points. Here rows of chunks
-// that are not full are up to a hundredth of all.
+// Bytes of an element, as tools/dev/bench/measurements.md says of 99,856 points. Here rows of
+// chunks that are not full are up to a hundredth of all.
 const std::map<std::string, double> kProgressiveBytes{
     {"gather_points", 32},       {"take_up", 48},        {"initial_residual", 108},
     {"interpolation_step", 140}, {"control_points", 96}, {"first_step", 36},

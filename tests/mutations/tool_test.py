@@ -6,7 +6,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools" / "mutation"))
+sys.path.insert(0, str(ROOT / "tools" / "dev" / "mutation"))
 
 from drawing import lot, mutations, sources  # noqa: E402
 from listing import Module, Mutation, quick_first, read_modules  # noqa: E402

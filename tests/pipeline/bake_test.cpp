@@ -165,7 +165,7 @@ class BakedLook {
   std::vector<std::uint32_t> indices_;
 };
 
-// Baked normal maps, read back by tinygltf and drawn by formulas of their own: baked_look.h.
+// Baked normal maps, read back by tinygltf and drawn by formulas of their own: bake_test.cpp.
 
 using nlohmann::json;
 using std::numbers::pi;

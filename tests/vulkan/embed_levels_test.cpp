@@ -185,7 +185,7 @@ struct LevelHost {
   std::optional<vulkan::Tessellation> levels;
 };
 
-// What a view should choose, in double and without a device: the rule of host/tessellation.h.
+// What a view should choose, in double and without a device: the rule of vulkan/host/evaluation.h.
 class LevelChoice {
  public:
   static constexpr std::uint32_t kNotSeen = vulkan::Tessellation::kNotSeen;

@@ -38,7 +38,7 @@ enum class DeviceScope { CpuOnly, All };
 [[nodiscard]] std::size_t best_vulkan(const DeviceList& list);
 
 /// Position in `list.devices` of the one that `settings.device` names. "auto" is the CPU: for files
-/// it is faster than a GPU, whose tables the host has to make (tools/bench/README.md). Throws
+/// it is faster than a GPU, whose tables the host has to make (tools/dev/bench/README.md). Throws
 /// Error{NoDevice} naming what there is; Error{InvalidArgument} for a precision that the device
 /// does not have.
 [[nodiscard]] std::size_t choose_device(const DeviceList& list, const Settings& settings);

@@ -79,7 +79,7 @@ struct MeshFitOptions {
   /// welded or added.
   bool stands_alone = true;
   /// Else faces were made of points, and nobody is told of what is odd about them: see
-  /// mesh_warnings.h.
+  /// fit_report.h.
   bool faces_are_given = true;
   std::optional<double> crease_degrees;  ///< edges whose faces turn by more are sharp, too
   bool finds_features = false;           ///< sharp is what find_features() finds, too

@@ -150,7 +150,7 @@ struct DeepCure {
   /// Takes decisions or makes its own.
   std::function<FairNet(const FairDecisions* decisions)> make_net;
   std::function<DeepFolds(FairNet& net)> folds_of;
-  /// choose_ellipses() of fair/hub_ellipse.h.
+  /// choose_ellipses() of fair/fold_cure.h.
   std::function<std::vector<std::uint8_t>(std::span<const std::uint8_t> flagged,
                                           FairDecisions& decisions)>
       choose_ellipses;

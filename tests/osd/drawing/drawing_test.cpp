@@ -318,7 +318,7 @@ struct Patch {
   OpenSubdiv::Far::PatchParam param;
   int type;
 };
-bool is_triangle(int type);
+bool is_drawn_triangle(int type);
 
 }  // namespace
 
@@ -361,7 +361,7 @@ std::vector<Side> sides_of(const std::vector<Patch>& patches,
   for (const DrawnVertex& made : border_of(vertices)) {
     const auto number = static_cast<int>(made.patch);
     const Patch& patch = patches[number];
-    const bool triangle = is_triangle(patch.type);
+    const bool triangle = is_drawn_triangle(patch.type);
     const float far = triangle ? 1 - made.u - made.v : 1 - made.u;
     const auto add = [&](int side, int transition, float t) {
       const bool halves = (patch.param.GetTransition() & transition) != 0;
@@ -389,12 +389,12 @@ float distance_to(const Side& side, const glm::vec3& p) {
   return least;
 }
 
-bool is_triangle(int type) {
+bool is_drawn_triangle(int type) {
   return type == PatchDescriptor::TRIANGLES || type == PatchDescriptor::LOOP ||
          type == PatchDescriptor::GREGORY_TRIANGLE;
 }
 
-std::vector<Patch> patches_of(const Far::PatchTable& table) {
+std::vector<Patch> drawn_patches_of(const Far::PatchTable& table) {
   std::vector<Patch> patches;
   for (int array = 0; array < table.GetNumPatchArrays(); ++array) {
     const PatchDescriptor descriptor = table.GetPatchArrayDescriptor(array);
@@ -510,12 +510,12 @@ struct Expected {
   Expected(const DrawnMesh& mesh, const std::vector<DrawnVertex>& vertices,
            osd::VkDeviceContext& target)
       : positions(vertices.size()), du(vertices.size()), dv(vertices.size()) {
-    const std::vector<Patch> patches = patches_of(*mesh.refined.patches);
+    const std::vector<Patch> patches = drawn_patches_of(*mesh.refined.patches);
     std::vector<Osd::PatchCoord> coords;
     for (const DrawnVertex& vertex : vertices) {
       const Patch& patch = patches.at(static_cast<std::size_t>(vertex.patch));
       float s = vertex.u, t = vertex.v;
-      if (is_triangle(patch.type))
+      if (is_drawn_triangle(patch.type))
         patch.param.UnnormalizeTriangle(s, t);
       else
         patch.param.Unnormalize(s, t);
@@ -538,11 +538,11 @@ struct Seen {
   int transitions = 0, boundaries = 0, rotated = 0;
 
   void add(const Far::PatchTable& table) {
-    for (const Patch& patch : patches_of(table)) {
+    for (const Patch& patch : drawn_patches_of(table)) {
       types.insert(patch.type);
       transitions += patch.param.GetTransition() != 0;
       boundaries += patch.param.GetBoundary() != 0;
-      rotated += is_triangle(patch.type) && patch.param.IsTriangleRotated();
+      rotated += is_drawn_triangle(patch.type) && patch.param.IsTriangleRotated();
     }
   }
 };
@@ -551,7 +551,7 @@ void expect_as_evaluated(PatchDrawing& drawing, const DrawnMesh& mesh, float ext
   DrawOptions options;
   options.level = 5;
   const std::vector<DrawnVertex> vertices = drawing.draw(mesh, options);
-  const std::vector<Patch> patches = patches_of(*mesh.refined.patches);
+  const std::vector<Patch> patches = drawn_patches_of(*mesh.refined.patches);
   std::set<float> drawn;
   const Expected expected(mesh, vertices, drawing.target());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -608,7 +608,7 @@ TEST_F(OsdDrawing, SingleCreasePatchesAreThoseOfTheCpuEvaluator) {
     options.patches.useSingleCreasePatch = true;
     const DrawnMesh mesh(cage, options, drawing_->target());
     expect_as_evaluated(*drawing_, mesh, extent_of(cage));
-    for (const Patch& patch : patches_of(*mesh.refined.patches))
+    for (const Patch& patch : drawn_patches_of(*mesh.refined.patches))
       sharp += mesh.refined.patches->GetSingleCreasePatchSharpnessValue(patch.handle) > 0;
   }
   EXPECT_GT(sharp, 10);
@@ -642,7 +642,7 @@ TEST_F(OsdDrawing, NeighboursMeet) {
     if (!is_closed(cage)) continue;
     SCOPED_TRACE(cage.name);
     const DrawnMesh mesh(cage, refined_to(3, cage), drawing_->target());
-    const std::vector<Patch> patches = patches_of(*mesh.refined.patches);
+    const std::vector<Patch> patches = drawn_patches_of(*mesh.refined.patches);
     seen.add(*mesh.refined.patches);
     const float extent = extent_of(cage);
     const auto expect_no_gap = [&](const DrawOptions& options) {

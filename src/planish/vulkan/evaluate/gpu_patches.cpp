@@ -9,7 +9,7 @@ namespace planish::vulkan {
 namespace {
 
 // Based on: Doo & Sabin 1978; "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces",
-// equation (1), in differences between neighbours; its twin is patches/first_step.cpp.
+// equation (1), in differences between neighbours; its twin is patches/doo_sabin_step.cpp.
 
 constexpr std::uint32_t kStepLanes = 64;
 

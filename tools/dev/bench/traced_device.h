@@ -56,7 +56,7 @@ class DeviceTrace {
   [[nodiscard]] static std::vector<TracedDispatch> end();
 
   /// Kernels that are compiled while it is on log what they access of storage buffers; see
-  /// spirv_accesses.h. They run while `set`, of log_layout(), is their log, the buffer that it
+  /// traced_device.h. They run while `set`, of log_layout(), is their log, the buffer that it
   /// binds; a record's mark is the number of the dispatch since begin().
   static void log_accesses(bool is_on);
   static void set_log(VkDescriptorSet set, VkBuffer buffer);

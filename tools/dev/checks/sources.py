@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 # Names of which at least one stands in a source that uses the header.
 STANDARD = {
@@ -131,7 +131,7 @@ def unit_of(name):
     folders = pathlib.PurePath(name).parts
     if name.startswith("src/planish/reconstruct/cgal/"):
         return "src/planish/reconstruct/cgal"
-    return "/".join(folders[:3] if folders[0] == "src" else folders[:2])
+    return "/".join(folders[:3] if folders[0] == "src" or folders[1] in ("dev", "products") else folders[:2])
 
 
 def unnamed_parts(text):

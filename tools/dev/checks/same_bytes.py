@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares what two builds of the command write, byte by byte.
 
-    tools/checks/same_bytes.py BEFORE AFTER [--only WORD] [--without WORD] [--jobs N] [FILE ...]
+    tools/dev/checks/same_bytes.py BEFORE AFTER [--only WORD] [--without WORD] [--jobs N] [FILE ...]
 
 BEFORE and AFTER are planish programs. Every scene of scenes/ (meshes, scene files, files with a
 fault) goes through both with the calls below, and so does every FILE, a mesh or points, in all
@@ -20,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 # What two runs of the same program need not have in common.
 VARYING = {"argv", "git", "memory", "timing_ms"}
 POINTS = {".xyz", ".pts", ".pcd", ".las", ".ptx"}
