@@ -165,7 +165,7 @@ class BakedLook {
   std::vector<std::uint32_t> indices_;
 };
 
-// Baked normal maps, read back by tinygltf and drawn by formulas of their own: bake_test.cpp.
+// Baked normal maps, read back by tinygltf and drawn by formulas of their own.
 
 using nlohmann::json;
 using std::numbers::pi;

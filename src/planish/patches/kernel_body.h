@@ -158,7 +158,7 @@ PLANISH_INLINE Vector square_root(Vector v) {
 #endif
 }
 
-// The patch kernel at the width of kernel_body.h. Each lane computes what it would alone, by
+// The patch kernel at the width of its lanes. Each lane computes what it would alone, by
 // additions, multiplications, divisions and roots that are rounded one by one: the same bits at
 // every width (the flags forbid fused ones).
 
