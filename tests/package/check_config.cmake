@@ -8,6 +8,12 @@ file(REMOVE_RECURSE ${FOLDER})
 file(WRITE ${FOLDER}/CMakeFindDependencyMacro.cmake
      "macro(find_dependency name)\n  list(APPEND asked \${name})\nendmacro()\n")
 
+# In a script there are no targets; components are told from their variables.
+function(add_library)
+endfunction()
+function(target_link_libraries)
+endfunction()
+
 # expect_asked(SHARED DRACO PACKAGE...)
 function(expect_asked BUILD_SHARED_LIBS PLANISH_DRACO)
   configure_package_config_file(${SOURCE}/tools/cmake/planishConfig.cmake.in ${FOLDER}/planishConfig.cmake
@@ -26,3 +32,26 @@ expect_asked(ON ON ${public})
 expect_asked(ON OFF ${public})
 expect_asked(OFF ON ${public} meshoptimizer OpenSSL ZLIB draco)
 expect_asked(OFF OFF ${public} meshoptimizer OpenSSL ZLIB)
+
+# expect_found(VULKAN FOUND COMPONENT...): whether a program that needs these components finds the package.
+function(expect_found PLANISH_VULKAN found)
+  set(BUILD_SHARED_LIBS ON)
+  configure_package_config_file(${SOURCE}/tools/cmake/planishConfig.cmake.in ${FOLDER}/planishConfig.cmake
+                                INSTALL_DESTINATION lib/cmake/planish)
+  set(CMAKE_MODULE_PATH ${FOLDER})
+  set(asked)
+  set(planish_FOUND TRUE)
+  set(planish_FIND_COMPONENTS ${ARGN})
+  foreach(component IN LISTS ARGN)
+    set(planish_FIND_REQUIRED_${component} TRUE)
+  endforeach()
+  include(${FOLDER}/planishConfig.cmake)
+  if(NOT planish_FOUND STREQUAL found)
+    message(FATAL_ERROR "Vulkan ${PLANISH_VULKAN}, components ${ARGN}: found is ${planish_FOUND}, not ${found}")
+  endif()
+endfunction()
+
+expect_found(ON TRUE core formats points job gpu)
+expect_found(OFF TRUE core job)
+expect_found(OFF FALSE gpu)
+expect_found(ON FALSE printer)
