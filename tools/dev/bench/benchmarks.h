@@ -24,6 +24,7 @@ struct Options {
   int repetitions = kRepetitions;
   /// Given points of the groups `kernels` and `frame`.
   std::vector<std::int32_t> point_counts = {10'000, 100'000, 1'000'000};
+  std::int32_t hub_faces = 10'000;  ///< around each hub of the group `kernels`
   int loop_frames = 240;
   std::uint64_t copy_bytes = 256u << 20;  ///< of each buffer of the copies; as far as it fits
   std::string device;                     ///< Vulkan's, as in vulkan::pick_device; empty: the best

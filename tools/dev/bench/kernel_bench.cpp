@@ -189,8 +189,6 @@ using namespace vulkan;
 // Iterations in the submission; one step more measures.
 constexpr std::uint32_t kTimedIterations = 4;
 constexpr std::uint32_t kCopySpans = 2;
-constexpr std::int32_t kCountedPoints = 400;  // more than kSmallRows
-constexpr std::int32_t kCountedHub = 512;
 constexpr std::uint64_t kSoftwareCopyBytes = 64u << 20;  // caches hold less, and it takes longer
 
 // What the dispatches of one kernel come to.
@@ -218,13 +216,13 @@ double elements_of(std::string_view kernel, const PolygonMesh& mesh, const Devic
 class FrameKernels {
  public:
   FrameKernels(VulkanMachine& machine, DeviceCopy& copy, const PolygonMesh& mesh,
-               InterpolationMethod method)
+               InterpolationMethod method, const std::string& what)
       : machine_(machine),
         copy_(copy),
         mesh_(mesh),
         frame_(machine, mesh, {.level = kFrameLevel, .method = method}) {
     group_.name = "kernels";
-    group_.size = formatted("{} points, {}{} vertices; {}", mesh.vertex_count(),
+    group_.size = formatted("{}, {}{} vertices; {}", what,
                             method == InterpolationMethod::Fair ? "fair, " : "progressive, ",
                             frame_.system.vertex_count(), machine.device.capabilities().name);
     group_.baseline = "vkCmdCopyBuffer";
@@ -341,45 +339,6 @@ class FrameKernels {
   Group group_;
 };
 
-// A frame's kernels on hardware by what their lanes read and write; each access is logged, so of a
-// small mesh; `what`: what mesh that is.
-std::vector<Row> count_accesses(const Options& options, InterpolationMethod method,
-                                const PolygonMesh& mesh, const std::string& what) {
-  AccessLog log(options);
-  const DeviceFrame frame(log.machine(), mesh, {.level = kFrameLevel, .method = method});
-  std::vector<TracedDispatch> dispatches;
-  log.machine().submitter.run([&](VkCommandBuffer commands) {
-    DeviceTrace::begin({});
-    record_frame(frame, commands);
-    dispatches = DeviceTrace::end();
-  });
-  const std::vector<AccessTotal> totals = log.totals(dispatches.size());
-  const std::string size = what + ", " +
-                           (method == InterpolationMethod::Fair ? "fair" : "progressive") +
-                           ", by accesses of lanes";
-  std::vector<std::pair<std::string, AccessTotal>> kernels;
-  AccessTotal all;
-  for (std::size_t i = 0; i < totals.size(); ++i) {
-    const std::string name(kernel_of(log.machine().context, dispatches[i].layout));
-    auto found = std::ranges::find(kernels, name, &std::pair<std::string, AccessTotal>::first);
-    if (found == kernels.end()) found = kernels.insert(found, {name, {}});
-    found->second += totals[i];
-    all += totals[i];
-  }
-  kernels.emplace_back("frame", all);
-  std::vector<Row> rows;
-  for (const auto& [name, total] : kernels) {
-    Row& row = rows.emplace_back(Row{.group = "kernels", .size = size, .peer = name});
-    const double elements = elements_of(name, mesh, frame);
-    row.figures = {{"elements", elements},
-                   {"read_per_element", static_cast<double>(total.read_bytes) / elements},
-                   {"written_per_element", static_cast<double>(total.written_bytes) / elements},
-                   {"transactions_per_element", static_cast<double>(total.transactions) / elements},
-                   {"longest_walk", static_cast<double>(total.longest_walk)}};
-  }
-  return rows;
-}
-
 }  // namespace
 
 std::vector<Row> bench_kernels(const Options& options) {
@@ -389,30 +348,24 @@ std::vector<Row> bench_kernels(const Options& options) {
   DeviceCopy copy(*machine, is_software ? std::min(options.copy_bytes, kSoftwareCopyBytes)
                                         : options.copy_bytes);
   std::vector<Row> rows;
+  const auto measure = [&](const PolygonMesh& mesh, InterpolationMethod method,
+                           const std::string& what) {
+    try {
+      FrameKernels kernels(*machine, copy, mesh, method, what);
+      const std::vector<Row> measured = kernels.measure(options.repetitions);
+      rows.insert(rows.end(), measured.begin(), measured.end());
+    } catch (const Error& error) {
+      const bool is_fair = method == InterpolationMethod::Fair;
+      rows.push_back(refusal(error, "kernels", what, is_fair ? "fair" : "progressive"));
+    }
+  };
   for (const std::int32_t point_count : options.point_counts) {
     const PolygonMesh mesh = rough_torus(point_count);
-    for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
-      try {
-        FrameKernels kernels(*machine, copy, mesh, method);
-        const std::vector<Row> measured = kernels.measure(options.repetitions);
-        rows.insert(rows.end(), measured.begin(), measured.end());
-      } catch (const Error& error) {
-        const bool is_fair = method == InterpolationMethod::Fair;
-        rows.push_back(refusal(error, "kernels", formatted("{} points", mesh.vertex_count()),
-                               is_fair ? "fair" : "progressive"));
-      }
-    }
+    for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair})
+      measure(mesh, method, formatted("{} points", mesh.vertex_count()));
   }
-  const auto count = [&](InterpolationMethod method, const PolygonMesh& mesh,
-                         const std::string& what) {
-    const std::vector<Row> counted = count_accesses(options, method, mesh, what);
-    rows.insert(rows.end(), counted.begin(), counted.end());
-  };
-  const PolygonMesh torus = rough_torus(std::min(kCountedPoints, options.point_counts.front()));
-  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair})
-    count(method, torus, formatted("{} points", torus.vertex_count()));
-  count(InterpolationMethod::Fair, uneven_bipyramid(kCountedHub),
-        formatted("hubs of {}", kCountedHub));
+  measure(uneven_bipyramid(options.hub_faces), InterpolationMethod::Fair,
+          formatted("hubs of {}", options.hub_faces));
   return rows;
 }
 

@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
     options.sphere_level = 3;
     options.repetitions = 3;
     if (app.count("--points") == 0) options.point_counts = {2'500};
+    options.hub_faces = 512;
     options.loop_frames = 8;
     options.copy_bytes = 1u << 20;
   }

@@ -8,9 +8,7 @@
 #include <initializer_list>
 #include <map>
 #include <span>
-#include <stdexcept>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -20,281 +18,6 @@
 #include "planish/vulkan/vulkan_backend.h"
 
 namespace planish::bench {
-namespace {
-
-using Words = std::vector<std::uint32_t>;
-
-// Numbers of the SPIR-V specification, version 1.3.
-enum Op : std::uint32_t {
-  OpEntryPoint = 15,
-  OpTypeVoid = 19,
-  OpTypeBool = 20,
-  OpTypeInt = 21,
-  OpTypeFloat = 22,
-  OpTypeVector = 23,
-  OpTypeArray = 28,
-  OpTypeRuntimeArray = 29,
-  OpTypeStruct = 30,
-  OpTypePointer = 32,
-  OpTypeFunction = 33,
-  OpConstant = 43,
-  OpFunction = 54,
-  OpFunctionParameter = 55,
-  OpFunctionEnd = 56,
-  OpFunctionCall = 57,
-  OpVariable = 59,
-  OpLoad = 61,
-  OpStore = 62,
-  OpAccessChain = 65,
-  OpArrayLength = 68,
-  OpDecorate = 71,
-  OpMemberDecorate = 72,
-  OpCompositeExtract = 81,
-  OpIAdd = 128,
-  OpIMul = 132,
-  OpSelect = 169,
-  OpULessThanEqual = 178,
-  OpAtomicExchange = 229,
-  OpAtomicIAdd = 234,
-  OpAtomicXor = 242,
-  OpLabel = 248,
-  OpReturn = 253,
-};
-enum Decoration : std::uint32_t {
-  Block = 2,
-  ArrayStride = 6,
-  BuiltIn = 11,
-  Binding = 33,
-  DescriptorSet = 34,
-  Offset = 35,
-};
-constexpr std::uint32_t kInput = 1, kStorageBuffer = 12;  // storage classes
-constexpr std::uint32_t kGlobalInvocationId = 28;
-constexpr std::uint32_t kDeviceScope = 1;
-constexpr std::uint32_t kHeadWords = 5, kBoundWord = 3;
-constexpr std::uint32_t kWordBytes = 4;
-
-struct Instruction {
-  std::uint32_t op;
-  std::span<const std::uint32_t> operands;
-};
-
-void put(Words& to, std::uint32_t op, std::span<const std::uint32_t> operands) {
-  to.push_back(static_cast<std::uint32_t>(operands.size() + 1) << 16 | op);
-  to.insert(to.end(), operands.begin(), operands.end());
-}
-void put(Words& to, std::uint32_t op, std::initializer_list<std::uint32_t> operands) {
-  put(to, op, std::span(operands.begin(), operands.size()));
-}
-
-class Rewriter {
- public:
-  Rewriter(std::span<const std::uint32_t> module, std::vector<Access>& accesses)
-      : head_(module.first(kHeadWords)), bound_(module[kBoundWord]), accesses_(accesses) {
-    for (std::size_t i = kHeadWords; i < module.size(); i += module[i] >> 16)
-      take({module[i] & 0xffff, module.subspan(i + 1, (module[i] >> 16) - 1)});
-  }
-
-  Words rewrite() {
-    declare();
-    const Words log_function = make_log_function();
-    Words bodies;
-    for (const Instruction& instruction : functions_) add(instruction, bodies);
-    Words module(head_.begin(), head_.end());
-    for (const Instruction& instruction : preamble_) {
-      Words operands(instruction.operands.begin(), instruction.operands.end());
-      if (instruction.op == OpEntryPoint && adds_invocation_) operands.push_back(invocation_);
-      put(module, instruction.op, operands);
-    }
-    for (const Words* part :
-         std::initializer_list<const Words*>{&decorations_, &types_, &bodies, &log_function})
-      module.insert(module.end(), part->begin(), part->end());
-    module[kBoundWord] = bound_;
-    return module;
-  }
-
- private:
-  void take(const Instruction& instruction) {
-    const auto [op, operands] = instruction;
-    if (op == OpDecorate && operands.size() == 3)
-      decorated_[{operands[0], operands[1]}] = operands[2];
-    if (op == OpMemberDecorate && operands[2] == Offset)
-      offsets_[{operands[0], operands[1]}] = operands[3];
-    if (op == OpFunction || !functions_.empty()) {
-      functions_.push_back(instruction);
-    } else if (op == OpTypeVoid || !types_.empty()) {
-      declared_.push_back(instruction);
-      put(types_, op, operands);
-      const bool is_type = op >= OpTypeVoid && op <= OpTypeFunction;
-      typed_[operands[is_type ? 0 : 1]] = instruction;
-    } else {
-      preamble_.push_back(instruction);
-    }
-  }
-
-  // The type of the same words, which may be there only once.
-  std::uint32_t type(std::uint32_t op, std::initializer_list<std::uint32_t> operands) {
-    for (const Instruction& there : declared_)
-      if (there.op == op && std::ranges::equal(there.operands.subspan(1), operands))
-        return there.operands[0];
-    return new_type(op, operands);
-  }
-  std::uint32_t new_type(std::uint32_t op, std::initializer_list<std::uint32_t> operands) {
-    Words all = {bound_++};
-    all.insert(all.end(), operands.begin(), operands.end());
-    put(types_, op, all);
-    return all[0];
-  }
-  std::uint32_t constant(std::uint32_t value) {
-    const auto [place, is_new] = constants_.try_emplace(value, bound_);
-    if (is_new) put(types_, OpConstant, {word_, bound_++, value});
-    return place->second;
-  }
-  std::uint32_t variable(std::uint32_t pointer, std::uint32_t storage) {
-    put(types_, OpVariable, {pointer, bound_, storage});
-    return bound_++;
-  }
-
-  void declare() {
-    word_ = type(OpTypeInt, {32, 0});
-    void_ = type(OpTypeVoid, {});
-    bool_ = type(OpTypeBool, {});
-    words_ = type(OpTypeVector, {word_, 3});
-    word_pointer_ = type(OpTypePointer, {kStorageBuffer, word_});
-    function_type_ = type(OpTypeFunction, {void_, word_, word_});
-    const std::uint32_t array = new_type(OpTypeRuntimeArray, {word_});
-    const std::uint32_t block = new_type(OpTypeStruct, {array});
-    log_ = variable(new_type(OpTypePointer, {kStorageBuffer, block}), kStorageBuffer);
-    put(decorations_, OpDecorate, {array, ArrayStride, kWordBytes});
-    put(decorations_, OpDecorate, {block, Block});
-    put(decorations_, OpMemberDecorate, {block, 0, Offset, 0});
-    put(decorations_, OpDecorate, {log_, DescriptorSet, 1});
-    put(decorations_, OpDecorate, {log_, Binding, 0});
-    for (const auto& [of, value] : decorated_)
-      if (of.second == BuiltIn && value == kGlobalInvocationId) invocation_ = of.first;
-    adds_invocation_ = invocation_ == 0;
-    if (!adds_invocation_) return;
-    invocation_ = variable(type(OpTypePointer, {kInput, words_}), kInput);
-    put(decorations_, OpDecorate, {invocation_, BuiltIn, kGlobalInvocationId});
-  }
-
-  // void log(access, offset): a record.
-  Words make_log_function() {
-    log_function_ = bound_++;
-    const std::uint32_t access = bound_++, offset = bound_++;
-    Words body;
-    const auto value = [&](std::uint32_t op, std::uint32_t of_type,
-                           std::initializer_list<std::uint32_t> operands) {
-      Words all = {of_type, bound_++};
-      all.insert(all.end(), operands.begin(), operands.end());
-      put(body, op, all);
-      return all[1];
-    };
-    const auto place = [&](std::uint32_t index) {
-      return value(OpAccessChain, word_pointer_, {log_, constant(0), index});
-    };
-    put(body, OpFunction, {void_, log_function_, 0, function_type_});
-    put(body, OpFunctionParameter, {word_, access});
-    put(body, OpFunctionParameter, {word_, offset});
-    put(body, OpLabel, {bound_++});
-    const std::uint32_t next =
-        value(OpAtomicIAdd, word_,
-              {place(constant(0)), constant(kDeviceScope), constant(0), constant(kAccessWords)});
-    const std::uint32_t end = value(OpIAdd, word_, {next, constant(kAccessWords)});
-    const std::uint32_t length = value(OpArrayLength, word_, {log_, 0});
-    const std::uint32_t fits = value(OpULessThanEqual, bool_, {end, length});
-    const std::uint32_t first = value(OpSelect, word_, {fits, next, constant(kFirstAccess)});
-    const std::uint32_t mark = value(OpLoad, word_, {place(constant(kAccessMark))});
-    const std::uint32_t invocations = value(OpLoad, words_, {invocation_});
-    const std::uint32_t invocation = value(OpCompositeExtract, word_, {invocations, 0});
-    std::uint32_t k = 0;
-    for (const std::uint32_t word : {mark, access, invocation, offset})
-      put(body, OpStore, {place(value(OpIAdd, word_, {first, constant(k++)})), word});
-    put(body, OpReturn, {});
-    put(body, OpFunctionEnd, {});
-    return body;
-  }
-
-  void add(const Instruction& instruction, Words& to) {
-    const auto [op, operands] = instruction;
-    if (op == OpLoad) log(operands[2], true, false, to);
-    if (op == OpStore) log(operands[0], false, true, to);
-    if (op >= OpAtomicExchange && op <= OpAtomicXor) log(operands[2], true, true, to);
-    put(to, op, operands);
-    if (op == OpAccessChain) follow(operands, to);
-  }
-
-  struct Pointer {
-    std::uint32_t offset, bytes;
-  };
-
-  // Where a chain of indices leads to, in bytes from the start of its buffer.
-  void follow(std::span<const std::uint32_t> chain, Words& to) {
-    const auto base = typed_.find(chain[2]);
-    if (base == typed_.end() || base->second.op != OpVariable ||
-        base->second.operands[2] != kStorageBuffer)
-      return;
-    std::uint32_t at = typed_.at(base->second.operands[0]).operands[2];
-    std::uint32_t sum = constant(0);
-    for (const std::uint32_t index : chain.subspan(3)) {
-      const auto [op, operands] = typed_.at(at);
-      if (op == OpTypeStruct) {
-        const std::uint32_t member = typed_.at(index).operands[2];
-        sum = add_words(OpIAdd, sum, constant(offsets_.at({at, member})), to);
-        at = operands[1 + member];
-      } else {
-        const std::uint32_t stride =
-            op == OpTypeVector ? kWordBytes : decorated_.at({at, ArrayStride});
-        sum = add_words(OpIAdd, sum, add_words(OpIMul, index, constant(stride), to), to);
-        at = operands[1];
-      }
-    }
-    pointers_[chain[1]] = {sum, bytes_of(at)};
-  }
-  std::uint32_t add_words(std::uint32_t op, std::uint32_t a, std::uint32_t b, Words& to) {
-    put(to, op, {word_, bound_, a, b});
-    return bound_++;
-  }
-
-  [[nodiscard]] std::uint32_t bytes_of(std::uint32_t type) const {
-    const auto [op, operands] = typed_.at(type);
-    if (op == OpTypeVector) return operands[2] * kWordBytes;
-    if (op != OpTypeStruct) return kWordBytes;
-    std::uint32_t bytes = 0;
-    for (const std::uint32_t member : operands.subspan(1)) bytes += bytes_of(member);
-    return bytes;
-  }
-
-  void log(std::uint32_t pointer, bool reads, bool writes, Words& to) {
-    const auto found = pointers_.find(pointer);
-    if (found == pointers_.end()) return;
-    put(to, OpFunctionCall,
-        {void_, bound_++, log_function_, constant(static_cast<std::uint32_t>(accesses_.size())),
-         found->second.offset});
-    accesses_.push_back({found->second.bytes, reads, writes});
-  }
-
-  std::span<const std::uint32_t> head_;
-  std::uint32_t bound_;
-  std::vector<Access>& accesses_;
-  std::vector<Instruction> preamble_, declared_, functions_;
-  std::map<std::uint32_t, Instruction> typed_;  // types, constants and variables by their number
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> decorated_, offsets_;
-  std::map<std::uint32_t, std::uint32_t> constants_;
-  std::map<std::uint32_t, Pointer> pointers_;
-  Words decorations_, types_;
-  std::uint32_t word_ = 0, void_ = 0, bool_ = 0, words_ = 0, word_pointer_ = 0, function_type_ = 0;
-  std::uint32_t log_ = 0, invocation_ = 0, log_function_ = 0;
-  bool adds_invocation_ = false;
-};
-
-}  // namespace
-
-std::vector<std::uint32_t> with_access_log(std::span<const std::uint32_t> module,
-                                           std::vector<Access>& accesses) {
-  return Rewriter(module, accesses).rewrite();
-}
-
 namespace {
 
 // Of a buffer.
@@ -322,31 +45,24 @@ std::uint64_t bytes_of(const Ranges& ranges) {
   return bytes;
 }
 
-// And what is called in their place.
+// Vulkan's functions, and what is called in their place.
 #define TRACED_FUNCTIONS(X)                  \
   X(vkCreateBuffer, create_buffer)           \
   X(vkCreateBufferView, create_view)         \
-  X(vkCreateShaderModule, create_module)     \
-  X(vkCreatePipelineLayout, create_layout)   \
   X(vkAllocateDescriptorSets, allocate_sets) \
   X(vkUpdateDescriptorSets, update_sets)     \
   X(vkCmdBindDescriptorSets, bind_sets)      \
   X(vkCmdPipelineBarrier, barrier)           \
   X(vkCmdDispatch, dispatch)                 \
   X(vkCmdDispatchIndirect, dispatch_indirect)
-// What the trace calls itself.
-#define CALLED_FUNCTIONS(X)      \
-  X(vkCreateDescriptorSetLayout) \
-  X(vkCmdFillBuffer)             \
-  X(vkCmdWriteTimestamp)
-#define TRACED_MEMBER(name, ...) PFN_##name name = nullptr;
+#define TRACED_MEMBER(name, own) PFN_##name name = nullptr;
 
 // The loader's and the driver's functions, and what was seen.
 struct Trace {
   PFN_vkGetInstanceProcAddr get_instance_proc = nullptr;
   PFN_vkGetDeviceProcAddr get_device_proc = nullptr;
   TRACED_FUNCTIONS(TRACED_MEMBER)
-  CALLED_FUNCTIONS(TRACED_MEMBER)
+  PFN_vkCmdWriteTimestamp vkCmdWriteTimestamp = nullptr;
   std::map<VkBuffer, std::uint64_t> buffers;
   std::map<VkBufferView, Range> views;
   std::map<VkDescriptorSet, Ranges> sets;
@@ -355,11 +71,6 @@ struct Trace {
   bool keeps = false;
   vulkan::Timestamps timestamps;
   std::vector<TracedDispatch> dispatches;
-  bool logs = false;
-  VkDescriptorSetLayout log_layout = VK_NULL_HANDLE;
-  VkDescriptorSet log_set = VK_NULL_HANDLE;
-  VkBuffer log = VK_NULL_HANDLE;
-  std::vector<Access> accesses;
 
   [[nodiscard]] Range range_of(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize range) const {
     const auto found = buffers.find(buffer);
@@ -370,9 +81,7 @@ struct Trace {
   template <class Dispatch>
   void record(VkCommandBuffer commands, bool is_indirect, const Dispatch& dispatch) {
     if (!keeps) return dispatch();
-    const auto number = static_cast<std::uint32_t>(dispatches.size());
-    const auto query = timestamps.first + 2 * number;
-    if (log) mark(commands, number);
+    const auto query = timestamps.first + 2 * static_cast<std::uint32_t>(dispatches.size());
     dispatches.push_back({layout, bytes_of(sets[set]), is_indirect});
     write(commands, query);
     dispatch();
@@ -383,19 +92,6 @@ struct Trace {
   void write(VkCommandBuffer commands, std::uint32_t query) const {
     if (timestamps.pool)
       vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps.pool, query);
-  }
-
-  void mark(VkCommandBuffer commands, std::uint32_t number) const {
-    const VkMemoryBarrier all{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
-                              VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
-                              VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT};
-    const auto wait = [&] {
-      vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                           VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 1, &all, 0, nullptr, 0, nullptr);
-    };
-    wait();
-    vkCmdFillBuffer(commands, log, kAccessMark * sizeof number, sizeof number, number);
-    wait();
   }
 } trace;
 
@@ -412,38 +108,6 @@ VkResult VKAPI_CALL create_view(VkDevice device, const VkBufferViewCreateInfo* i
   if (result == VK_SUCCESS)
     trace.views[*view] = trace.range_of(info->buffer, info->offset, info->range);
   return result;
-}
-
-VkResult VKAPI_CALL create_module(VkDevice device, const VkShaderModuleCreateInfo* info,
-                                  const VkAllocationCallbacks* callbacks, VkShaderModule* module) {
-  if (!trace.logs) return trace.vkCreateShaderModule(device, info, callbacks, module);
-  const std::vector<std::uint32_t> code =
-      with_access_log({info->pCode, info->codeSize / sizeof *info->pCode}, trace.accesses);
-  VkShaderModuleCreateInfo logging = *info;
-  logging.pCode = code.data();
-  logging.codeSize = std::span(code).size_bytes();
-  return trace.vkCreateShaderModule(device, &logging, callbacks, module);
-}
-
-// With the log as one set more.
-VkResult VKAPI_CALL create_layout(VkDevice device, const VkPipelineLayoutCreateInfo* info,
-                                  const VkAllocationCallbacks* callbacks,
-                                  VkPipelineLayout* layout) {
-  if (!trace.logs) return trace.vkCreatePipelineLayout(device, info, callbacks, layout);
-  if (!trace.log_layout) {
-    const VkDescriptorSetLayoutBinding log{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
-                                           VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
-    const VkDescriptorSetLayoutCreateInfo of_log{
-        VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, nullptr, 0, 1, &log};
-    const VkResult result =
-        trace.vkCreateDescriptorSetLayout(device, &of_log, callbacks, &trace.log_layout);
-    if (result != VK_SUCCESS) return result;
-  }
-  const VkDescriptorSetLayout layouts[] = {info->pSetLayouts[0], trace.log_layout};
-  VkPipelineLayoutCreateInfo logging = *info;
-  logging.setLayoutCount = 2;
-  logging.pSetLayouts = layouts;
-  return trace.vkCreatePipelineLayout(device, &logging, callbacks, layout);
 }
 
 VkResult VKAPI_CALL allocate_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
@@ -479,8 +143,6 @@ void VKAPI_CALL bind_sets(VkCommandBuffer commands, VkPipelineBindPoint point,
   trace.layout = layout;
   trace.set = sets[0];
   trace.vkCmdBindDescriptorSets(commands, point, layout, first, count, sets, offset_count, offsets);
-  if (trace.log)
-    trace.vkCmdBindDescriptorSets(commands, point, layout, 1, 1, &trace.log_set, 0, nullptr);
 }
 
 void VKAPI_CALL barrier(VkCommandBuffer commands, VkPipelineStageFlags from,
@@ -511,10 +173,9 @@ PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char* name)
     trace.function = reinterpret_cast<PFN_##function>(found); \
     return reinterpret_cast<PFN_vkVoidFunction>(own);         \
   }
-#define KEEP_CALLED(function) \
-  if (wanted == #function) trace.function = reinterpret_cast<PFN_##function>(found);
   TRACED_FUNCTIONS(REPLACE_TRACED)
-  CALLED_FUNCTIONS(KEEP_CALLED)
+  if (wanted == "vkCmdWriteTimestamp")
+    trace.vkCmdWriteTimestamp = reinterpret_cast<PFN_vkCmdWriteTimestamp>(found);
   return found;
 }
 
@@ -547,20 +208,6 @@ std::vector<TracedDispatch> DeviceTrace::end() {
   trace.timestamps = {};
   return std::exchange(trace.dispatches, {});
 }
-
-void DeviceTrace::log_accesses(bool is_on) {
-  trace.logs = is_on;
-  trace.log_layout = VK_NULL_HANDLE;
-  trace.accesses.clear();
-}
-
-void DeviceTrace::set_log(VkDescriptorSet set, VkBuffer buffer) {
-  trace.log_set = set;
-  trace.log = buffer;
-}
-
-VkDescriptorSetLayout DeviceTrace::log_layout() { return trace.log_layout; }
-const std::vector<Access>& DeviceTrace::accesses() { return trace.accesses; }
 
 std::string_view kernel_of(const vulkan::Context& context, VkPipelineLayout layout) {
   constexpr std::string_view kPrefix = "planish ";
@@ -665,119 +312,6 @@ vulkan::Solve DeviceFrame::make_solve(VulkanMachine& machine,
 
 void DeviceFrame::set_points(VulkanMachine& machine, std::span<const glm::vec3> pose) const {
   machine.submitter.upload({points.handle(), 0, points.size()}, std::as_bytes(pose));
-}
-
-namespace {
-
-constexpr std::uint64_t kLogBytes = 128u << 20;  // which every device's bindings may have
-constexpr std::uint32_t kWarpLanes = 32, kSectorBytes = 32;
-
-struct Record {
-  std::uint32_t dispatch, access, invocation, offset;
-};
-static_assert(sizeof(Record) == kAccessWords * sizeof(std::uint32_t));
-
-// A piece that an access touches in a round of its loops.
-struct Sector {
-  std::uint32_t access, warp, round, number;
-  auto operator<=>(const Sector&) const = default;
-};
-
-// Of one dispatch. A lane's records of an access are in the order of its rounds.
-AccessTotal total_of(std::span<Record> records) {
-  std::ranges::stable_sort(records, {}, [](const Record& record) {
-    return std::tuple(record.access, record.invocation);
-  });
-  AccessTotal total;
-  std::vector<Sector> sectors;
-  std::uint32_t round = 0;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const auto& [dispatch, number, invocation, offset] = records[i];
-    const bool goes_on =
-        i > 0 && records[i - 1].access == number && records[i - 1].invocation == invocation;
-    round = goes_on ? round + 1 : 0;
-    total.longest_walk = std::max<std::uint64_t>(total.longest_walk, round + 1);
-    const Access& access = DeviceTrace::accesses().at(number);
-    if (access.reads) total.read_bytes += access.bytes;
-    if (access.writes) total.written_bytes += access.bytes;
-    const std::uint32_t last = (offset + access.bytes - 1) / kSectorBytes;
-    for (std::uint32_t sector = offset / kSectorBytes; sector <= last; ++sector)
-      sectors.push_back({number, invocation / kWarpLanes, round, sector});
-  }
-  std::ranges::sort(sectors);
-  const auto beyond = std::ranges::unique(sectors);
-  total.transactions = static_cast<std::uint64_t>(beyond.begin() - sectors.begin());
-  return total;
-}
-
-}  // namespace
-
-AccessLog::AccessLog(const Options& options) {
-  DeviceTrace::log_accesses(true);
-  Options of_hardware = options;
-  of_hardware.hardware_kernels = true;
-  of_hardware.max_range = 0;  // the log needs a binding of its own
-  machine_ = traced_machine(of_hardware);
-  records_ = Buffer(machine_->context, kLogBytes, MemoryUse::Download, "log of accesses");
-  bind();
-  clear();
-}
-
-void AccessLog::bind() {
-  const Context& context = machine_->context;
-  const DeviceFunctions& vk = context.vk();
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1};
-  const VkDescriptorPoolCreateInfo pool{
-      VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, 1, 1, &size};
-  check(vk.vkCreateDescriptorPool(context.device(), &pool, nullptr, &pool_),
-        "vkCreateDescriptorPool");
-  const VkDescriptorSetLayout layout = DeviceTrace::log_layout();
-  const VkDescriptorSetAllocateInfo wanted{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr,
-                                           pool_, 1, &layout};
-  VkDescriptorSet set = VK_NULL_HANDLE;
-  check(vk.vkAllocateDescriptorSets(context.device(), &wanted, &set), "vkAllocateDescriptorSets");
-  const VkDescriptorBufferInfo buffer{records_.handle(), 0, VK_WHOLE_SIZE};
-  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-  write.dstSet = set;
-  write.descriptorCount = 1;
-  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-  write.pBufferInfo = &buffer;
-  vk.vkUpdateDescriptorSets(context.device(), 1, &write, 0, nullptr);
-  DeviceTrace::set_log(set, records_.handle());
-}
-
-AccessLog::~AccessLog() {
-  const Context& context = machine_->context;
-  context.vk().vkDestroyDescriptorPool(context.device(), pool_, nullptr);
-  context.vk().vkDestroyDescriptorSetLayout(context.device(), DeviceTrace::log_layout(), nullptr);
-  DeviceTrace::set_log(VK_NULL_HANDLE, VK_NULL_HANDLE);
-  DeviceTrace::log_accesses(false);
-}
-
-void AccessLog::clear() {
-  const std::uint32_t head[kFirstAccess] = {kFirstAccess};
-  std::memcpy(records_.mapped().data(), head, sizeof head);
-  records_.flush();
-}
-
-std::vector<AccessTotal> AccessLog::totals(std::size_t dispatch_count) {
-  records_.invalidate();
-  const std::span<const std::byte> bytes = records_.mapped();
-  std::uint32_t end = 0;
-  std::memcpy(&end, bytes.data(), sizeof end);
-  if (end > bytes.size() / sizeof end)
-    throw std::runtime_error("the log of accesses has " + std::to_string(bytes.size()) +
-                             " bytes, but " + std::to_string(4ull * end) + " were wanted");
-  std::vector<Record> records((end - kFirstAccess) / kAccessWords);
-  std::memcpy(records.data(), bytes.data() + kFirstAccess * sizeof end,
-              records.size() * sizeof(Record));
-  std::ranges::stable_sort(records, {}, &Record::dispatch);
-  std::vector<AccessTotal> totals;
-  for (std::uint32_t i = 0; i < dispatch_count; ++i) {
-    const auto own = std::ranges::equal_range(records, i, {}, &Record::dispatch);
-    totals.push_back(total_of(own));
-  }
-  return totals;
 }
 
 }  // namespace planish::bench

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <initializer_list>
@@ -15,23 +14,6 @@
 #include "planish/vulkan/embed.h"
 
 namespace planish::bench {
-
-/// A place in a kernel where lanes read or write a storage buffer; an atomic operation does both.
-struct Access {
-  std::uint32_t bytes = 0;  ///< of a lane
-  bool reads = false, writes = false;
-};
-
-/// What kernels write into set 1, binding 0, as words: where the next record goes, a word that the
-/// recording puts into each record, two unused ones, and records of four words: that word, number
-/// of the access, invocation in x, bytes from the start of the binding. Where a record does not fit
-/// the first one is lost instead, and the word of the next record is beyond the end.
-inline constexpr std::uint32_t kAccessMark = 1, kFirstAccess = 4, kAccessWords = 4;
-
-/// A compute shader's SPIR-V as glslang makes it, with a record of each access of storage buffers.
-/// `accesses` gets its accesses behind those that are there; the numbers are places in it.
-[[nodiscard]] std::vector<std::uint32_t> with_access_log(std::span<const std::uint32_t> module,
-                                                         std::vector<Access>& accesses);
 
 /// A dispatch as it was recorded.
 struct TracedDispatch {
@@ -54,14 +36,6 @@ class DeviceTrace {
   /// then ended.
   static void begin(const vulkan::Timestamps& timestamps);
   [[nodiscard]] static std::vector<TracedDispatch> end();
-
-  /// Kernels that are compiled while it is on log what they access of storage buffers; see
-  /// traced_device.h. They run while `set`, of log_layout(), is their log, the buffer that it
-  /// binds; a record's mark is the number of the dispatch since begin().
-  static void log_accesses(bool is_on);
-  static void set_log(VkDescriptorSet set, VkBuffer buffer);
-  [[nodiscard]] static VkDescriptorSetLayout log_layout();
-  [[nodiscard]] static const std::vector<Access>& accesses();
 };
 
 /// The kernel that a layout belongs to, as its file is called; empty for one that is not planish's.
@@ -119,48 +93,6 @@ struct DeviceFrame {
   vulkan::DeviceSystem tables;
   vulkan::Buffer points, vertices;
   vulkan::Solve solve;
-};
-
-/// What the lanes of a dispatch read and write of storage buffers.
-struct AccessTotal {
-  std::uint64_t read_bytes = 0, written_bytes = 0;
-  /// Pieces of 32 bytes, at multiples of 32, that the accesses of 32 neighbouring lanes touch:
-  /// each access of each round of its loops by itself, without a cache.
-  std::uint64_t transactions = 0;
-  /// The most rounds of its loops in which a lane makes one of its accesses.
-  std::uint64_t longest_walk = 0;
-
-  AccessTotal& operator+=(const AccessTotal& other) {
-    read_bytes += other.read_bytes;
-    written_bytes += other.written_bytes;
-    transactions += other.transactions;
-    longest_walk = std::max(longest_walk, other.longest_walk);
-    return *this;
-  }
-};
-
-/// A device whose kernels, those that hardware gets, record every access.
-class AccessLog {
- public:
-  /// The device is there.
-  explicit AccessLog(const Options& options);
-  ~AccessLog();
-  AccessLog(const AccessLog&) = delete;
-  AccessLog& operator=(const AccessLog&) = delete;
-
-  [[nodiscard]] vulkan::VulkanMachine& machine() { return *machine_; }
-
-  void clear();
-  /// Of each dispatch since DeviceTrace::begin(), one work group high. Throws std::runtime_error
-  /// where the log was too short.
-  [[nodiscard]] std::vector<AccessTotal> totals(std::size_t dispatch_count);
-
- private:
-  void bind();
-
-  std::unique_ptr<vulkan::VulkanMachine> machine_;
-  vulkan::Buffer records_;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
 };
 
 }  // namespace planish::bench
