@@ -164,7 +164,7 @@ void MessageFlags::add_to(CLI::App& command, bool with_progress) {
       .add_flag("-v,--verbose", verbose,
                 "more: how it was computed, times, bounds, the error of every iteration, memory")
       ->group(group);
-  command.add_option("--log-level", log_level, "least weight that is shown [info]")
+  command.add_option("--log-level", log_level, "least severity to show [info]")
       ->type_name("error|warning|info|debug")
       ->group(group);
   command.add_option("--color", color, "auto: on a terminal, unless NO_COLOR is set [auto]")
@@ -277,11 +277,11 @@ void MemoryFlags::add_to(CLI::App& command) {
   const auto group = "Memory";
   command
       .add_option("--memory", budget,
-                  "most memory to take, mesher included: what is beyond lies in a temporary file "
+                  "most memory to use, the mesher's included; the rest goes to a temporary file "
                   "[no bound]")
       ->type_name("SIZE")
       ->group(group);
-  command.add_option("--temporary", folder, "where that file lies [beside the output]")
+  command.add_option("--temporary", folder, "folder of that file [beside the output]")
       ->type_name("FOLDER")
       ->group(group);
 }

@@ -431,7 +431,7 @@ void add_inspect_command(CLI::App& app, Invocation& invocation) {
       ->required();
   command
       ->add_option("--input-format", flags->input_format,
-                   "of stdin, or against the extension [what the content looks like]")
+                   "format of stdin, or where the extension is wrong [told by the content]")
       ->type_name(names_of(FormatUse::Read, "|"))
       ->group(group);
   add_option_flag(*command, flags->options, fit_option("textures"), group);

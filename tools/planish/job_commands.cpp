@@ -72,13 +72,14 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
   for (const FitOption& fineness : option_table())
     if (is_of_files(fineness)) add_option_flag(command, flags.options, fineness, kFiles);
   option("--source", flags.source,
-         "mesh that the surface stands for: the report compares with it, not the input", "FILE");
+         "compare the surface with this mesh in the report, not with the input", "FILE");
   option("--input-format", flags.input_format,
-         "of stdin, or against the extension [what the content looks like]",
+         "format of stdin, or where the extension is wrong [told by the content]",
          names_of(FormatUse::Read, "|"));
-  option("--output-format", flags.output_format, "in folders [glb; cages obj]",
+  option("--output-format", flags.output_format,
+         "format of files in an output folder [glb; cages obj]",
          names_of(FormatUse::WriteSurface, "|"));
-  option("-j,--jobs", flags.workers, "inputs at once, each on all threads [1]", "N");
+  option("-j,--jobs", flags.workers, "inputs at once; each uses all threads [1]", "N");
   command.add_flag("-f,--force", flags.force, "overwrite existing files")->group(kFiles);
   command
       .add_flag(

@@ -164,7 +164,7 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
       ->group(group);
   command
       ->add_option("--input-format", flags->input_format,
-                   "of stdin, or against the extension [what the content looks like]")
+                   "format of stdin, or where the extension is wrong [told by the content]")
       ->type_name(names_of(FormatUse::ReadPoints, "|"))
       ->group(group);
   command->add_flag("-f,--force", flags->force, "overwrite existing files")->group(group);

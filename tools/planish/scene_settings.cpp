@@ -98,7 +98,7 @@ constexpr const char* kFrame = R"({
     "moves": {"description": "vertices that move after the fit, one move after another; only what they reach is solved again, and outputs, report and page are of the moved surface",
       "type": "array", "minItems": 1, "items": {"$ref": "#/$defs/move"},
       "examples": [[{"vertices": [17], "by": [0, 0, 0.1]}]]},
-    "source": {"description": "mesh that the surface stands for, relative to this file: the report compares with it, not the input",
+    "source": {"description": "mesh that the report compares the surface with, not the input; relative to this file",
       "type": "string", "minLength": 1, "examples": ["scan.ply"]},
     "report": {"description": "JSON report, relative to this file",
       "type": "string", "minLength": 1, "examples": ["goblet.json"]},

@@ -101,7 +101,7 @@ FitOption attributes_option() {
                     .stage = Stage::Output,
                     .kind = Kind::Words,
                     .example = "error,curvature",
-                    .help = "figures of each vertex, written into glTF, PLY and USD",
+                    .help = "write these figures of each vertex into glTF, PLY and USD",
                     .ranks = {"", "tiles of ranks carry no figures of vertices; leave it out"}},
                    [](FitSettings& settings, const OptionValue& value, Where) {
                      settings.attributes = {};
@@ -115,20 +115,19 @@ FitOption attributes_option() {
 }
 
 FitOption bake_option() {
-  return {
-      {.name = "bake",
-       .stage = Stage::Output,
-       .kind = Kind::Whole,
-       .limits = {.least = kLeastBakeSize, .most = kMostBakeSize},
-       .choices = "N",
-       .example = "1024",
-       .help = "glTF: the input's own mesh with normal textures of N x N texels, by its texture "
-               "coordinates, with which it looks as the surface does",
-       .ranks = {"", "ranks write 3D Tiles; planish fit bakes"}},
-      [](FitSettings& settings, const OptionValue& value, Where) {
-        settings.bake = static_cast<int>(value.whole);
-      },
-      {}};
+  return {{.name = "bake",
+           .stage = Stage::Output,
+           .kind = Kind::Whole,
+           .limits = {.least = kLeastBakeSize, .most = kMostBakeSize},
+           .choices = "N",
+           .example = "1024",
+           .help = "glTF: keep the input's mesh and add normal textures of N x N texels, "
+                   "so that it looks like the surface; needs texture coordinates",
+           .ranks = {"", "ranks write 3D Tiles; planish fit bakes"}},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.bake = static_cast<int>(value.whole);
+          },
+          {}};
 }
 
 FitOption device_option() {
@@ -137,7 +136,8 @@ FitOption device_option() {
            .kind = Kind::Text,
            .choices = "auto|cpu|vulkan|INDEX|NAME|UUID",
            .initial = "auto",
-           .help = "auto: the CPU; vulkan: the best Vulkan device; see planish devices",
+           .help = "auto: the CPU; vulkan: the best Vulkan device; planish devices lists "
+                   "them",
            .ranks = {"auto|cpu", "ranks work on the CPU; take cpu"}},
           [](FitSettings& settings, const OptionValue& value, Where where) {
             if (value.text.empty()) refuse(where, "is empty; planish devices lists what there is");
@@ -153,7 +153,8 @@ FitOption skirts_option() {
        .kind = Kind::Switch,
        .needs = Needs::Tiles,
        .initial = "false",
-       .help = "hide gaps between 3D Tiles of different levels behind strips along their edges"},
+       .help = "3D Tiles: hide gaps between levels behind strips along the edges of "
+               "tiles"},
       [](FitSettings& settings, const OptionValue& value, Where) { settings.skirts = value.is_on; },
       {}};
 }
@@ -167,8 +168,8 @@ FitOption levels_option() {
            .choices = "auto|L[,L2,...]",
            .initial = "auto",
            .example = "3,1",
-           .help = "quad splits, 0 to 6; several write NAME_LOD0.glb, ...; 3D Tiles have 1 to it; "
-                   "auto: 2, dense meshes 1",
+           .help = "splits of each face into quads, 0 to 6; auto: 2, or 1 where the mesh "
+                   "is dense; several: NAME_LOD0.glb, ...; 3D Tiles: all from 1 to it",
            .entry = "level",
            .word = "auto"},
           [](FitSettings& settings, const OptionValue& value, Where) {
@@ -191,8 +192,8 @@ FitOption chord_errors_option() {
                       .wanted = "parts of the diagonal above 0 to 1 are wanted, such as 0.001"},
            .choices = "E[,E2,...]",
            .example = "0.01,0.001",
-           .help = "instead of levels: triangles within so much of the surface, relative to the "
-                   "diagonal; several write NAME_LOD0.glb, ...",
+           .help = "instead of levels: triangles within this distance of the surface, as a "
+                   "fraction of the diagonal; several: NAME_LOD0.glb, ...",
            .flag = "--chord-error",
            .entry = "chord error",
            .ranks = {"", kTilesHaveLevels}},
@@ -208,33 +209,33 @@ std::vector<FitOption> file_options() {
       word_option({.name = "up",
                    .stage = Stage::Output,
                    .initial = "y",
-                   .help = "z turns a Z-up input upright for glTF, and is told to USD"},
+                   .help = "up axis of the input; z: rotated to Y-up in glTF, recorded in USD"},
                   kUpWords, &FitSettings::up),
       attributes_option(),
       word_option({.name = "asset",
                    .stage = Stage::Output,
                    .initial = "keep",
-                   .help = "a glTF that becomes a glTF: each mesh by itself, nodes, materials, "
-                           "textures, skins and animations as they are; or the scene as one mesh"},
+                   .help = "glTF to glTF: keep: fit each mesh, keep nodes, materials, textures, "
+                           "skins and animations; merge: the whole scene as one mesh"},
                   kAssetWords, &FitSettings::asset),
       word_option({.name = "lods",
                    .stage = Stage::Output,
                    .initial = "files",
-                   .help = "several levels are a file each, or levels of detail of a glTF that "
-                           "becomes a glTF, in one file (MSFT_lod)"},
+                   .help = "several levels: a file each, or, glTF to glTF, levels of detail in one "
+                           "file (MSFT_lod)"},
                   kLodWords, &FitSettings::lods),
       word_option({.name = "textures",
                    .stage = Stage::Input,
                    .initial = "beside",
-                   .help = "textures, materials and buffers that the input names: those in its "
+                   .help = "files that the input may name (textures, materials, buffers): in its "
                            "folder or below, or anywhere",
                    .ranks = {"beside", "ranks read no textures; take beside"}},
                   kReachWords, &FitSettings::textures),
       word_option({.name = "compress",
                    .stage = Stage::Output,
                    .initial = "none",
-                   .help = "smaller glTF within the tolerance: quantize has 16-bit numbers, "
-                           "meshopt packs them too, for readers such as three.js and Babylon.js "
+                   .help = "make glTF smaller, within the tolerance; quantize: 16-bit numbers; "
+                           "meshopt: packed as well, for readers such as three.js and Babylon.js "
                            "(Blender 3.4 has none)",
                    .ranks = {"none", "tiles of ranks are not compressed; take none"}},
                   kCompressionWords, &FitSettings::compression),
@@ -251,7 +252,7 @@ std::vector<FitOption> tile_options() {
                     .limits = {kLeastTileVertices, 1 << 24},  // what viewers load at once
                     .choices = "N",
                     .initial = "262144",
-                    .help = "about so many has each file of 3D Tiles"},
+                    .help = "3D Tiles: about N vertices a file"},
                    &FitSettings::tile_vertices),
       skirts_option(),
   };
@@ -261,8 +262,8 @@ std::vector<FitOption> step_options() {
   std::vector<FitOption> rows{
       word_option({.name = "step_unit",
                    .initial = "auto",
-                   .help = "STEP: what the coordinates are in, which stay as they are; auto: "
-                           "metres of a glTF, else mm"},
+                   .help = "STEP: unit of the coordinates, which are not changed; auto: m for "
+                           "glTF, else mm"},
                   kStepUnitWords, &FitSettings::step, &StepSettings::unit),
       number_option({.name = "step_angle",
                      .limits = {.least = 0,
@@ -271,24 +272,26 @@ std::vector<FitOption> step_options() {
                                 .wanted = "above 0 to 90 degrees are wanted"},
                      .choices = "DEGREES",
                      .initial = "0.25",
-                     .help = "STEP: most degrees by which normals jump where faces meet"},
+                     .help = "STEP: largest angle between the normals of two faces that meet"},
                     &FitSettings::step, &StepSettings::faces, &BrepOptions::angle),
-      number_option({.name = "step_tolerance",
-                     .limits = {.least = 0,
-                                .most = 1,
-                                .above_least = true,
-                                .wanted = "a fraction of the bounding-box diagonal above 0 and up "
-                                          "to 1 is wanted, such as 1e-6"},
-                     .choices = "T",
-                     .initial = "1e-6",
-                     .help = "STEP: most that faces leave the surface, of the diagonal"},
-                    &FitSettings::step, &StepSettings::faces, &BrepOptions::deviation),
+      number_option(
+          {.name = "step_tolerance",
+           .limits = {.least = 0,
+                      .most = 1,
+                      .above_least = true,
+                      .wanted = "a fraction of the bounding-box diagonal above 0 and up "
+                                "to 1 is wanted, such as 1e-6"},
+           .choices = "T",
+           .initial = "1e-6",
+           .help = "STEP: largest distance of the faces from the surface, as a fraction of "
+                   "the diagonal"},
+          &FitSettings::step, &StepSettings::faces, &BrepOptions::deviation),
       whole_option({.name = "step_face_size",
                     .limits = {.least = 1, .most = kMostFaceSize},
                     .choices = "N",
                     .initial = "16",
-                    .help = "STEP: most quads along a face, of which one of the mesh has two; "
-                            "programs measure long faces badly"},
+                    .help = "STEP: most quads along a face (a face of the mesh has two); programs "
+                            "measure long faces badly"},
                    &FitSettings::step, &StepSettings::faces, &BrepOptions::face_size),
   };
   for (FitOption& row : rows) {
@@ -301,19 +304,20 @@ std::vector<FitOption> step_options() {
 
 std::vector<FitOption> fineness_options() {
   return {levels_option(), chord_errors_option(),
-          number_option({.name = "angle",
-                         .stage = Stage::Fineness,
-                         .needs = Needs::Fineness,
-                         .limits = {.least = 0,
-                                    .most = 180,
-                                    .above_least = true,
-                                    .wanted = "above 0 to 180 degrees are wanted"},
-                         .choices = "DEGREES",
-                         .example = "10",
-                         .help = "instead of levels, or besides --chord-error: most degrees that "
-                                 "the surface turns beneath a triangle",
-                         .ranks = {"", kTilesHaveLevels}},
-                        &FitSettings::adaptive, &AdaptiveChoice::angle)};
+          number_option(
+              {.name = "angle",
+               .stage = Stage::Fineness,
+               .needs = Needs::Fineness,
+               .limits = {.least = 0,
+                          .most = 180,
+                          .above_least = true,
+                          .wanted = "above 0 to 180 degrees are wanted"},
+               .choices = "DEGREES",
+               .example = "10",
+               .help = "triangles beneath which the surface turns by at most DEGREES, instead "
+                       "of levels or besides --chord-error",
+               .ranks = {"", kTilesHaveLevels}},
+              &FitSettings::adaptive, &AdaptiveChoice::angle)};
 }
 
 constexpr std::array kPrecisionWords{
@@ -331,7 +335,7 @@ FitOption preset_option() {
   return {{.name = "preset",
            .kind = Kind::Word,
            .words = {"paper"},
-           .help = "averaged weights and the plain iteration, as published"},
+           .help = "paper: the published method: averaged weights and the plain iteration"},
           [](FitSettings& settings, const OptionValue&, Where) {
             settings.interpolation = InterpolationChoice::Progressive;
             settings.weights = Weights::Averaged;
@@ -347,8 +351,10 @@ FitOption creases_option() {
            .choices = "choose|use|ignore|normals|auto[:DEGREES]",
            .initial = "choose",
            .example = "auto:40",
-           .help = "sharp edges: tagged or found ones, tagged, none; split normals, found ones or "
-                   "turns above too",
+           .help = "choose: the edges that the file tags, else those that planish finds; "
+                   "use: tagged edges only; ignore: none; normals: also where the file "
+                   "splits normals; auto: also edges that planish finds, or all that turn "
+                   "by more than DEGREES",
            .pattern = kCreasesPattern,
            .ranks = {"choose|use|ignore",
                      "edges are not looked for over ranks; tag them in the file, and take use"}},
@@ -368,30 +374,30 @@ FitOption within_option() {
       "auto, 0, or a fraction of the bounding-box diagonal above the tolerance and less than 0.1 "
       "is "
       "wanted, such as 0.001";
-  return {
-      {.name = "within",
-       .stage = Stage::Shape,
-       .kind = Kind::TextOrNumber,
-       .choices = "0|E|auto",
-       .example = "0.001",
-       .help = "leave vertices by up to this fraction of the diagonal to bend least; auto: by the "
-               "noise that is measured",
-       .ranks = {"!auto", "ranks do not measure noise; say how far, such as 0.001"}},
-      [](FitSettings& settings, const OptionValue& value, Where where) {
-        settings.within = {};
-        if (value.text == "auto") {
-          settings.within.is_measured = true;
-          return;
-        }
-        double within = 0;
-        if (!parse_number(value.text, within) || !(within >= 0 && within < kMostWithin))
-          refuse(where, "\"" + visible(value.text) + "\" is neither; " + std::string(kWanted));
-        settings.within.of_diagonal = within;
-      },
-      [](const FitSettings& settings) {
-        if (settings.within.is_measured) return std::string("auto");
-        return settings.within.of_diagonal ? shortest(*settings.within.of_diagonal) : std::string();
-      }};
+  return {{.name = "within",
+           .stage = Stage::Shape,
+           .kind = Kind::TextOrNumber,
+           .choices = "0|E|auto",
+           .example = "0.001",
+           .help = "let the surface leave the vertices by up to this fraction of the "
+                   "diagonal, so that it bends less; auto: by the measured noise",
+           .ranks = {"!auto", "ranks do not measure noise; say how far, such as 0.001"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            settings.within = {};
+            if (value.text == "auto") {
+              settings.within.is_measured = true;
+              return;
+            }
+            double within = 0;
+            if (!parse_number(value.text, within) || !(within >= 0 && within < kMostWithin))
+              refuse(where, "\"" + visible(value.text) + "\" is neither; " + std::string(kWanted));
+            settings.within.of_diagonal = within;
+          },
+          [](const FitSettings& settings) {
+            if (settings.within.is_measured) return std::string("auto");
+            return settings.within.of_diagonal ? shortest(*settings.within.of_diagonal)
+                                               : std::string();
+          }};
 }
 
 FitOption weld_option() {
@@ -405,7 +411,7 @@ FitOption weld_option() {
            .limits = {.least = 0, .most = 0.1, .below_most = true, .wanted = kWanted},
            .choices = "T",
            .example = "1e-6",
-           .help = "meshes: make vertices one that lie within this fraction of the diagonal",
+           .help = "meshes: merge vertices within this fraction of the diagonal",
            .ranks = {"",
                      "nothing is welded over ranks; planish fit IN --weld T --max-iterations 0 "
                      "--cage WELDED.obj writes the welded mesh"}},
@@ -457,15 +463,15 @@ std::vector<FitOption> make_table() {
       word_option({.name = "scheme",
                    .stage = Stage::Shape,
                    .initial = "doo-sabin",
-                   .help = "subdivision scheme; catmull-clark and loop as OpenSubdiv has them",
+                   .help = "subdivision scheme; catmull-clark and loop are OpenSubdiv's",
                    .ranks = {"doo-sabin", "take doo-sabin"}},
                   kSchemeWords, &FitSettings::scheme),
       word_option({.name = "interpolation",
                    .stage = Stage::Shape,
                    .initial = "auto",
-                   .help = "progressive: as in the paper; fair: without folds on uneven meshes; "
-                           "auto: the better of both by measurement, fair for points, progressive "
-                           "for --cage",
+                   .help = "progressive: the paper's method; fair: for uneven meshes, on which "
+                           "that one folds; auto: measures both and keeps the better one (points: "
+                           "fair; with --cage: progressive)",
                    .keyword = "method"},
                   kInterpolationWords, &FitSettings::interpolation),
       word_option({.name = "weights",
@@ -476,27 +482,29 @@ std::vector<FitOption> make_table() {
       word_option({.name = "solver",
                    .needs = Needs::Progressive,
                    .initial = "chebyshev",
-                   .help = "chebyshev; plain as in the paper; cg for closed smooth meshes",
+                   .help = "chebyshev: fastest; plain: the paper's iteration; cg: conjugate "
+                           "gradients, for closed smooth meshes",
                    .ranks = {"chebyshev|plain", "take chebyshev or plain"}},
                   kSolverWords, &FitSettings::solver),
       word_option({.name = "precision",
                    .needs = Needs::Progressive,
                    .initial = "auto",
-                   .help = "of the solve on the CPU; auto takes double for tolerances below 1e-8",
+                   .help = "numbers of the solve on the CPU; auto: double for tolerances below "
+                           "1e-8, else float",
                    .ranks = {"auto|double", "ranks solve in double precision; take double"}},
                   kPrecisionWords, &FitSettings::precision),
       word_option({.name = "boundary",
                    .stage = Stage::Shape,
                    .initial = "edge",
-                   .help = "open boundaries are smooth curves, or have corners where one face "
-                           "meets them"},
+                   .help = "edge: open boundaries are smooth curves; edge-and-corner: with a "
+                           "corner where a single face meets them"},
                   kBoundaryWords, &FitSettings::boundary),
       creases_option(),
       word_option({.name = "repair",
                    .stage = Stage::Shape,
                    .initial = "safe",
-                   .help = "safe mends winding, non-manifold and degenerate parts, and cuts "
-                           "concave faces for fair surfaces; none leaves them and refuses what "
+                   .help = "safe: mend winding, non-manifold and degenerate parts, and cut concave "
+                           "faces for fair surfaces; none: change nothing, and refuse meshes that "
                            "cannot be used",
                    .ranks = {"none",
                              "nothing is mended over ranks; planish fit IN --max-iterations 0 "
@@ -505,7 +513,7 @@ std::vector<FitOption> make_table() {
       word_option({.name = "quads",
                    .stage = Stage::Shape,
                    .initial = "auto",
-                   .help = "join triangles to quads; auto: where that is better",
+                   .help = "join triangles to quads; auto: where the surface is better for it",
                    .ranks = {"auto|off",
                              "nothing is joined over ranks; planish fit IN --quads on "
                              "--max-iterations 0 --cage QUADS.obj writes the mesh of quads"}},
@@ -513,8 +521,8 @@ std::vector<FitOption> make_table() {
       word_option({.name = "refine",
                    .stage = Stage::Shape,
                    .initial = "auto",
-                   .help = "add vertices between those of uneven triangles, on a smooth guess of "
-                           "the surface; auto: where it bends less for them",
+                   .help = "add vertices between those of uneven triangles; auto: where the "
+                           "surface bends less for it",
                    .ranks = {"auto|off", "no vertices are added over ranks"}},
                   kRefineWords, &FitSettings::refine),
   };
@@ -530,14 +538,15 @@ std::vector<FitOption> make_table() {
                                               "up to 1 is wanted, such as 1e-6"},
                          .choices = "T",
                          .initial = "1e-6",
-                         .help = "largest vertex error, of the bounding box's diagonal"},
+                         .help = "largest error at a vertex, as a fraction of the bounding box's "
+                                 "diagonal"},
                         &FitSettings::tolerance),
           whole_option({.name = "max_iterations",
                         .needs = Needs::Progressive,
                         .limits = {0, 1'000'000},  // no solve that converges at all needs as many
                         .choices = "N",
                         .initial = "200",
-                        .help = "give up after so many"},
+                        .help = "stop after N iterations, converged or not"},
                        &FitSettings::max_iterations),
           whole_option({.name = "polish",
                         .needs = Needs::Fair,

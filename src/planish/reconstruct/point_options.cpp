@@ -84,20 +84,20 @@ std::vector<PointOption> make_point_table() {
                   .limits = {0, 1},
                   .choices = "T",
                   .initial = "1e-4",
-                  .help = "farthest that a point may lie from the mesh, of the diagonal; 0 keeps "
-                          "all points"},
+                  .help = "largest distance of a point from the mesh, as a fraction of the "
+                          "diagonal; 0 keeps all points"},
                  &Options::tolerance),
       whole_option({.name = "target_vertices",
                     .limits = {1, std::numeric_limits<std::int32_t>::max()},
                     .choices = "N",
                     .example = "18750",
-                    .help = "stop simplifying at so many vertices"},
+                    .help = "stop simplifying at N vertices"},
                    &Options::target_vertices),
       row({.name = "spacing",
            .words = {"adaptive", "even"},
            .initial = "adaptive",
-           .help = "adaptive: fewest vertices; even: neighbouring edges of like length, fewer "
-                   "folds"},
+           .help = "adaptive: fewest vertices; even: edges of like length side by side, "
+                   "fewer folds"},
           [](Options& options, const OptionValue& value, Where) {
             options.spacing = value.whole == 0 ? Spacing::Adaptive : Spacing::Even;
           }),
@@ -106,25 +106,24 @@ std::vector<PointOption> make_point_table() {
            .choices = "off|auto|K,FACTOR",
            .initial = "auto",
            .example = "12,2",
-           .help = "remove points whose mean distance to K neighbours exceeds FACTOR medians; auto "
-                   "is 12,2 but for sparse parts of the shape, and those off the surface around "
-                   "them"},
+           .help = "remove points whose mean distance to K neighbours is more than FACTOR "
+                   "times the median; auto: 12,2, but not in sparse parts of the shape, "
+                   "and points off the surface around them"},
           set_outliers),
       row({.name = "smooth",
            .kind = Kind::Whole,
            .limits = {0, 100},
            .choices = "N",
            .example = "2",
-           .help = "move points onto local quadratic fits, N times [0, or 1 to 4 where their noise "
-                   "exceeds "
-                   "1e-4 of the diagonal]"},
+           .help = "move points onto local quadratic fits, N times [0, or 1 to 4 where the "
+                   "noise exceeds 1e-4 of the diagonal]"},
           [](Options& options, const OptionValue& value, Where) {
             options.smooth_rounds = static_cast<std::int32_t>(value.whole);
           }),
       row({.name = "noise",
            .words = {"auto", "off"},
            .initial = "auto",
-           .help = "measure the noise, by which smoothing and tolerance are chosen"},
+           .help = "measure the noise, and choose smoothing and tolerance by it"},
           [](Options& options, const OptionValue& value, Where) {
             options.measure_noise = value.whole == 0;
           }),
@@ -132,27 +131,27 @@ std::vector<PointOption> make_point_table() {
                     .limits = {0, 1000},
                     .choices = "N",
                     .initial = "16",
-                    .help = "longest boundary loop that is closed, in edges"},
+                    .help = "close holes of up to N edges"},
                    &Options::longest_filled_loop),
       row({.name = "components",
            .kind = Kind::TextOrNumber,
            .choices = "auto|largest|all|MIN_FACES",
            .initial = "auto",
            .example = "all",
-           .help = "which parts to keep; auto: those of a fiftieth of the largest one's faces and "
-                   "more"},
+           .help = "parts to keep; auto: those with at least a fiftieth of the largest "
+                   "part's faces"},
           set_components),
       number_row({.name = "min_angle",
                   .limits = {0, 45},
                   .choices = "DEGREES",
                   .example = "10",
-                  .help = "of the simplified mesh's triangles, 0 to 45"},
+                  .help = "smallest angle of the mesh's triangles after simplifying, 0 to 45"},
                  &Options::least_angle),
       whole_option({.name = "max_valence",
                     .limits = {6, 1000},
                     .choices = "N",
                     .example = "8",
-                    .help = "of the simplified mesh's vertices, 6 and more"},
+                    .help = "most edges at a vertex after simplifying, 6 and more"},
                    &Options::max_valence)};
   for (PointOption& option : table) {
     option.stage = OptionStage::Points;
