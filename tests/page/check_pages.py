@@ -32,6 +32,9 @@ LOOK = """(() => {
   }
   return { covered: covered / 24000, colours: colours.size, sum, left: left / Math.max(1, covered) };
 })()"""
+# How many still pictures are seen.
+STILLS = """[...document.querySelectorAll('img.still')].filter((i) =>
+  i.naturalWidth === 720 && i.getBoundingClientRect().width > 100).length"""
 # Two frames on, everything that was asked for is drawn.
 DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))"
 
@@ -55,7 +58,7 @@ def text(tab, element):
 
 def check_quiet(tab, name):
     """Nothing was said on the console, and nothing but the page itself was asked for."""
-    requests = [url for url in tab.requests() if not url.startswith("blob:")]
+    requests = [url for url in tab.requests() if not url.startswith(("blob:", "data:"))]
     check(f"{name}: silent, one request", not tab.noise() and len(requests) == 1,
           f"{tab.noise()} {requests}")
 
@@ -80,17 +83,17 @@ def make_pages(planish, scenes, folder):
     return json.loads((folder / "one.json").read_text())
 
 
-def check_modes(tab, view):
+def check_modes(tab):
     sums = set()
     for number, mode in enumerate(MODES, 1):
         tab.evaluate("document.getElementById('canvas').focus()")
         tab.key(str(number))
         seen = look(tab)
         sums.add(seen["sum"])
-        check(f"{view} {mode}", seen["covered"] > 0.05 and seen["colours"] > 4
+        check(f"{mode} is drawn", seen["covered"] > 0.05 and seen["colours"] > 4
               and tab.evaluate("document.getElementById('mode').value") == mode,
               f"{seen['covered']:.0%} covered, {seen['colours']} colours")
-    check(f"{view}: every mode looks different", len(sums) == len(MODES))
+    check("every mode looks different", len(sums) == len(MODES))
 
 
 def check_keys(tab, report):
@@ -178,7 +181,8 @@ def check_one(chromium, folder, report):
     tab = chromium.open(folder / "one.html")
     check("WebGL 2 is used", tab.ready() == "GlView")
     check("no note is shown", tab.evaluate("document.getElementById('plain').hidden"))
-    check_modes(tab, "webgl")
+    check("nor the still picture", not tab.evaluate(STILLS))
+    check_modes(tab)
     check_keys(tab, report)
     check_hands(tab)
     check_link(chromium, folder, tab)
@@ -192,22 +196,21 @@ def check_one(chromium, folder, report):
 
 def check_board(chromium, folder):
     """The texture as a board of squares, where there is one."""
-    for view, link in [("webgl", ""), ("no webgl", "soft=1")]:
-        tab = chromium.open(folder / "mapped.html", link)
-        tab.ready()
-        smooth = look(tab)["sum"]
-        tab.evaluate("document.getElementById('canvas').focus()")
-        tab.key("9")
-        seen = look(tab)
-        check(f"{view}: a board is drawn", seen["covered"] > 0.05 and seen["colours"] > 4
-              and seen["sum"] != smooth
-              and tab.evaluate("document.getElementById('mode').value") == "checker"
-              and not tab.evaluate("document.getElementById('stripesLabel').hidden"),
-              f"{seen['covered']:.0%} covered, {seen['colours']} colours")
-        tab.evaluate("document.getElementById('stripes').value = 5;"
-                     "document.getElementById('tools').dispatchEvent(new Event('input'))")
-        check(f"{view}: of squares as large as is said", look(tab)["sum"] != seen["sum"])
-        tab.close()
+    tab = chromium.open(folder / "mapped.html")
+    tab.ready()
+    smooth = look(tab)["sum"]
+    tab.evaluate("document.getElementById('canvas').focus()")
+    tab.key("9")
+    seen = look(tab)
+    check("a board is drawn", seen["covered"] > 0.05 and seen["colours"] > 4
+          and seen["sum"] != smooth
+          and tab.evaluate("document.getElementById('mode').value") == "checker"
+          and not tab.evaluate("document.getElementById('stripesLabel').hidden"),
+          f"{seen['covered']:.0%} covered, {seen['colours']} colours")
+    tab.evaluate("document.getElementById('stripes').value = 5;"
+                 "document.getElementById('tools').dispatchEvent(new Event('input'))")
+    check("of squares as large as is said", look(tab)["sum"] != seen["sum"])
+    tab.close()
     tab = chromium.open(folder / "one.html", "mode=checker")
     tab.ready()
     check("without texture coordinates there is no board",
@@ -264,7 +267,7 @@ def check_hostile(chromium, folder):
     tab = chromium.open(folder / "hostile.html")
     tab.ready()
     check("a hostile name is text", tab.evaluate(
-        "window.hit === undefined && document.images.length === 0"))
+        "window.hit === undefined && document.images.length === 1 && document.images[0].src.startsWith('data:')"))
     name = tab.evaluate("document.querySelector('h1').textContent")
     check("and all of it can be seen", "\u202e" not in name and "\\u202e" in name, ascii(name))
     check_quiet(tab, "hostile")
@@ -279,8 +282,7 @@ def check_no_script(chromium, folder):
           and words.count("It passes through all of them") == 2, f"{len(words)} characters")
     check("without script: plots", tab.evaluate(
         "document.querySelector('svg.plot').getBoundingClientRect().height") > 100)
-    check("without script: a picture of each job", tab.evaluate(
-        "[...document.querySelectorAll('img.still')].filter((i) => i.naturalWidth === 720).length") == 2)
+    check("without script: a picture of each job", tab.evaluate(STILLS) == 2)
     check("without script: a note, no view", tab.evaluate(
         "document.getElementById('view').hidden && !document.getElementById('plain').hidden"))
     tab.close()
@@ -288,10 +290,15 @@ def check_no_script(chromium, folder):
 
 def check_no_webgl(folder):
     with browser.Browser(browser.NO_GL) as chromium:
-        tab = chromium.open(folder / "one.html")
-        check("without WebGL the script draws", tab.ready() == "SoftView")
-        check("and says so", "without WebGL 2" in text(tab, "plain"), text(tab, "plain"))
-        check_modes(tab, "no webgl")
+        tab = chromium.open(folder / "two.html")
+        check("without WebGL there is no view", tab.ready() == "failed"
+              and tab.evaluate("document.getElementById('view').hidden"))
+        check("a sentence says so", not tab.evaluate("document.getElementById('plain').hidden")
+              and "no WebGL 2" in text(tab, "plain"), text(tab, "plain"))
+        check("a picture of each job is there", tab.evaluate(STILLS) == 2)
+        check("and all jobs' figures", tab.evaluate(
+            "document.querySelectorAll('section.job:not([hidden])').length") == 2)
+        check_quiet(tab, "without WebGL")
         tab.close()
 
 

@@ -127,7 +127,7 @@ TEST(Page, TheSameJobsGiveTheSameBytes) {
 }
 
 TEST(Page, ScriptAndStyleKeepTheirBudget) {
-  EXPECT_LE(page_script().size() + page_style().size(), 60'000u);
+  EXPECT_LE(page_script().size() + page_style().size(), 52'000u);
   EXPECT_GT(page_script().size(), 10'000u);
 }
 

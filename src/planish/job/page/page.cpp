@@ -477,8 +477,8 @@ std::string job_section(const Json& report, std::size_t number, const std::strin
   html += "<p class=\"summary\">" + html_text(summary_sentence(report)) + "</p>";
   if (!still.empty())
     html += formatted(
-        "<noscript><img class=\"still\" width=\"{}\" height=\"{}\" alt=\"The surface of {}\" "
-        "src=\"data:image/png;base64,{}\"></noscript>",
+        "<img class=\"still\" width=\"{}\" height=\"{}\" alt=\"The surface of {}\" "
+        "src=\"data:image/png;base64,{}\">",
         kStillWidth, kStillHeight, html_text(text_of(report["job"])), still);
   if (!view_note.empty()) html += "<p class=\"hint\">" + html_text(view_note) + "</p>";
   html += "<div class=\"cards\"><div>" + figures(report) + "</div><div>" + convergence(report, id) +

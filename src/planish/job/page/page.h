@@ -61,7 +61,7 @@ struct PageJob {
   nlohmann::ordered_json report;  ///< as the job's JSON report
   /// The scene down to each level that can be shown, coarsest first; empty: figures only.
   std::vector<PagePayload> payloads;
-  std::string still;  ///< a picture for who runs no script, PNG in base64; shown with the scene
+  std::string still;  ///< a picture where no view runs, PNG in base64; there if the scene is
 };
 
 /// One HTML file that needs nothing else: figures and plots of all jobs as text and SVG, a view of

@@ -25,22 +25,6 @@ const MAPS = {
 /** Of a board of squares. */
 const CHECKS_DARK = [0.13, 0.35, 0.55], CHECKS_LIGHT = [0.95, 0.93, 0.88];
 
-/** The colour of a map at 0 to 1. */
-function colourAt(map, t) {
-  const place = Math.max(0, Math.min(1, t)) * (STOPS - 1);
-  const i = Math.min(Math.floor(place), STOPS - 2);
-  return map[i].map((from, k) => from + (map[i + 1][k] - from) * (place - i));
-}
-
-/**
- * How far along its colours a map's value lies. `gain`: the stored limit over the scale's top.
- * Signed maps run with the root, so that gentle curvature shows beside sharp.
- */
-function placeOnScale(kind, fraction, gain) {
-  if (kind !== 'signed') return fraction * gain;
-  return 0.5 + 0.5 * Math.sign(fraction) * Math.sqrt(Math.abs(fraction) * gain);
-}
-
 /** Three significant digits, written as the figures below the view are (page.h). */
 function figure(x) {
   if (x === 0) return '0';

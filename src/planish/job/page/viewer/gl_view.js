@@ -89,7 +89,7 @@ class GlView {
   constructor(canvas, redraw) {
     this.canvas = canvas;
     this.gl = canvas.getContext('webgl2', { antialias: true, preserveDrawingBuffer: true });
-    if (!this.gl) throw new Error('WebGL 2 is missing');
+    if (!this.gl) throw new Error('this browser has no WebGL 2');
     this.setUp();
     canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
     canvas.addEventListener('webglcontextrestored', () => { this.setUp(); redraw(); });
@@ -227,6 +227,7 @@ class GlView {
   useMap(scene, mesh, view, name) {
     const gl = this.gl, field = fieldOf(scene, name), values = scene.values[name];
     const ratio = field.limit / view.top(name);
+    // Signed maps run with the root, so that gentle curvature shows beside sharp.
     gl.uniform1f(this.at.gain, field.kind === 'signed' ? Math.sqrt(ratio) : ratio);
     gl.uniform1i(this.at.kind, KINDS[field.kind]);
     gl.uniform3fv(this.at.map, MAPS[field.kind].flat());
@@ -282,6 +283,4 @@ class GlView {
     gl.depthFunc(gl.LESS);
     gl.depthMask(true);
   }
-
-  end() {}
 }

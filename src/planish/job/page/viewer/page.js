@@ -96,19 +96,6 @@ async function followLink() {
   render();
 }
 
-function makeRenderer() {
-  const soft = new URLSearchParams(location.hash.slice(1)).has('soft');
-  try {
-    if (soft) throw new Error('the link asks for it');
-    state.renderer = new GlView(canvas, redraw);
-    $('plain').hidden = true;
-  } catch (error) {
-    state.renderer = new SoftView(canvas);
-    $('plain').textContent = `This view is drawn without WebGL 2 (${error.message}): coarser and ` +
-        'slower. All figures are complete.';
-  }
-}
-
 async function start() {
   $('mode').append(...MODES.map(([value, text]) => new Option(text, value)));
   $('other').append(new Option('nothing', ''), ...heads.map((head, i) => new Option(head.label, i)));
@@ -118,7 +105,8 @@ async function start() {
     await show(0);
   } else {
     if (!('DecompressionStream' in window)) throw new Error('this browser is too old to unpack it');
-    makeRenderer();
+    state.renderer = new GlView(canvas, redraw);
+    $('plain').hidden = true;
     $('view').hidden = false;
     listen();
     await followLink();
@@ -129,7 +117,8 @@ async function start() {
 start().catch((error) => {
   $('view').hidden = true;
   $('plain').hidden = false;
-  $('plain').textContent = `The 3-D view could not start: ${error.message}. All figures stand below.`;
+  $('plain').textContent = `The 3-D view could not start: ${error.message}. ` +
+      'Still pictures and all figures stand below.';
   document.querySelectorAll('section.job').forEach((section) => { section.hidden = false; });
   document.documentElement.dataset.ready = 'failed';
 });

@@ -99,7 +99,6 @@ function render() {
   renderer.begin();
   renderer.draw(scene, deepest(scene), 0, other ? split : 1);
   if (other) renderer.draw(other, deepest(other), split, 1);
-  renderer.end();
   placeMark();
   document.documentElement.dataset.frames = ++state.frames;
 }
