@@ -349,33 +349,6 @@ TEST_F(ReportSchema, HoldsForWhatDidNotConvergeOrNeededRepair) {
 }
 
 TEST_F(ReportSchema, HoldsForTheJobsOfAScene) {
-  write("s.json", R"({"version":1,"jobs":[{"name":"a","input":"torus.obj","report":"a.json",)"
-                  R"("outputs":[{"path":"a.glb"}]},{"name":"b","input":"plate.obj",)"
-                  R"("solve":{"interpolation":"fair"},"report":"b.json",)"
-                  R"("outputs":[{"path":"b.obj","what":"cage"}]}]})");
-  ASSERT_EQ(run_planish({"run", path("s.json")}).exit_code, 0);
-  expect_valid(read_json("a.json"), "fit");
-  expect_valid(read_json("b.json"), "fit");
-}
-
-#ifdef PLANISH_HAS_MESHER
-TEST_F(ReportSchema, HoldsForPoints) {
-  // The torus' points alone.
-  const std::string points = std::regex_replace(torus_obj(24), std::regex("f .*\n|v "), "");
-  const std::string cloud = write("cloud.xyz", points);
-  ASSERT_EQ(run_planish({"reconstruct", cloud, "-o", path("m.obj"), "--tolerance-mesh", "1e-2",
-                         "--report", path("m.json")})
-                .exit_code,
-            0);
-  expect_valid(read_json("m.json"), "reconstruct");
-  expect_valid(fitted({cloud, "-o", path("f.glb"), "--tolerance-mesh", "1e-2"}), "fit");
-  write("s.json", R"({"version":1,"jobs":[{"name":"a","input":"torus.obj","report":"a.json",)"
-                  R"("sample":{"points":2000},"tolerance_mesh":0.01,)"
-                  R"("outputs":[{"path":"a.glb"}]}]})");
-  ASSERT_EQ(run_planish({"run", path("s.json")}).exit_code, 0);
-  const json sampled = read_json("a.json");
-  EXPECT_TRUE(sampled["reconstruction"].contains("sampled"));
-  expect_valid(sampled, "fit");
 }
 #endif
 

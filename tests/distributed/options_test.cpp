@@ -184,7 +184,6 @@ TEST(MpiOptions, ScenesAreRefusedByPlaceValueAndRemedy) {
   expect({{"chord_errors", {0.001}}}, "chord_errors: [0.001]" + kNo + "tiles have levels");
   expect({{"source", "n.obj"}}, "source: n.obj" + kNo);
   expect({{"page", "p.html"}}, "page: p.html" + kNo);
-  expect({{"sample", {{"points", 100}}}}, "sample: {\"points\":100}" + kNo);
   const json none = json::object();
   EXPECT_THAT(scene_refusal(none, "t.glb"), HasSubstr("jobs[0].outputs[1]: t.glb: ranks write"));
   EXPECT_THAT(scene_refusal(none, "t.obj", "cage"), HasSubstr("ranks write cages as .ply only"));

@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
-#include <memory>
 #include <set>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "make_scenes/sample_points.h"
-#include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/json.h"
@@ -21,11 +16,6 @@
 #include "planish/files/read_file.h"
 #include "planish/job/input.h"
 #include "planish/job/job_settings.h"
-#include "planish/pipeline/fit.h"
-#include "planish/queries/surface_queries.h"
-#include "planish/solve/backend.h"
-#include "planish/surface/doo_sabin_surface.h"
-#include "planish/surface/surface_blocks.h"
 
 namespace planish::command {
 namespace {
@@ -150,52 +140,6 @@ class Walk {
 // path: "jobs[0].outputs[1].path".
 std::map<std::string, int> lines_of_json(std::string_view text) { return Walk(text).lines(); }
 
-constexpr int kSampledLevel = 2;
-
-PolygonMesh tessellation_of(const DooSabinSurface& exact, const Callbacks& callbacks) {
-  const SurfaceMesh surface = collect(*exact.level(kSampledLevel), callbacks);
-  PolygonMesh result;
-  result.positions.assign(surface.positions.begin(), surface.positions.end());
-  for (std::int64_t f = 0; f < surface.face_count(); ++f) result.add_face(surface.face(f));
-  return result;
-}
-
-// From near a surface onto it.
-void move_onto(std::unique_ptr<const DooSabinSurface> surface, std::span<glm::dvec3> points) {
-  const LimitSurface limit(std::move(surface));
-  const SurfaceQueries queries(limit);
-  std::vector<ClosestPoint> closest(points.size());
-  queries.closest(points, closest);
-  std::ranges::transform(closest, points.begin(), &ClosestPoint::position);
-}
-
-}  // namespace
-
-PointCloud sample_surface(const Input& input, const Sampling& sampling,
-                          const Callbacks& callbacks) {
-  const PolygonMesh& mesh = input.file.mesh;
-  const auto backend = make_cpu_backend({Precision::Double, 0});
-  const Fit fitted = fit(mesh, *backend, {.callbacks = callbacks});
-  auto exact = fitted_surface(mesh, fitted);
-  const PolygonMesh surface = tessellation_of(*exact, callbacks);
-  callbacks.report("sample", 0.0);
-  const auto count = static_cast<std::int32_t>(sampling.points);
-  std::vector<glm::dvec3> points = sampling.poisson_disk
-                                       ? shapes::sample_poisson_disk(surface, count, sampling.seed)
-                                       : shapes::sample_uniform(surface, count, sampling.seed);
-  move_onto(std::move(exact), points);
-  // Each a seed of its own, so that noise and outliers have nothing to do with the places.
-  if (sampling.noise > 0)
-    shapes::add_noise(points, sampling.noise * diagonal_of(points), sampling.seed + 1);
-  const auto outliers = static_cast<std::int32_t>(std::lround(sampling.outliers * count));
-  shapes::add_outliers(points, outliers, sampling.seed + 2);
-  check_stop();
-  callbacks.report("sample", 1.0);
-  return cloud_of(std::move(points), input.name);
-}
-
-namespace {
-
 // So many numbers: a point, or a row of a matrix.
 std::vector<double> numbers_of(const Json& json, const std::string& where, std::size_t count) {
   if (!json.is_array() || json.size() != count) refuse(where, "{} numbers are wanted", count);
@@ -268,30 +212,6 @@ std::vector<SceneMove> moves_of(const Json& json, const std::string& where) {
   return moves;
 }
 
-Sampling sampling_of(const Json& json, const std::string& where) {
-  constexpr std::int64_t kMostPoints = 10'000'000;
-  constexpr std::array<std::string_view, 2> kPatterns{"poisson-disk", "uniform"};
-  check_keys(json, SceneObject::Sample, where);
-  Sampling sampling;
-  sampling.draw = sample_surface;
-  if (!json.contains("points")) refuse(where, "has no \"points\"");
-  const auto path = [&](std::string_view key) { return key_path(where, key); };
-  sampling.points = count_of(json["points"], path("points"), 4, kMostPoints);
-  if (json.contains("pattern")) {
-    const std::string_view pattern = text_of(json["pattern"], path("pattern"));
-    sampling.poisson_disk = pattern == kPatterns[0];
-    if (std::ranges::find(kPatterns, pattern) == kPatterns.end())
-      refuse(path("pattern"), "\"{}\" is not one of poisson-disk, uniform{}", visible(pattern),
-             did_you_mean(pattern, kPatterns));
-  }
-  if (json.contains("seed"))
-    sampling.seed = static_cast<std::uint32_t>(count_of(json["seed"], path("seed"), 0, INT32_MAX));
-  if (json.contains("noise")) sampling.noise = fraction_of(json["noise"], path("noise"));
-  if (json.contains("outliers"))
-    sampling.outliers = fraction_of(json["outliers"], path("outliers"));
-  return sampling;
-}
-
 class JobParser {
  public:
   JobParser(const Settings& defaults, std::vector<GivenSetting> given, std::filesystem::path folder)
@@ -303,7 +223,7 @@ class JobParser {
     job.settings = defaults_;
     job.given = given_;
     apply_settings(job.settings, job.given, json, where);
-    for (const char* const key : {"sample", "moves", "source", "page"})
+    for (const char* const key : {"moves", "source", "page"})
       note_given(job.given, json, key, where);
     check_consistent_at(job.settings, where);
     if (!json.contains("input")) refuse(where, "has no \"input\"");
@@ -318,16 +238,10 @@ class JobParser {
     }
     if (is_point_path(job.input, job.input_format)) (void)require_mesher();
     if (json.contains("source")) job.source = path_of(json["source"], key_path(where, "source"));
-    if (json.contains("sample")) {
-      const std::string path = key_path(where, "sample");
-      if (is_point_path(job.input, job.input_format))
-        refuse(path, "the input holds points already");
-      job.sampling = sampling_of(json["sample"], path);
-    }
     if (json.contains("moves")) {
       const std::string path = key_path(where, "moves");
       job.moves = moves_of(json["moves"], path);
-      if (job.sampling || is_point_path(job.input, job.input_format))
+      if (is_point_path(job.input, job.input_format))
         refuse(path, "are of vertices of a mesh; the input holds points");
     }
     if (json.contains("outputs")) parse_outputs(job, json["outputs"], key_path(where, "outputs"));

@@ -26,8 +26,6 @@ void require_object(const Json& json, const std::string& where);
 [[nodiscard]] std::int64_t count_of(const Json& json, const std::string& where, std::int64_t least,
                                     std::int64_t most);
 [[nodiscard]] double number_of(const Json& json, const std::string& where);
-/// From 0 to 1.
-[[nodiscard]] double fraction_of(const Json& json, const std::string& where);
 
 // Where a value stands: "scene.json: jobs[0].solve".
 [[nodiscard]] std::string key_path(const std::string& where, std::string_view key);
@@ -42,7 +40,7 @@ void for_entries(const Json& json, const std::string& where,
 [[nodiscard]] std::string scene_schema_text();
 
 /// The keys that each kind of object in a scene file may have.
-enum class SceneObject { Scene, Defaults, Job, Solve, Output, Sample, Move };
+enum class SceneObject { Scene, Defaults, Job, Solve, Output, Move };
 [[nodiscard]] std::vector<std::string_view> scene_keys(SceneObject object);
 
 /// Throws Error{InvalidArgument} for a key that the object may not have.
@@ -58,10 +56,6 @@ void apply_fineness(const Json& json, const std::string& where, FitSettings& set
 /// Notes a key that the object has.
 void note_given(std::vector<GivenSetting>& given, const Json& json, std::string_view key,
                 const std::string& where);
-
-/// Sampling::draw. Throws what fit() and evaluate() throw.
-[[nodiscard]] PointCloud sample_surface(const Input& input, const Sampling& sampling,
-                                        const Callbacks& callbacks);
 
 /// The jobs of a scene file, in its order, with defaults applied and paths made relative to the
 /// file's folder. Throws Error{InvalidArgument}: `scene.json: jobs[0].solve.solver: what, value`;

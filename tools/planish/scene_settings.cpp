@@ -52,13 +52,6 @@ double number_of(const Json& json, const std::string& where) {
   return json.get<double>();
 }
 
-double fraction_of(const Json& json, const std::string& where) {
-  const double number = number_of(json, where);
-  if (!(number >= 0 && number <= 1))
-    refuse(where, json.dump().substr(0, 40) + " is no fraction from 0 to 1");
-  return number;
-}
-
 std::int64_t count_of(const Json& json, const std::string& where, std::int64_t least,
                       std::int64_t most) {
   const std::int64_t number = integer_of(json, where);
@@ -69,7 +62,7 @@ std::int64_t count_of(const Json& json, const std::string& where, std::int64_t l
 
 namespace {
 
-// What is no option: how jobs, outputs and samples are put together.
+// What is no option: how jobs and outputs are put together.
 constexpr const char* kFrame = R"({
 "$schema": "https://json-schema.org/draft/2020-12/schema",
 "title": "planish scene file, version 1",
@@ -92,7 +85,6 @@ constexpr const char* kFrame = R"({
     "input": {"description": "mesh file, relative to this file",
       "type": "string", "minLength": 1, "examples": ["goblet.obj"]},
     "input_format": {"description": "against the extension", "enum": [], "examples": ["obj"]},
-    "sample": {"$ref": "#/$defs/sample"},
     "outputs": {"description": "files to write", "type": "array", "items": {"$ref": "#/$defs/output"},
       "examples": [[{"path": "goblet.glb"}]]},
     "moves": {"description": "vertices that move after the fit, one move after another; only what they reach is solved again, and outputs, report and page are of the moved surface",
@@ -127,21 +119,7 @@ constexpr const char* kFrame = R"({
     "undo": {"description": "by itself: takes back so many moves", "type": "integer", "minimum": 1,
       "maximum": 2147483647, "examples": [1]}}},
   "point": {"description": "x, y, z in the mesh's unit", "type": "array", "minItems": 3, "maxItems": 3,
-    "items": {"type": "number"}, "examples": [[0, 0, 0.1]]},
-  "sample": {
-    "description": "points sampled from the surface through the input's vertices stand in for the input",
-    "type": "object", "additionalProperties": false, "required": ["points"],
-    "examples": [{"points": 81920}], "properties": {
-    "points": {"description": "how many", "type": "integer", "minimum": 4, "maximum": 10000000,
-      "examples": [81920]},
-    "pattern": {"description": "poisson-disk: no two near each other; uniform: independent",
-      "enum": ["poisson-disk", "uniform"], "default": "poisson-disk", "examples": ["uniform"]},
-    "seed": {"description": "another seed gives other points", "type": "integer", "minimum": 0,
-      "maximum": 2147483647, "default": 1, "examples": [7]},
-    "noise": {"description": "standard deviation of normal noise along each axis, as a fraction of the diagonal",
-      "type": "number", "minimum": 0, "maximum": 1, "default": 0, "examples": [0.001]},
-    "outliers": {"description": "further points, even in the bounding box, as a part of the number of points",
-      "type": "number", "minimum": 0, "maximum": 1, "default": 0, "examples": [0.01]}}}}
+    "items": {"type": "number"}, "examples": [[0, 0, 0.1]]}}
 })";
 
 Json words_of(const OptionInfo& option) {
@@ -292,7 +270,7 @@ const Json& scene_schema() {
 std::string scene_schema_text() { return json_text(scene_schema()); }
 
 std::vector<std::string_view> scene_keys(SceneObject object) {
-  const char* const names[] = {"", "settings", "job", "solve", "output", "sample", "move"};
+  const char* const names[] = {"", "settings", "job", "solve", "output", "move"};
   const Json& schema = scene_schema();
   const Json& described =
       object == SceneObject::Scene ? schema : schema["$defs"][names[static_cast<int>(object)]];

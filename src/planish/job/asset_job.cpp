@@ -386,7 +386,6 @@ std::optional<std::string> reason_to_merge(const Job& job,
                                            const std::vector<PlannedOutput>& outputs) {
   if (job.settings.asset == AssetChoice::Merge || outputs.empty()) return "";
   if (!job.source.empty()) return "a source is compared with one mesh";
-  if (job.sampling) return "points are sampled from one mesh";
   if (!job.moves.empty()) return "moves are of one mesh's vertices";
   for (const PlannedOutput& output : outputs)
     if (output.kind == OutputKind::Cage || !info_of(output.format).is_gltf)

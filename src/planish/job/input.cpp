@@ -318,8 +318,7 @@ PointFacts facts_of(const PointInput& input, const Reconstruction& result) {
           .missing = input.cloud.missing_count,
           .used = std::ssize(result.used_points),
           .origin = input.cloud.origin,
-          .mesh = result,
-          .sampled = {}};
+          .mesh = result};
 }
 
 // Where points were moved.

@@ -115,8 +115,7 @@ void add_steps_of(const std::vector<PlannedOutput>& outputs, std::vector<Planned
 // The steps that the job will tell of.
 std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutput>& outputs) {
   std::vector<PlannedStep> steps{{"read", 2}};
-  if (job.sampling) steps.push_back({"sample", 4});
-  const bool brings_points = job.sampling || may_be_points(job);
+  const bool brings_points = may_be_points(job);
   if (brings_points) steps.push_back({"points", 80});
   if (!job.source.empty()) steps.push_back({"read", 2});
   steps.push_back({"check", 1});

@@ -82,13 +82,12 @@ struct Job {
   std::string label;  ///< what messages begin with: a scene's job's name, else that of the input
   std::string input;  ///< path, or "-" for stdin
   std::optional<FileFormat> input_format;  ///< empty: by extension, else by content
-  std::optional<Sampling> sampling;        ///< then the input is only what points are sampled from
   Settings settings;
   std::vector<SceneMove> moves;  ///< after the fit
   std::vector<OutputRequest> outputs;
   /// Names of the settings that flags gave, for a warning where one has no effect.
   std::vector<std::string> given_settings;
-  /// Settings, "sample", "moves", "source" and "page" of a scene file as they stand there, those of
+  /// Settings, "moves", "source" and "page" of a scene file as they stand there, those of
   /// the defaults first.
   std::vector<GivenSetting> given;
   std::function<Mesher()> mesher;      ///< where points are; empty: require_mesher()

@@ -55,16 +55,6 @@ Callbacks callbacks_for(JobReport& report, const JobContext& context) {
 
 namespace {
 
-// The mesh of the file gives way to points of its surface.
-PointInput sample_input(const InputFile& file, const Sampling& sampling,
-                        const Callbacks& callbacks) {
-  const Input mesh = mesh_of(file, callbacks);
-  callbacks.report("sample", 0);
-  require_usable(mesh.file.mesh, mesh.name);
-  return {
-      .name = mesh.name, .cloud = sampling.draw(mesh, sampling, callbacks), .sha256 = mesh.sha256};
-}
-
 void reconstruct_points(const PointInput& cloud, const Mesher& mesher, JobInput& made,
                         JobReport& report, const Callbacks& callbacks) {
   ReconstructOptions options = report.settings.points;
@@ -162,11 +152,7 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
     context.progress.update("points", 0);
     reconstruct_points(cloud, mesher(), made, report, callbacks);
   };
-  if (job.sampling) {
-    (void)mesher();  // before the work
-    reconstruct(sample_input(file, *job.sampling, callbacks));
-    report.points->sampled = job.sampling;
-  } else if (holds_points_only(file.format)) {
+  if (holds_points_only(file.format)) {
     reconstruct(points_of(file, callbacks));
   } else {
     input = mesh_of(file, callbacks);

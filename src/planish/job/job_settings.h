@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "planish/core/callbacks.h"
 #include "planish/core/option.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/settings.h"
@@ -33,21 +32,6 @@ struct SceneMove {
   glm::dmat4 map{1.0};
   double radius = 0;      ///< above 0: those around them move along, see select_around()
   std::int64_t undo = 0;  ///< above 0: so many moves are taken back, and nothing else
-};
-
-struct Input;  // input.h
-
-/// Points that stand in for a mesh: drawn from the interpolating surface through its vertices, by
-/// area.
-struct Sampling {
-  std::int64_t points = 0;
-  bool poisson_disk = true;  ///< no two near each other; else independent
-  std::uint32_t seed = 1;
-  double noise = 0;     ///< standard deviation along each axis, of the diagonal
-  double outliers = 0;  ///< further points, even in the bounding box, as a part of `points`
-  /// What draws them: the same points for the same mesh and sampling.
-  PointCloud (*draw)(const Input& mesh, const Sampling& sampling,
-                     const Callbacks& callbacks) = nullptr;
 };
 
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file: the rows of

@@ -295,13 +295,6 @@ OrderedJson to_json(const PointFacts& points) {
   json["timing_ms"] = {{"clean", timing.clean},       {"smooth", timing.smooth},
                        {"mesh", timing.mesh},         {"repair", timing.repair},
                        {"simplify", timing.simplify}, {"measure", timing.measure}};
-  if (!points.sampled) return json;
-  const Sampling& sampling = *points.sampled;
-  json["sampled"] = {{"points", sampling.points},
-                     {"pattern", sampling.poisson_disk ? "poisson-disk" : "uniform"},
-                     {"seed", sampling.seed},
-                     {"noise", sampling.noise},
-                     {"outliers", sampling.outliers}};
   return json;
 }
 

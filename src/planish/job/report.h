@@ -74,7 +74,6 @@ struct PointFacts {
   std::int64_t points = 0, missing = 0, used = 0;
   glm::dvec3 origin{0};
   ReconstructionFigures mesh;
-  std::optional<Sampling> sampled;
 };
 
 /// What a job's moves did to its mesh.

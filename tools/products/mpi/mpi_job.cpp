@@ -45,7 +45,6 @@ constexpr std::string_view kNoBudget =
 
 constexpr Refused kRefused[] = {
     {"source", "the report compares with the input only; leave it out"},
-    {"sample", "ranks take meshes; make one of points by planish reconstruct first"},
     {"moves", "ranks do not edit; take planish on one machine"},
     {"jobs", "one input at a time; mpirun -n says how many ranks work on it"},
     {"output_format", "surfaces are 3D Tiles, cages PLY; leave it out"},
