@@ -3,7 +3,6 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <regex>
 
@@ -290,24 +289,11 @@ TEST_F(StepCommand, CreasesOfCatmullClarkThatAreSharpForSomeStepsAreRefused) {
   EXPECT_FALSE(exists("p.step"));
 }
 
-TEST_F(StepCommand, DryRunsSayTheLeastFaces) {
-  for (const std::string& input :
-       {cube_, torus_, std::string(PLANISH_SCENES "/rocker_arm_scan.obj")}) {
-    const ProcessResult dry =
-        fit(input, {"-o", path("p.step"), "--quads", "off", "--creases", "ignore", "--dry-run"});
-    EXPECT_EQ(dry.exit_code, 0) << dry.err;
-    EXPECT_FALSE(exists("p.step"));
-    std::smatch found;
-    const std::regex line("p\\.step  \\(at least ([0-9,]+) B-spline faces?, in mm\\)");
-    ASSERT_TRUE(std::regex_search(dry.out, found, line)) << dry.out;
-    const std::int64_t least = std::stoll(std::regex_replace(found[1].str(), std::regex(","), ""));
-    const nlohmann::json step =
-        reported(input, {"--quads", "off", "--creases", "ignore", "--step-angle", "90",
-                         "--step-tolerance", "1"})["step"];
-    EXPECT_LE(least, step["faces"]) << input;
-    EXPECT_GE(4 * least, step["faces"]) << input;
-    std::filesystem::remove(path("p.step"));
-  }
+TEST_F(StepCommand, DryRunsSayTheUnit) {
+  const ProcessResult dry = fit(cube_, {"-o", path("p.step"), "--dry-run"});
+  EXPECT_EQ(dry.exit_code, 0) << dry.err;
+  EXPECT_FALSE(exists("p.step"));
+  EXPECT_THAT(dry.out, HasSubstr("p.step  (B-spline faces, in mm)"));
 }
 
 TEST_F(StepCommand, FullDisksAndInterruptsLeaveTheOldFile) {

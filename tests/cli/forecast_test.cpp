@@ -10,7 +10,6 @@
 #include <fstream>
 #include <numeric>
 #include <random>
-#include <regex>
 #include <sstream>
 #include <vector>
 
@@ -45,19 +44,6 @@ std::string obj_of(const PolygonMesh& mesh) {
   return obj.str();
 }
 
-// "  would write  a.glb  (level 2, 96 quads, about 4.4 KiB)" -> bytes.
-double forecast_bytes(const std::string& text, const std::string& name) {
-  const std::regex line("would write  " + name + "  \\(.*about ([0-9.]+) (B|KiB|MiB|GiB)\\)");
-  std::smatch found;
-  if (!std::regex_search(text, found, line)) return -1;
-  double bytes = std::stod(found[1]);
-  for (const char* unit : {"B", "KiB", "MiB", "GiB"}) {
-    if (found[2] == unit) return bytes;
-    bytes *= 1024;
-  }
-  return -1;
-}
-
 // Whoever runs it gets no files.
 TEST_F(Forecasts, OfADryRunNothingIsLeft) {
   write("torus.obj", torus_obj(24));
@@ -67,9 +53,8 @@ TEST_F(Forecasts, OfADryRunNothingIsLeft) {
                           HasSubstr("would end with exit code 0")));
 }
 
-// Texture coordinates with seams, groups, colours and creases, in every format whose size is told;
-// of the others the vertices and faces are.
-TEST_F(Forecasts, SizesCountWhatAMeshCarries) {
+// Texture coordinates with seams, groups and creases, in every format.
+TEST_F(Forecasts, VerticesAreThoseOfTheFile) {
   struct Case {
     const char *scene, *levels;
     std::vector<std::string> files, flags;
@@ -105,52 +90,14 @@ TEST_F(Forecasts, SizesCountWhatAMeshCarries) {
       EXPECT_THAT(text, testing::ContainsRegex(file + "  \\(level ., " +
                                                counted(vertices, "vertex") + ", "))
           << c.scene;
-      auto bytes = static_cast<double>(std::filesystem::file_size(path(file)));
-      if (file == "a.gltf") bytes += static_cast<double>(std::filesystem::file_size(path("a.bin")));
-      const double forecast = forecast_bytes(text, file), header = 512;
-      if (file == "a.obj" || file == "a.off" || file == "a.usda") {
-        EXPECT_LT(forecast, 0) << text;
-      } else {
-        EXPECT_NEAR(forecast, bytes, 0.03 * bytes + header)
-            << c.scene << " level " << c.levels << ", " << file;
-      }
     }
   }
 }
 
-TEST_F(Forecasts, SizesOfPackedFilesAreEnough) {
-  for (const std::string scene : {"goblet.obj", "rocker_arm_scan.obj", "mapped_cube.obj"}) {
-    for (const std::string packing : {"meshopt", "quantize"}) {
-      for (const std::string level : {"0", "2"}) {
-        const std::vector<std::string> arguments{std::string(PLANISH_SCENES) + "/" + scene,
-                                                 "-f",
-                                                 "--levels",
-                                                 level,
-                                                 "--compress",
-                                                 packing,
-                                                 "-o",
-                                                 "a.glb"};
-        std::vector<std::string> dry = arguments;
-        dry.emplace_back("--dry-run");
-        const std::string text = fit(dry).out;
-        EXPECT_THAT(text, HasSubstr(", at most about "));
-        ASSERT_EQ(fit(arguments).exit_code, 0);
-        const auto bytes = static_cast<double>(std::filesystem::file_size(path("a.glb")));
-        const double forecast = forecast_bytes(text, "a.glb");
-        EXPECT_GE(forecast, bytes) << scene << " " << packing << " " << level;
-        EXPECT_LE(forecast, 2.6 * bytes) << scene << " " << packing << " " << level;
-      }
-    }
-  }
-}
-
-TEST_F(Forecasts, CagesHaveNoNormals) {
+TEST_F(Forecasts, CagesAreThoseOfTheMethod) {
   write("torus.obj", torus_obj(64));
   const std::string text = fit({"torus.obj", "--cage", "a.ply", "--dry-run"}).out;
-  ASSERT_EQ(fit({"torus.obj", "--cage", "a.ply"}).exit_code, 0);
-  const auto bytes = static_cast<double>(std::filesystem::file_size(path("a.ply")));
-  EXPECT_NEAR(forecast_bytes(text, "a.ply"), bytes, 0.03 * bytes);
-  EXPECT_THAT(text, HasSubstr("a.ply  (control cage, 4,096 vertices, 4,096 faces, about "));
+  EXPECT_THAT(text, HasSubstr("a.ply  (control cage, 4,096 vertices, 4,096 faces)"));
   // That of the fair method is its mesh of level 1.
   EXPECT_THAT(fit({"torus.obj", "--cage", "a.obj", "--interpolation", "fair", "--dry-run"}).out,
               HasSubstr("a.obj  (control cage, 16,384 vertices, 16,384 faces)"));
@@ -274,18 +221,6 @@ TEST(ForecastOf, CountsTheFitsThatAreMade) {
   settings.within.is_measured = true;
   EXPECT_GT(forecast_of({&need, 1}, settings, {}, 0).seconds, 4 * one);
   EXPECT_GT(one, 0);
-}
-
-TEST_F(Forecasts, AllBuffersOfALargeSurfaceAreNamed) {
-  write("torus.obj", torus_obj(150));  // 22,500 quads: 92 million at level 6, 4.1 GiB of numbers
-  const ProcessResult result = fit({"torus.obj", "--levels", "6", "-o", "a.gltf", "--dry-run"});
-  for (const char* name : {"a.bin  (its", "a-2.bin  (further", "a-3.bin  (further",
-                           "a-4.bin  (further", "a-5.bin  (further"})
-    EXPECT_THAT(result.out, HasSubstr(std::string("would write  ") + name + " numbers)"));
-  EXPECT_THAT(result.out, Not(HasSubstr("a-6.bin")));
-  EXPECT_THAT(
-      fit({"torus.obj", "--levels", "6", "-o", "a.gltf", "--compress", "meshopt", "--dry-run"}).out,
-      Not(HasSubstr("a-2.bin")));
 }
 
 TEST_F(Forecasts, WhatWouldBeRefusedIsListedAndTheExitCodeComes) {

@@ -15,7 +15,6 @@
 #include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
-#include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_polygons.h"
 #include "planish/job/build_info.h"
 #include "planish/job/forecast.h"
@@ -343,14 +342,9 @@ std::string write_line(const std::filesystem::path& path, const std::string& wha
   return formatted("  would write  {}{}\n", output_name(path.native()), what);
 }
 
-std::string file_text(const OutputForecast& file, std::string_view faces,
-                      GltfCompression compression) {
+std::string file_text(const OutputForecast& file, std::string_view faces) {
   if (file.vertices == 0) return "";
-  std::string text =
-      formatted(", {}, {}", counted(file.vertices, "vertex"), counted(file.faces, faces));
-  if (!file.bytes) return text;
-  const bool is_known = compression == GltfCompression::None;
-  return text + (is_known ? ", about " : ", at most about ") + byte_size(*file.bytes);
+  return formatted(", {}, {}", counted(file.vertices, "vertex"), counted(file.faces, faces));
 }
 
 std::string_view faces_of(const PlannedOutput& output, Scheme scheme) {
@@ -389,27 +383,19 @@ std::string describe_points(const PlannedJob& planned, const PointInput& input,
                                               page_bytes));
 }
 
-// The files beside an output of about so many bytes: a .gltf's buffers; that of an OBJ is written
-// for materials only.
-std::string companion_lines(const PlannedOutput& output, std::uint64_t bytes,
-                            const PolygonMesh& mesh, GltfCompression compression,
-                            const PathClaims& claims) {
+// The file beside an output; that of an OBJ is written for materials only.
+std::string companion_line(const PlannedOutput& output, const PolygonMesh& mesh,
+                           const PathClaims& claims) {
   const std::filesystem::path beside = companion_of(output.path, output.format);
   if (output.to_stdout || beside.empty()) return {};
   const bool is_gltf = info_of(output.format).is_gltf;
   if (!is_gltf && materials_of(mesh.groups).empty() && claims.refusal(beside).empty()) return {};
-  std::string text = write_line(beside, is_gltf ? "  (its numbers)" : "  (its materials)", claims);
-  if (!is_gltf || compression != GltfCompression::None) return text;
-  const std::size_t count = gltf_buffer_count(bytes);
-  for (std::size_t i = 1; i < count; ++i)
-    text += write_line(gltf_buffer_path(output.path, i), "  (further numbers)", claims);
-  return text;
+  return write_line(beside, is_gltf ? "  (its numbers)" : "  (its materials)", claims);
 }
 
 // `input`: its format.
 std::string outputs_text(const PlannedJob& planned, FileFormat input, const PolygonMesh& mesh,
                          const Forecast& forecast, const PathClaims& claims) {
-  const GltfCompression compression = planned.job.settings.compression;
   std::string text;
   for (std::size_t i = 0; i < planned.outputs.size(); ++i) {
     const PlannedOutput& output = planned.outputs[i];
@@ -417,15 +403,14 @@ std::string outputs_text(const PlannedJob& planned, FileFormat input, const Poly
     const bool is_cage = output.kind == OutputKind::Cage;
     const std::string what =
         info_of(output.format).is_brep
-            ? formatted("  (at least {}, in {})", counted(file.faces, "B-spline face"),
+            ? formatted("  (B-spline faces, in {})",
                         word_of(kStepUnitWords,
                                 settled_unit(planned.job.settings.step.unit, name_of(input))))
-            : formatted(
-                  "  ({}{})",
-                  is_cage ? "control cage" : finenesses_text(output.fineness, output.coarser),
-                  file_text(file, faces_of(output, planned.job.settings.scheme), compression));
+            : formatted("  ({}{})",
+                        is_cage ? "control cage" : finenesses_text(output.fineness, output.coarser),
+                        file_text(file, faces_of(output, planned.job.settings.scheme)));
     text += write_line(output.path, what, claims);
-    text += companion_lines(output, file.bytes.value_or(0), mesh, compression, claims);
+    text += companion_line(output, mesh, claims);
   }
   return text;
 }

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,16 +12,14 @@
 
 namespace planish {
 
-/// What is known of a file before work.
+/// What is known of a file before work. 0: as many as the surface's curvature asks for, or STEP.
 struct OutputForecast {
-  /// 0: as many as the surface's curvature asks for. Of STEP no vertices, and its least faces.
   std::int64_t vertices = 0, faces = 0;
-  std::optional<std::uint64_t> bytes;  ///< as output_bytes() has them
 };
 
 /// What a job will take, told from its mesh before work.
 struct Forecast {
-  std::vector<OutputForecast> outputs;  ///< one per planned output; a .gltf counts its .bin
+  std::vector<OutputForecast> outputs;  ///< one per planned output
   std::uint64_t peak_bytes = 0;         ///< of host memory; an upper estimate
   std::uint64_t making_bytes = 0;       ///< of these, what one mesh at a time takes besides
   double seconds = 0;                   ///< on this machine's threads, within a factor of three

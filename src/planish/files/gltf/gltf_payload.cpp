@@ -747,12 +747,6 @@ GltfPayload GltfBlock::payload(DegenerateRows& degenerate) const {
   return payload;
 }
 
-std::size_t gltf_buffer_count(std::uint64_t surface_bytes, std::uint64_t buffer_bytes) {
-  if (surface_bytes <= buffer_bytes) return 1;
-  return static_cast<std::size_t>(
-      std::ceil(static_cast<double>(surface_bytes) / (kFill * static_cast<double>(buffer_bytes))));
-}
-
 RowRange faces_of_buffer(const SurfaceBlocks& surface, std::int64_t first,
                          std::uint64_t surface_bytes, const GltfOptions& options) {
   const std::int64_t all = surface.info().face_count;

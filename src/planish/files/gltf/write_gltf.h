@@ -138,11 +138,6 @@ inline constexpr std::int64_t kPackedFaces = std::int64_t{1} << 19;
 [[nodiscard]] std::filesystem::path gltf_buffer_path(const std::filesystem::path& document,
                                                      std::size_t index);
 
-/// How many buffers a .gltf has whose surface takes so many bytes in one: as many files beside it.
-/// Where faces that follow one another lie apart there are more.
-[[nodiscard]] std::size_t gltf_buffer_count(
-    std::uint64_t surface_bytes, std::uint64_t buffer_bytes = GltfOptions{}.buffer_bytes);
-
 /// Writes .glb, or .gltf with a .bin of the same name beside it, by extension, through OutputFile;
 /// the .bin appears first. Above options.buffer_bytes a .gltf has several buffers, of some faces
 /// each, with a node and a mesh for each: vertices where they meet are in both. Takes a few MB

@@ -110,15 +110,6 @@ struct AssetVertices {
     return std::span(influences)
         .subspan(first, static_cast<std::size_t>(first_influence[vertex + 1]) - first);
   }
-  /// Bytes of a vertex that a file has for all this, uncompressed.
-  [[nodiscard]] std::uint64_t bytes_of_vertex() const {
-    constexpr std::uint64_t kUv = 8, kJoints = 8 + 16, kTarget = 12 + 12, kTangent = 16;
-    std::uint64_t bytes = kUv * (further_uvs.size() + uv_moves.size()) + kTarget * targets.size() +
-                          kJoints * static_cast<std::uint64_t>(joint_sets);
-    for (const AssetArray& array : arrays) bytes += 4 * static_cast<std::uint64_t>(array.width);
-    bytes += kTangent * static_cast<std::uint64_t>(tangent_count());
-    return bytes;
-  }
   [[nodiscard]] bool has_tangents() const { return tangent_count() > 0; }
   /// Arrays of tangents: of groups, and of layers of each depth.
   [[nodiscard]] int tangent_count() const {
