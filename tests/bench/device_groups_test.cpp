@@ -172,11 +172,6 @@ TEST_F(BenchDevice, WhatADeviceRefusesIsNamedAndTheRestGoesOn) {
               HasSubstr("maxStorageBufferRange is 65536"));
   // 900 points go, in slices: their table does not fit one binding.
   EXPECT_EQ(row(bench, "interpolation_step")["figures"]["dispatches"], 2 * 5);
-  // A group of one size is refused whole, and is no failure either.
-  const json whole = run("--group evaluate --group kernels --max-range 65536 --points 900");
-  EXPECT_THAT(row(whole, "all")["refused"].get<std::string>(),
-              HasSubstr("maxStorageBufferRange is 65536"));
-  EXPECT_EQ(row(whole, "interpolation_step")["figures"]["dispatches"], 2 * 5);
 }
 
 }  // namespace

@@ -143,15 +143,12 @@ inline constexpr double kNoStop = -1;
 /// From the bytes of a file to the bytes of a file.
 [[nodiscard]] std::vector<Row> bench_job(const Options& options);
 #ifdef PLANISH_HAS_VULKAN
-/// From displaced points to a host's vertices on the best Vulkan device, by patches and by tables;
-/// nothing without one, as with the two that follow.
-[[nodiscard]] std::vector<Row> bench_evaluate(const Options& options);
-/// Copies, and each kernel of a frame beside them: bytes and times.
+/// Copies, and each kernel of a frame beside them: bytes and times; nothing without a Vulkan
+/// device, as with the two that follow.
 [[nodiscard]] std::vector<Row> bench_kernels(const Options& options);
 /// Whole frames of moving points.
 [[nodiscard]] std::vector<Row> bench_frame(const Options& options);
-/// Many small solves and evaluations in one submission against one as large; nothing without a
-/// Vulkan device.
+/// Many small solves and evaluations in one submission against one as large.
 [[nodiscard]] std::vector<Row> bench_many(const Options& options);
 #endif
 /// Places of a limit surface, closest points and rays; Bfr's Catmull-Clark beside them.

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <map>
 #include <memory>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -14,202 +13,15 @@
 #include "bench/traced_device.h"
 #include "planish/core/error.h"
 #include "planish/mesh/mesh_parts.h"
-#include "planish/patches/patch_plan.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/device/driver.h"
 #include "planish/vulkan/embed.h"
-#include "planish/vulkan/tables/device_table.h"
 #include "planish/vulkan/vulkan_backend.h"
-#include "support/doo_sabin_tables.h"
 
 namespace planish::bench {
-namespace {
-
-// What corner patches replaced in a host's frame: stencil tables on the device that take control
-// points from level to level, and to limit points and normals in a host's layout. Tables and
-// control points outlive it.
-class TableEvaluation {
- public:
-  // `limit` was made with derivatives and a target stride of at least the layout's; `refinement`
-  // has a step at least.
-  TableEvaluation(vulkan::Context& context, std::span<const vulkan::DeviceTable> refinement,
-                  const vulkan::DeviceTable& limit, VkBuffer control_points,
-                  const vulkan::VertexLayout& layout);
-
-  void record(VkCommandBuffer commands) const noexcept;
-
- private:
-  vulkan::Context& context_;
-  const vulkan::DeviceTable& limit_;
-  vulkan::VertexLayout layout_;
-  std::vector<vulkan::Buffer> states_;
-  std::vector<vulkan::StencilPass> refinement_;
-  std::vector<std::uint32_t> first_targets_;  // per slice of the limit table
-  vulkan::DescriptorSets sets_;               // per slice of the limit table
-};
-
-}  // namespace
 
 using namespace vulkan;
-
-namespace {
-
-constexpr std::uint32_t kWrittenFloats = 3;
-
-// The host's vertices as far as they are written.
-FloatElements written_elements(const VertexLayout& layout) {
-  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
-  return {layout.buffer, layout.offset / sizeof(float),
-          static_cast<std::uint32_t>(last / sizeof(float)) + kWrittenFloats,
-          static_cast<std::uint32_t>(layout.stride / sizeof(float))};
-}
-
-TableEvaluation::TableEvaluation(Context& context, std::span<const DeviceTable> refinement,
-                                 const DeviceTable& limit, VkBuffer control_points,
-                                 const VertexLayout& layout)
-    : context_(context), limit_(limit), layout_(layout) {
-  constexpr std::uint32_t kFloats = shared::kPointFloats;
-  VkBuffer source = control_points;
-  states_.reserve(refinement.size());
-  for (const DeviceTable& table : refinement) {
-    const Buffer& target = states_.emplace_back(
-        context, std::uint64_t(table.row_count()) * kFloats * sizeof(float), MemoryUse::Device);
-    refinement_.push_back({context,
-                           table,
-                           {source, 0, 3, kFloats},
-                           {target.handle(), 0, 3, kFloats},
-                           {0, table.row_count()}});
-    source = target.handle();
-  }
-  std::vector<BoundKernel> bound;
-  for (const DeviceTable::Slice& slice : limit.slices()) {
-    const ElementWindow window =
-        element_window(written_elements(layout), slice.rows.first_row, slice.rows.row_count);
-    first_targets_.push_back(window.shift +
-                             static_cast<std::uint32_t>(layout.position_offset / sizeof(float)));
-    bound.push_back({Kernel::ApplyLimit,
-                     {whole(slice.entries), whole(slice.chunks),
-                      point_range(states_.back(), slice.rows.first_source, slice.rows.source_count),
-                      window.range, whole(slice.derivatives)}});
-  }
-  sets_ = DescriptorSets(context, bound);
-}
-
-void TableEvaluation::record(VkCommandBuffer commands) const noexcept {
-  for (const StencilPass& pass : refinement_) {
-    pass.record(commands);
-    record_barrier(context_, commands, kKernelScope, kKernelScope);
-  }
-  for (std::size_t i = 0; i < limit_.slices().size(); ++i) {
-    shared::TableParameters parameters = limit_.parameters(i);
-    parameters.first_target = first_targets_[i];
-    parameters.target_stride = layout_.stride / sizeof(float);
-    parameters.normal_offset =
-        layout_.normal_offset / sizeof(float) - layout_.position_offset / sizeof(float);
-    limit_.record_dispatch(commands, Kernel::ApplyLimit, sets_[i], i, parameters);
-    // Windows of neighbouring slices share their edge.
-    record_barrier(context_, commands, kKernelScope, kKernelScope);
-  }
-}
-
-// The second half of a host's frame: from displaced points to vertices on the device.
-
-std::string megabytes(std::uint64_t bytes) {
-  return formatted("{}.{} MB", (bytes + 50'000) / 100'000 / 10, (bytes + 50'000) / 100'000 % 10);
-}
-
-// The same surface from the same control points by tables.
-struct FrameTables {
-  FrameTables(VulkanMachine& machine, const PolygonMesh& mesh, const DeviceFrame& frame,
-              const Buffer& vertices) {
-    test::QuadSplit split(mesh);
-    split.refine(kFrameLevel);
-    const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
-    const test::SubdivisionChain subdivision(split, features, Weights::DooSabin);
-    const auto add = [&](const StencilTable& table) {
-      refinement.emplace_back(machine.context, table.view(), DeviceTableOptions{});
-      machine.upload_table(refinement.back(), table.view());
-    };
-    for (int l = 1; l <= kFrameLevel; ++l) add(step_table(subdivision, l));
-    const PatchMesh patches(split.topology(), features);
-    const test::LimitRows limits(subdivision, kFrameLevel);
-    const StencilTable table =
-        limit_table(subdivision, limits, limits.in_order_of(PatchNumbering(patches, kFrameLevel)));
-    DeviceTableOptions options;
-    options.has_derivatives = true;
-    options.target_stride = kFrameVertexBytes;
-    limit.emplace(machine.context, table.view(), options);
-    machine.upload_table(*limit, table.view());
-    evaluation.emplace(machine.context, refinement, *limit, frame.solve.control_points(),
-                       VertexLayout{vertices.handle()});
-  }
-
-  [[nodiscard]] std::uint64_t device_bytes() const {
-    std::uint64_t bytes = 0;
-    const auto add = [&](const DeviceTable& table) {
-      for (const DeviceTable::Slice& slice : table.slices())
-        bytes += slice.entries.size() + slice.chunks.size() + slice.derivatives.size();
-    };
-    for (const DeviceTable& table : refinement) add(table);
-    add(*limit);
-    return bytes;
-  }
-
-  std::vector<DeviceTable> refinement;
-  std::optional<DeviceTable> limit;
-  std::optional<TableEvaluation> evaluation;
-};
-
-// Not normals: those of the tables lose digits to points far from the origin.
-std::vector<glm::dvec3> positions_of(VulkanMachine& machine, const Buffer& vertices) {
-  std::vector<glm::dvec3> result;
-  machine.submitter.download({vertices.handle(), 0, vertices.size()},
-                             [&](std::uint64_t, std::span<const std::byte> piece) {
-                               for (std::size_t at = 0; at < piece.size();
-                                    at += kFrameVertexBytes) {
-                                 glm::vec3 value;
-                                 std::memcpy(&value, &piece[at], sizeof value);
-                                 result.emplace_back(value);
-                               }
-                             });
-  return result;
-}
-
-}  // namespace
-
-std::vector<Row> bench_evaluate(const Options& options) {
-  const auto owned = traced_machine(options);
-  if (!owned) return {};
-  VulkanMachine& machine = *owned;
-  const PolygonMesh mesh = torus_grid(options.quad_count);
-  const DeviceFrame frame(machine, mesh, {.level = kFrameLevel});
-  machine.submitter.run(
-      [&](VkCommandBuffer commands) { frame.solve.record_solve(commands, {.iterations = 8}); });
-  const Buffer by_tables(machine.context, frame.vertices.size(), MemoryUse::Device);
-  const FrameTables tables(machine, mesh, frame, by_tables);
-  const auto evaluate_patches = [&] {
-    machine.submitter.run([&](VkCommandBuffer commands) { frame.solve.record_evaluate(commands); });
-  };
-  const auto evaluate_tables = [&] {
-    machine.submitter.run([&](VkCommandBuffer commands) { tables.evaluation->record(commands); });
-  };
-  evaluate_patches();
-  evaluate_tables();
-  require_agreement("patches", positions_of(machine, frame.vertices),
-                    positions_of(machine, by_tables));
-
-  Group group;
-  group.name = "evaluate";
-  group.size =
-      formatted("{} quads, {} vertices; vulkan on {}; tables {}, System's whole {}",
-                mesh.face_count(), frame.system.vertex_count(), machine.device.capabilities().name,
-                megabytes(tables.device_bytes()), megabytes(frame.tables.device_bytes()));
-  group.baseline = "planish-tables";
-  group.peers.push_back({"planish-tables", evaluate_tables});
-  group.peers.push_back({"planish-patches", evaluate_patches});
-  return run_group(group, options.repetitions);
-}
 
 namespace {
 

@@ -14,14 +14,13 @@ namespace {
 using namespace planish::bench;
 
 const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> kGroups = {
-    {"update", bench_update},     {"solve", bench_solve},     {"masks", bench_masks},
-    {"surface", bench_surface},   {"patches", bench_patches}, {"job", bench_job},
+    {"update", bench_update},   {"solve", bench_solve},     {"masks", bench_masks},
+    {"surface", bench_surface}, {"patches", bench_patches}, {"job", bench_job},
     {"worst", bench_worst},
 #ifdef PLANISH_HAS_VULKAN
-    {"evaluate", bench_evaluate}, {"kernels", bench_kernels}, {"frame", bench_frame},
-    {"many", bench_many},
+    {"kernels", bench_kernels}, {"frame", bench_frame},     {"many", bench_many},
 #endif
-    {"query", bench_query},       {"edit", bench_edit},       {"osd", bench_osd},
+    {"query", bench_query},     {"edit", bench_edit},       {"osd", bench_osd},
     {"fair", bench_fair}};
 
 // Google Benchmark takes its --benchmark_* flags and leaves the rest.
