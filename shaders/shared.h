@@ -21,8 +21,6 @@ PLANISH_SHARED_CONSTANT kNoRow = 0xffffffffu;
 PLANISH_SHARED_CONSTANT kPointFloats = 4u;
 // Invocations of a reduction kernel that runs as a single work group for each result.
 PLANISH_SHARED_CONSTANT kReduceLanes = 64u;
-// Words of a partial sum of conjugate gradients: bits of xyz, of the square sum, of the maximum.
-PLANISH_SHARED_CONSTANT kSumFloats = 5u;
 
 // One iteration: what it does, and what it found before doing it.
 struct StepRecord {
@@ -58,13 +56,10 @@ struct TableParameters {
   uint chunk_count;
   uint first_row;
   uint first_source;  // point that the source window begins with
-  uint first_target;  // floats between the target window's start and first_row's place
   uint step;
   uint first_group;     // of this slice, among the groups of all slices
   uint partials_total;  // partial sums that a step yields
   float stop_square;    // negative: never stop
-  uint target_stride;   // floats from one point of the target to the next
-  uint normal_offset;   // floats from a point's position to its normal
   uint instance_rows;   // points from an instance's vectors to the next one's
   uint further_instances;
 };
@@ -344,7 +339,6 @@ struct VectorParameters {
   uint count;
   float stop_square;
   uint first_side;
-  float x, y, z;
   uint step_count;       // steps that move; one more only measures
   uint source_shift;     // floats between the start of a window of strided points and the first
   uint source_stride;    // floats from one point to the next

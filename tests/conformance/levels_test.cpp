@@ -319,7 +319,7 @@ TEST(SceneFiles, FittedSurfacesPassThroughTheVertices) {
   }
 }
 
-// OpenSubdiv's own evaluators on our tables against our CPU backend.
+// OpenSubdiv's own evaluators on our tables against our own.
 namespace Osd = OpenSubdiv::Osd;
 
 constexpr double kFloat = 1e-6;  // coordinates are about 1
@@ -351,22 +351,19 @@ std::vector<PolygonMesh> cases() {
   return {random_closed_mesh(5), with_random_creases(random_open_mesh(5), 0.2, 5)};
 }
 
-std::vector<dvec3> applied_by_backend(const StencilView<double>& view,
-                                      const std::vector<dvec3>& source) {
-  const auto backend = make_cpu_backend();
-  const auto from = backend->upload(source);
-  const auto to = backend->allocate(view.row_count());
-  backend->apply(view, *from, *to, 0);
-  return backend->download(*to);
+std::vector<dvec3> image_of(const StencilView<double>& view, const std::vector<dvec3>& source) {
+  std::vector<dvec3> target(view.row_count());
+  apply(view, source, target);
+  return target;
 }
 
-TEST(Evaluators, UpdateValuesEqualsTheCpuBackend) {
+TEST(Evaluators, UpdateValuesEqualsOurOwn) {
   for (const PolygonMesh& mesh : cases()) {
     const Case c(mesh);
     std::vector<Primvar> source, target(mesh.positions.size());
     for (const dvec3& p : mesh.positions) source.push_back({p});
     to_far<double>(c.masks.view())->UpdateValues(source.data(), target.data());
-    const std::vector<dvec3> ours = applied_by_backend(c.masks.view(), mesh.positions);
+    const std::vector<dvec3> ours = image_of(c.masks.view(), mesh.positions);
     ASSERT_EQ(ours.size(), target.size());
     for (std::size_t v = 0; v < ours.size(); ++v) {
       EXPECT_LT(glm::distance(ours[v], target[v].value), 1e-15);
@@ -374,7 +371,7 @@ TEST(Evaluators, UpdateValuesEqualsTheCpuBackend) {
   }
 }
 
-TEST(Evaluators, FloatTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
+TEST(Evaluators, FloatTablesInOsdCpuEvaluatorEqualOurOwn) {
   for (const PolygonMesh& mesh : cases()) {
     const Case c(mesh);
     const auto far = to_far<float>(c.masks.view());
@@ -387,7 +384,7 @@ TEST(Evaluators, FloatTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
     ASSERT_TRUE(Osd::CpuEvaluator::EvalStencils(
         source.data(), xyz, target.data(), xyz, table.GetSizes().data(), table.GetOffsets().data(),
         table.GetControlIndices().data(), table.GetWeights().data(), 0, table.GetNumStencils()));
-    const std::vector<dvec3> ours = applied_by_backend(c.masks.view(), mesh.positions);
+    const std::vector<dvec3> ours = image_of(c.masks.view(), mesh.positions);
     for (std::size_t v = 0; v < ours.size(); ++v) {
       const dvec3 theirs(target[3 * v], target[3 * v + 1], target[3 * v + 2]);
       EXPECT_LT(glm::distance(ours[v], theirs), kFloat);
@@ -395,11 +392,11 @@ TEST(Evaluators, FloatTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
   }
 }
 
-TEST(Evaluators, LimitTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
+TEST(Evaluators, LimitTablesInOsdCpuEvaluatorEqualOurOwn) {
   for (const PolygonMesh& mesh : cases()) {
     const Case c(mesh);
     const auto first = step_table(c.subdivision, 1);
-    const std::vector<dvec3> state = applied_by_backend(first.view(), mesh.positions);
+    const std::vector<dvec3> state = image_of(first.view(), mesh.positions);
     const LimitRows limit_rows(c.subdivision, 1);
     const auto limit = limit_table(c.subdivision, limit_rows);
     const StencilView<double> view = limit.view();
@@ -419,8 +416,7 @@ TEST(Evaluators, LimitTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
         table.GetNumStencils()));
     std::vector<dvec3> positions(view.row_count());
     std::vector<glm::vec3> normals(view.row_count());
-    const auto backend = make_cpu_backend();
-    backend->apply_limit(view, *backend->upload(state), positions, normals);
+    apply_limit(view, state, positions, normals);
     const auto at = [](const std::vector<float>& values, std::size_t i) {
       return dvec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
     };

@@ -8,7 +8,7 @@
 #include "planish/fair/fair_net.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/solve/backend.h"
+#include "planish/solve/stencil_table.h"
 #include "support/doo_sabin_tables.h"
 #include "support/mesh_catalogue.h"
 #include "support/random_meshes.h"
@@ -57,20 +57,17 @@ struct LimitSamples {
 };
 [[nodiscard]] inline LimitSamples limit_samples(const FairCase& c,
                                                 std::span<const glm::dvec3> state, int level) {
-  const auto backend = make_cpu_backend();
-  auto points = backend->upload(state);
+  std::vector<glm::dvec3> points(state.begin(), state.end());
   for (int l = 2; l <= level; ++l) {
-    const std::int64_t size = c.subdivision.state_layout(l).size;
-    auto finer = backend->allocate(static_cast<std::int32_t>(size));
-    backend->apply(step_table(c.subdivision, l).view(), *points, *finer, 0);
+    std::vector<glm::dvec3> finer(static_cast<std::size_t>(c.subdivision.state_layout(l).size));
+    apply(step_table(c.subdivision, l).view(), points, finer);
     points = std::move(finer);
   }
   const LimitRows rows(c.subdivision, level);
   LimitSamples samples;
   samples.positions.resize(static_cast<std::size_t>(rows.count()));
   samples.normals.resize(samples.positions.size());
-  backend->apply_limit(limit_table(c.subdivision, rows).view(), *points, samples.positions,
-                       samples.normals);
+  apply_limit(limit_table(c.subdivision, rows).view(), points, samples.positions, samples.normals);
   return samples;
 }
 

@@ -395,23 +395,6 @@ class MissingBackend final : public Backend, public FairBuilder {
   std::unique_ptr<Solve> make_solve(const SummedView& masks) override {
     return host_->make_solve(masks);
   }
-  std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
-    return host_->upload(points);
-  }
-  std::unique_ptr<DevicePoints> allocate(std::int32_t count) override {
-    return host_->allocate(count);
-  }
-  std::vector<glm::dvec3> download(const DevicePoints& points) override {
-    return host_->download(points);
-  }
-  void apply(const StencilView<double>& table, const DevicePoints& source, DevicePoints& target,
-             std::int32_t first_target) override {
-    host_->apply(table, source, target, first_target);
-  }
-  void apply_limit(const StencilView<double>& table, const DevicePoints& source,
-                   std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override {
-    host_->apply_limit(table, source, positions, normals);
-  }
   [[nodiscard]] std::uint64_t peak_device_bytes() const override { return 0; }
   FairNet build_fair_net(const FairTopology& topology, std::span<const glm::dvec3>,
                          const FairOptions&) override {

@@ -150,5 +150,36 @@ TEST(StencilTable, GivesDerivativesThroughOpenSubdiv) {
   EXPECT_EQ(rows.view().dv_weights[1], 4.0);
 }
 
+TEST(StencilTable, AppliesItsRowsToPoints) {
+  StencilTable rows = three_rows();
+  rows.indices.insert(rows.indices.begin() + 2, {7, 7});
+  rows.weights.insert(rows.weights.begin() + 2, {9, 9});
+  rows.offsets = {0, 3, 4};
+  const std::array<glm::dvec3, 3> source{{{1, 2, 3}, {10, 20, 30}, {100, 200, 300}}};
+  std::array<glm::dvec3, 3> target;
+  target.fill(glm::dvec3(5));
+  apply(rows.view(), source, target);
+  EXPECT_EQ(target[0], glm::dvec3(75.25, 150.5, 225.75));
+  EXPECT_EQ(target[1], glm::dvec3(0));
+  EXPECT_EQ(target[2], glm::dvec3(281, 562, 843));
+}
+
+TEST(StencilTable, LimitNormalsAreUnitOrZeroWhereTangentsAreParallel) {
+  StencilTable table;
+  table.sizes = {3, 3};
+  table.indices = {0, 1, 2, 0, 1, 2};
+  table.weights = {1, 0, 0, 0, 0.5, 0.5};
+  table.du_weights = {-1, 1, 0, -1, 1, 0};
+  table.dv_weights = {-1, 0, 1, -2, 2, 0};
+  table.close(3);
+  const std::array<glm::dvec3, 3> source{{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}}};
+  std::array<glm::dvec3, 2> positions;
+  std::array<glm::vec3, 2> normals;
+  apply_limit(table.view(), source, positions, normals);
+  EXPECT_EQ(positions[1], glm::dvec3(1, 1.5, 0));
+  EXPECT_EQ(normals[0], glm::vec3(0, 0, 1));
+  EXPECT_EQ(normals[1], glm::vec3(0, 0, 0));
+}
+
 }  // namespace
 }  // namespace planish

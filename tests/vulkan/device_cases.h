@@ -38,8 +38,8 @@ inline StencilTable torus_masks(std::int32_t width, std::int32_t height) {
 }
 
 /// Rows of 0 to 12 entries anywhere among `source_count` points, weights in [-1, 1] that keep a
-/// solve bounded, with derivative weights.
-inline StencilTable random_rows(std::int32_t row_count, std::int32_t source_count) {
+/// solve bounded.
+inline StencilTable random_table(std::int32_t row_count, std::int32_t source_count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> weight(-1, 1);
   StencilTable rows;
@@ -49,18 +49,9 @@ inline StencilTable random_rows(std::int32_t row_count, std::int32_t source_coun
     for (std::int32_t k = 0; k < size; ++k) {
       rows.indices.push_back(static_cast<std::int32_t>(random() % source_count));
       rows.weights.push_back(weight(random) / 6);
-      rows.du_weights.push_back(weight(random));
-      rows.dv_weights.push_back(weight(random));
     }
   }
   rows.close(source_count);
-  return rows;
-}
-
-inline StencilTable random_table(std::int32_t row_count, std::int32_t source_count) {
-  StencilTable rows = random_rows(row_count, source_count);
-  rows.du_weights.clear();
-  rows.dv_weights.clear();
   return rows;
 }
 

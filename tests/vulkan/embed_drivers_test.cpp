@@ -17,6 +17,7 @@
 #include "support/calls.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
+#include "vulkan/apply_table.h"
 #include "vulkan/device_cases.h"
 #include "vulkan/embedding_fixture.h"
 #include "vulkan/pretended_driver.h"
@@ -142,10 +143,9 @@ class EmbedDrivers : public Embedding {
     return {results.mapped().begin(), results.mapped().begin() + 88 * count};
   }
 
-  /// What the command's backend makes: steps, conjugate gradients, stencils, limit points, normals.
+  /// What the command's machine makes: steps and stencils.
   std::vector<std::byte> by_backend(const ContextOptions& options) {
-    const auto backend =
-        vulkan::make_backend(std::make_shared<VulkanMachine>(device_options(), options));
+    const auto machine = std::make_shared<VulkanMachine>(device_options(), options);
     std::vector<std::byte> bytes;
     const auto add = [&](const auto& values) {
       const auto more = std::as_bytes(std::span(values));
@@ -153,30 +153,13 @@ class EmbedDrivers : public Embedding {
     };
     const StencilTable masks = torus_masks(30, 20);
     const std::vector<glm::dvec3> given = random_points(600);
-    const auto solve = backend->make_solve(masks.view());
-    solve->begin(given);
+    VulkanSolve solve(machine, masks.view());
+    solve.begin(given);
     for (const ErrorNorms& error :
-         solve->run(std::vector<StepCoefficients>(5, {0.2, 1.1}), -1).errors)
+         solve.run(std::vector<StepCoefficients>(5, {0.2, 1.1}), -1).errors)
       add(std::array{error.max, error.rms});
-    add(solve->displacement());
-    add(std::array{solve->cg_begin(given, std::vector<double>(600, 4.0)), solve->cg_apply()});
-    const auto advance = solve->cg_advance(glm::dvec3(0.9, 1.0, 1.1));
-    add(std::array{advance.residual_square});
-    add(std::array{advance.error.max, advance.error.rms});
-    solve->cg_turn(glm::dvec3(0.3));
-    add(std::array{solve->cg_apply()});
-    add(solve->displacement());
-    const StencilTable table = random_table(500, 600);
-    const auto source = backend->upload(given), target = backend->allocate(510);
-    backend->apply(table.view(), *source, *target, 10);
-    const std::vector<glm::dvec3> applied = backend->download(*target);
-    add(std::span(applied).subspan(10));
-    const StencilTable limit = random_rows(500, 600);
-    std::vector<glm::dvec3> positions(500);
-    std::vector<glm::vec3> normals(500);
-    backend->apply_limit(limit.view(), *source, positions, normals);
-    add(positions);
-    add(normals);
+    add(solve.displacement());
+    add(applied(*machine, random_table(500, 600), given, std::vector<glm::dvec3>(510), 10));
     return bytes;
   }
 
@@ -331,8 +314,6 @@ TEST_F(EmbedDrivers, DevicesThatAreLostInTheMiddleAreReported) {
     VulkanSolve solve(machine, masks.view());
     solve.begin(initial);
     static_cast<void>(solve.run(std::vector<StepCoefficients>(3, {0, 1}), -1));
-    static_cast<void>(solve.cg_begin(initial, std::vector<double>(64, 4.0)));
-    static_cast<void>(solve.cg_apply());
     static_cast<void>(solve.displacement());
   };
   const auto in_nets = [&](const std::shared_ptr<VulkanMachine>& machine) {

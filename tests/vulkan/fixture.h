@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/vulkan_backend.h"
 #include "support/environment_variable.h"
 #include "support/vulkan_device.h"
@@ -32,14 +33,17 @@ class VulkanTest : public ::testing::Test {
     for (const std::string& message : messages_) ADD_FAILURE() << message;
   }
 
-  std::unique_ptr<Backend> make_backend(VulkanBackendOptions options = {}) {
+  std::shared_ptr<vulkan::VulkanMachine> make_machine(VulkanBackendOptions options = {}) {
     options.validation = validation_wanted();
     if (options.device.empty()) options.device = test::wanted_device();
     options.validation_message = [this](std::string_view message) {
       const std::lock_guard lock(mutex_);
       messages_.emplace_back(message);
     };
-    return make_vulkan_backend(options);
+    return vulkan::make_machine(options);
+  }
+  std::unique_ptr<Backend> make_backend(const VulkanBackendOptions& options = {}) {
+    return vulkan::make_backend(make_machine(options));
   }
 
   // Hazards between submissions are looked for only when the environment says so.

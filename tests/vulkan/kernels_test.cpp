@@ -10,6 +10,7 @@
 #include "planish/solve/backend.h"
 #include "planish/solve/stencil_table.h"
 #include "vulkan/device_cases.h"
+#include "vulkan/apply_table.h"
 #include "vulkan/fixture.h"
 
 namespace planish::testing::twin {
@@ -50,20 +51,6 @@ std::vector<glm::vec3> apply_stencils(const StencilView<double>& table,
   return target;
 }
 
-// Normal du x dv / |du x dv|, zero where it has no direction.
-glm::vec3 limit_normal(const glm::vec3& du, const glm::vec3& dv) {
-  const auto largest = [](const glm::vec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  };
-  if (!(largest(du) > 0) || !(largest(dv) > 0)) return glm::vec3(0);
-  const glm::vec3 a = du / largest(du), b = dv / largest(dv);
-  const glm::vec3 c(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-  const auto length = [](const glm::vec3& v) {
-    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-  };
-  return length(c) >= 1e-6f * length(a) * length(b) ? c / length(c) : glm::vec3(0);
-}
-
 Interpolation::Measure Interpolation::interpolation_step(const StencilView<double>& masks,
                                                          const StepCoefficients& step) {
   const auto momentum = static_cast<float>(step.momentum);
@@ -96,10 +83,10 @@ using RowsAndReads = std::tuple<std::int32_t, VulkanReads>;
 class Kernels : public VulkanTest, public ::testing::WithParamInterface<RowsAndReads> {
  protected:
   std::int32_t rows() const { return std::get<0>(GetParam()); }
-  std::unique_ptr<Backend> make_backend() {
-    VulkanBackendOptions options;
-    options.reads = std::get<1>(GetParam());
-    return VulkanTest::make_backend(options);
+  VulkanBackendOptions options() const {
+    VulkanBackendOptions result;
+    result.reads = std::get<1>(GetParam());
+    return result;
   }
 };
 
@@ -120,7 +107,7 @@ TEST_P(Kernels, InterpolationStepEqualsItsTwinBitForBit) {
   const std::vector<glm::dvec3> initial = random_points(rows);
   const std::vector<StepCoefficients> steps = {{0, 1}, {0.25, 0.75}, {0.5, 1.25}, {0.125, 0.3}};
 
-  const auto solve = make_backend()->make_solve(masks.view());
+  const auto solve = make_backend(options())->make_solve(masks.view());
   solve->begin(initial);
   const StepLog log = solve->run(steps, /*stop_error=*/-1);
   ASSERT_EQ(log.steps_taken, 4);
@@ -147,94 +134,14 @@ TEST_P(Kernels, ApplyStencilsEqualsItsTwinBitForBit) {
   const StencilTable table = random_table(rows, sources);
   const std::vector<glm::dvec3> points = random_points(sources);
 
-  const auto backend = make_backend();
-  const auto source = backend->upload(points);
-  const auto target = backend->upload(std::vector<glm::dvec3>(rows + first + 3, glm::dvec3(9)));
-  backend->apply(table.view(), *source, *target, first);
-  const std::vector<glm::dvec3> result = backend->download(*target);
-
+  const std::vector<glm::dvec3> result = applied(
+      *make_machine(options()), table, points,
+      std::vector<glm::dvec3>(static_cast<std::size_t>(rows + first + 3), glm::dvec3(9)), first);
   const std::vector<glm::vec3> expected = twin::apply_stencils(table.view(), twin::rounded(points));
   for (std::int32_t row = 0; row < rows; ++row)
     ASSERT_EQ(glm::vec3(result[row + first]), expected[row]) << row;
   for (std::int32_t i = 0; i < first; ++i) EXPECT_EQ(result[i], glm::dvec3(9));
   for (std::int32_t i = 0; i < 3; ++i) EXPECT_EQ(result[rows + first + i], glm::dvec3(9));
-}
-
-TEST_P(Kernels, ApplyLimitEqualsItsTwin) {
-  const std::int32_t rows = this->rows();
-  const std::int32_t sources = rows / 2 + 1;
-  const StencilTable table = random_rows(rows, sources);
-  const std::vector<glm::dvec3> points = random_points(sources);
-
-  const auto backend = make_backend();
-  const auto source = backend->upload(points);
-  std::vector<glm::dvec3> positions(rows);
-  std::vector<glm::vec3> normals(rows);
-  backend->apply_limit(table.view(), *source, positions, normals);
-
-  const auto view = table.view();
-  const std::vector<glm::vec3> from = twin::rounded(points);
-  for (std::int32_t row = 0; row < rows; ++row) {
-    ASSERT_EQ(glm::vec3(positions[row]), twin::apply_row(view, view.weights, from, row)) << row;
-    const glm::vec3 du = twin::apply_row(view, view.du_weights, from, row);
-    const glm::vec3 dv = twin::apply_row(view, view.dv_weights, from, row);
-    const glm::vec3 normal = twin::limit_normal(du, dv);
-    // Quotients may be off by 2.5 units in the last place, which turns the product of both as much
-    // more as they are nearly parallel.
-    const double sine = glm::length(glm::cross(glm::dvec3(du), glm::dvec3(dv))) /
-                        (glm::length(glm::dvec3(du)) * glm::length(glm::dvec3(dv)));
-    const double off = normal == glm::vec3(0) ? 0 : 8 * 0x1p-23 / sine;
-    for (int c = 0; c < 3; ++c) ASSERT_NEAR(normals[row][c], normal[c], off) << row;
-  }
-}
-
-TEST_P(Kernels, ConjugateGradientsEqualTheirTwins) {
-  const std::int32_t rows = this->rows();
-  const StencilTable masks = random_table(rows, rows);
-  const std::vector<glm::dvec3> initial = random_points(rows);
-  std::vector<double> weights(rows);
-  for (std::int32_t row = 0; row < rows; ++row) weights[row] = 3 + row % 5;
-  const glm::dvec3 alpha(0.5, 1.25, 0.75), beta(0.25, 0.5, -0.5);
-
-  std::vector<glm::vec3> residual = twin::rounded(initial), step = residual;
-  std::vector<glm::vec3> displacement(rows, glm::vec3(0));
-  const auto product = [&](const auto& a, const auto& b) {
-    glm::dvec3 sum(0);
-    for (std::int32_t row = 0; row < rows; ++row)
-      sum += weights[row] * glm::dvec3(a[row]) * glm::dvec3(b[row]);
-    return sum;
-  };
-  const auto expect_near = [&](const glm::dvec3& got, const glm::dvec3& wanted, double scale) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], 1e-6 * scale);
-  };
-
-  const auto solve = make_backend()->make_solve(masks.view());
-  const double scale = product(residual, residual).x + product(residual, residual).y;
-  expect_near(solve->cg_begin(initial, weights), product(residual, residual), scale);
-  for (int round = 0; round < 2; ++round) {
-    const std::vector<glm::vec3> image = twin::apply_stencils(masks.view(), step);
-    expect_near(solve->cg_apply(), product(step, image), scale);
-    double largest = 0, sum = 0;
-    for (std::int32_t row = 0; row < rows; ++row) {
-      displacement[row] += glm::vec3(alpha) * step[row];
-      residual[row] -= glm::vec3(alpha) * image[row];
-      const glm::dvec3 rest(residual[row]);
-      const double square = rest.x * rest.x + rest.y * rest.y + rest.z * rest.z;
-      largest = std::max(largest, square);
-      sum += square;
-    }
-    const Solve::CgAdvance advance = solve->cg_advance(alpha);
-    expect_near(advance.residual_square, product(residual, residual), scale);
-    EXPECT_NEAR(advance.error.max, std::sqrt(largest), 1e-6 * std::sqrt(largest));
-    const double rms = rows > 0 ? std::sqrt(sum / rows) : 0;
-    EXPECT_NEAR(advance.error.rms, rms, 1e-6 * rms);
-    solve->cg_turn(beta);
-    for (std::int32_t row = 0; row < rows; ++row)
-      step[row] = residual[row] + glm::vec3(beta) * step[row];
-  }
-  const std::vector<glm::dvec3> result = solve->displacement();
-  for (std::int32_t row = 0; row < rows; ++row)
-    ASSERT_EQ(glm::vec3(result[row]), displacement[row]) << row;
 }
 
 }  // namespace

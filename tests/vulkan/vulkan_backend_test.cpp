@@ -8,11 +8,14 @@
 #include "planish/core/error.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/solve/backend.h"
+#include "planish/solve/progressive.h"
+#include "planish/surface/evaluate.h"
 #include "planish/vulkan/tables/device_table.h"
 #include "planish/vulkan/vulkan_backend.h"
 #include "shaders/shared.h"
 #include "support/meshes.h"
 #include "vulkan/device_cases.h"
+#include "vulkan/apply_table.h"
 #include "vulkan/fixture.h"
 
 namespace planish::testing {
@@ -30,7 +33,7 @@ SliceLimits no_limits() {
 void expect_same_table(const StencilView<double>& table, const TablePlan& plan) {
   std::vector<int> seen(table.row_count(), 0);
   for (const TableSlice& slice : plan.slices) {
-    const PackedSlice packed = pack_slice(table, false, plan, slice);
+    const PackedSlice packed = pack_slice(table, plan, slice);
     for (std::size_t chunk = 0; chunk < slice.chunk_count; ++chunk) {
       const std::uint32_t* head = &packed.chunks[chunk * shared::kChunkWords];
       for (std::uint32_t lane = 0; lane < shared::kChunkRows; ++lane) {
@@ -181,6 +184,32 @@ TEST_F(VulkanBackend, TakesTheSumsOfLargeFaces) {
   }
 }
 
+TEST_F(VulkanBackend, LeavesConjugateGradientsAndPrimalSurfacesToTheHost) {
+  const PolygonMesh mesh = test::icosphere(2);
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
+  const StencilTable masks = limit_masks(Subdivision(topology, features, Weights::DooSabin));
+  const std::vector<double> weights = valences(topology);
+  InterpolationOptions options;
+  options.solver = Solver::ConjugateGradients;
+  options.tolerance = 1e-12;  // beyond float
+  options.row_weights = weights;
+  const auto vulkan = make_backend(), cpu = make_cpu_backend();
+  const Interpolation there = interpolate(*vulkan, masks.view(), mesh.positions, options),
+                      here = interpolate(*cpu, masks.view(), mesh.positions, options);
+  EXPECT_TRUE(there.converged);
+  EXPECT_EQ(there.displacement, here.displacement);
+  for (const Scheme scheme : {Scheme::CatmullClark, Scheme::Loop}) {
+    EvaluateOptions level;
+    level.level = 2;
+    level.scheme = scheme;
+    const SurfaceMesh by_vulkan = evaluate(mesh, *vulkan, level),
+                      by_cpu = evaluate(mesh, *cpu, level);
+    EXPECT_EQ(by_vulkan.positions, by_cpu.positions);
+    EXPECT_EQ(by_vulkan.normals, by_cpu.normals);
+  }
+}
+
 TEST_F(VulkanBackend, StopsAtTheFirstErrorThatIsSmallEnough) {
   const StencilTable masks = torus_masks(20, 20);
   const std::vector<glm::dvec3> initial = random_points(400);
@@ -223,50 +252,29 @@ TEST_F(VulkanBackend, NanCountsAsInfinite) {
 TEST_F(VulkanBackend, SlicesChangeNothing) {
   const std::int32_t rows = 20000;
   const StencilTable masks = random_table(rows, rows);
-  const StencilTable limit = random_rows(rows, rows);
   const std::vector<glm::dvec3> points = random_points(rows);
   const std::vector<StepCoefficients> steps(5, {0.2, 0.8});
-  const std::vector<double> weights(rows, 4);
 
   VulkanBackendOptions by_range, by_groups;
   by_range.max_storage_bytes = rows * 16;  // a fraction of what the masks' entries need
   by_groups.max_work_groups = 16;
-  std::vector<std::vector<glm::dvec3>> displacements, images, limits, gradients;
+  std::vector<std::vector<glm::dvec3>> displacements, images;
   std::vector<double> errors;
   by_groups.reads = VulkanReads::StorageBuffers;
   for (const VulkanBackendOptions& options : {VulkanBackendOptions{}, by_range, by_groups}) {
-    const auto backend = make_backend(options);
+    const auto machine = make_machine(options);
+    const auto backend = vulkan::make_backend(machine);
     const auto solve = backend->make_solve(masks.view());
     solve->begin(points);
     errors.push_back(solve->run(steps, -1).errors.back().max);
     displacements.push_back(solve->displacement());
 
-    solve->cg_begin(points, weights);
-    solve->cg_apply();
-    solve->cg_advance({0.5, 0.5, 0.5});
-    solve->cg_turn({0.25, 0.25, 0.25});
-    solve->cg_apply();
-    solve->cg_advance({0.5, 0.5, 0.5});
-    gradients.push_back(solve->displacement());
-
-    const auto source = backend->upload(points);
-    const auto target = backend->allocate(rows + 7);
-    backend->apply(masks.view(), *source, *target, 7);
-    images.push_back(backend->download(*target));
-    images.back().erase(images.back().begin(), images.back().begin() + 7);
-
-    std::vector<glm::dvec3> positions(rows);
-    std::vector<glm::vec3> normals(rows);
-    backend->apply_limit(limit.view(), *source, positions, normals);
-    positions.insert(positions.end(), normals.begin(), normals.end());
-    limits.push_back(positions);
+    images.push_back(applied(*machine, masks, points, std::vector<glm::dvec3>(rows + 7), 7));
   }
   for (int i : {1, 2}) {
     EXPECT_EQ(errors[i], errors[0]);
     EXPECT_EQ(displacements[i], displacements[0]);
-    EXPECT_EQ(gradients[i], gradients[0]);
     EXPECT_EQ(images[i], images[0]);
-    EXPECT_EQ(limits[i], limits[0]);
   }
 }
 
@@ -285,10 +293,11 @@ TEST_F(VulkanBackend, RefusesWhatNoSliceCanMeet) {
 }
 
 TEST_F(VulkanBackend, RefusesMemoryBeforeItIsTaken) {
-  const auto backend = make_backend();
+  const auto machine = make_machine();
   try {
-    // 32 GiB; lavapipe itself would hand it out.
-    static_cast<void>(backend->allocate(std::numeric_limits<std::int32_t>::max()));
+    // Lavapipe itself would hand it out.
+    const vulkan::Buffer buffer(machine->context, std::uint64_t(32) << 30,
+                                vulkan::MemoryUse::Device);
     GTEST_SKIP() << "the device has that much";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
@@ -297,12 +306,13 @@ TEST_F(VulkanBackend, RefusesMemoryBeforeItIsTaken) {
 }
 
 TEST_F(VulkanBackend, CountsTheHighestMemoryTaken) {
-  const auto backend = make_backend();
+  const auto machine = make_machine();
+  const auto backend = vulkan::make_backend(machine);
   const std::uint64_t before = backend->peak_device_bytes();
-  { const auto points = backend->allocate(1 << 20); }
+  { const vulkan::Buffer buffer(machine->context, 16u << 20, vulkan::MemoryUse::Device); }
   const std::uint64_t after = backend->peak_device_bytes();
   EXPECT_GE(after, before + (16u << 20));
-  { const auto points = backend->allocate(1 << 10); }
+  { const vulkan::Buffer buffer(machine->context, 16u << 10, vulkan::MemoryUse::Device); }
   EXPECT_EQ(backend->peak_device_bytes(), after);
 }
 
@@ -320,11 +330,8 @@ TEST_F(VulkanBackend, LongRowsAmongShortOnes) {
   table.close(count);
   std::vector<glm::dvec3> points(count);
   for (std::int32_t i = 0; i < count; ++i) points[i] = {i % 16, 1, i % 3};
-  const auto backend = make_backend();
-  const auto source = backend->upload(points);
-  const auto target = backend->allocate(count);
-  backend->apply(table.view(), *source, *target, 0);
-  const std::vector<glm::dvec3> result = backend->download(*target);
+  const std::vector<glm::dvec3> result =
+      applied(*make_machine(), table, points, std::vector<glm::dvec3>(count));
   // Small integers over a power of two: exact in any order.
   const auto view = table.view();
   for (std::int32_t row = 0; row < count; ++row) {

@@ -59,31 +59,6 @@ class Solve : public StepSolve {
   virtual void begin(std::span<const glm::dvec3> initial_residual) = 0;
 
   [[nodiscard]] virtual std::vector<glm::dvec3> displacement() const = 0;
-
-  // The pieces of conjugate gradients, per coordinate, in the inner product
-  // <x, y> = sum over rows of row_weight * x * y (row_weight is the valence).
-
-  /// step = residual = initial residual, displacement = 0. Returns <residual, residual>.
-  virtual glm::dvec3 cg_begin(std::span<const glm::dvec3> initial_residual,
-                              std::span<const double> row_weights) = 0;
-  /// image = B step. Returns <step, image>.
-  virtual glm::dvec3 cg_apply() = 0;
-  /// displacement += alpha * step; residual -= alpha * image. Returns <residual, residual> and
-  /// the residual's norms.
-  struct CgAdvance {
-    glm::dvec3 residual_square;
-    ErrorNorms error;
-  };
-  virtual CgAdvance cg_advance(const glm::dvec3& alpha) = 0;
-  /// step = residual + beta * step.
-  virtual void cg_turn(const glm::dvec3& beta) = 0;
-};
-
-/// Points held on a device, xyz.
-class DevicePoints {
- public:
-  virtual ~DevicePoints() = default;
-  [[nodiscard]] virtual std::int32_t size() const = 0;
 };
 
 /// What `planish devices` and the report say of a device.
@@ -92,13 +67,13 @@ struct DeviceDescription {
   std::string name, uuid, driver, api;
 };
 
-/// du x dv shorter than this times |du||dv| is no normal: the tangents are parallel up to rounding.
-inline constexpr double kDegenerateNormal = 1e-6;
+/// What a solve computes in. Where the CPU evaluates surfaces it does so in double.
+enum class Precision { Float, Double };
 
-/// A device that applies stencil tables. Everything that returns has been carried out. Tables are
-/// given in double; a backend that computes in float rounds weights once. Throws
-/// Error{OutOfMemory} before taking memory that is not there, naming the limit, and
-/// Error{DeviceLost}. A backend must outlive the solves and points it makes.
+/// A device that solves. Everything that returns has been carried out. Tables are given in double;
+/// a backend that computes in float rounds weights once. Throws Error{OutOfMemory} before taking
+/// memory that is not there, naming the limit, and Error{DeviceLost}. A backend must outlive the
+/// solves it makes.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -108,31 +83,16 @@ class Backend {
   /// Calls `work`, which uses parallel_for, on as many of the host's threads as the backend takes.
   virtual void run_on_host(const std::function<void()>& work) { work(); }
 
+  /// Of what is solved on the host whatever the backend: conjugate gradients.
+  [[nodiscard]] virtual Precision host_precision() const { return Precision::Double; }
+
   /// `limit_masks` is B, square; it and the backend must outlive the solve, which the CPU may do
   /// from them where the device cannot.
   [[nodiscard]] virtual std::unique_ptr<Solve> make_solve(const SummedView& limit_masks) = 0;
 
-  [[nodiscard]] virtual std::unique_ptr<DevicePoints> upload(
-      std::span<const glm::dvec3> points) = 0;
-  [[nodiscard]] virtual std::unique_ptr<DevicePoints> allocate(std::int32_t count) = 0;
-  [[nodiscard]] virtual std::vector<glm::dvec3> download(const DevicePoints& points) = 0;
-
-  /// target[first_target + i] = row i of `table` applied to `source`; source and target differ.
-  virtual void apply(const StencilView<double>& table, const DevicePoints& source,
-                     DevicePoints& target, std::int32_t first_target) = 0;
-
-  /// Limit points and unit normals du x dv / |du x dv|, one per row, straight to the host. A
-  /// normal whose |du x dv| < kDegenerateNormal |du||dv| is returned as zero: the caller replaces
-  /// it.
-  virtual void apply_limit(const StencilView<double>& table, const DevicePoints& source,
-                           std::span<glm::dvec3> positions, std::span<glm::vec3> normals) = 0;
-
   /// Highest memory taken on the device so far; 0 where it is the host's.
   [[nodiscard]] virtual std::uint64_t peak_device_bytes() const = 0;
 };
-
-/// What the solve computes in. Surfaces are always evaluated in double.
-enum class Precision { Float, Double };
 
 struct CpuBackendOptions {
   Precision solve_precision = Precision::Double;
@@ -141,5 +101,14 @@ struct CpuBackendOptions {
 
 /// The backend of machines without a GPU, and the oracle that every shader is held against.
 [[nodiscard]] std::unique_ptr<Backend> make_cpu_backend(const CpuBackendOptions& options = {});
+
+/// Conjugate gradients for B displacement = initial residual on the caller's threads, from
+/// displacement 0, one by one until `goes_on`, which is given each step's error, says no; in the
+/// inner product <x, y> = sum over rows of row_weight * x * y (row_weight is the valence), in which
+/// B is to be self-adjoint. Returns the displacement. Same bits for every count of threads.
+[[nodiscard]] std::vector<glm::dvec3> conjugate_gradients(
+    Precision precision, const SummedView& limit_masks,
+    std::span<const glm::dvec3> initial_residual, std::span<const double> row_weights,
+    const std::function<bool(const ErrorNorms&)>& goes_on);
 
 }  // namespace planish

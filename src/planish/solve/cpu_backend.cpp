@@ -339,6 +339,22 @@ class HostThreads {
 };
 
 template <class Real>
+using RowsIn = std::conditional_t<std::is_same_v<Real, float>, PackedRows, PlainRows>;
+
+// Writes the sums of points behind these.
+template <class Real>
+void set_sums(const StencilView<double>& sums, RawVector<PointLanes<Real>>& points) {
+  const std::size_t point_count = points.size() - sums.sizes.size();
+  parallel_each(sums.sizes.size(), 1, [&](std::size_t row) {
+    glm::dvec3 sum(0.0);
+    const auto first = static_cast<std::size_t>(sums.offsets[row]);
+    for (std::size_t k = first; k < first + static_cast<std::size_t>(sums.sizes[row]); ++k)
+      sum += sums.weights[k] * points[sums.indices[k]].point();
+    points[point_count + row] = PointLanes<Real>::of(sum);
+  });
+}
+
+template <class Real>
 class CpuSolve final : public Solve {
  public:
   CpuSolve(const SummedView& masks, HostThreads& threads)
@@ -374,7 +390,7 @@ class CpuSolve final : public Solve {
   ErrorNorms error() override {
     PieceSums squares;
     threads_.execute([&] {
-      set_sums(displacement_);
+      set_sums(sums_, displacement_);
       squares = sum_rows([initial = initial_residual_.data()](std::size_t i, const Point& image) {
         return initial[i] - image;
       });
@@ -388,69 +404,13 @@ class CpuSolve final : public Solve {
     return result;
   }
 
-  glm::dvec3 cg_begin(std::span<const glm::dvec3> initial_residual,
-                      std::span<const double> row_weights) override {
-    begin(initial_residual);
-    row_weights_.assign(row_weights.begin(), row_weights.end());
-    residual_ = step_ = initial_residual_;
-    step_.resize(source_count());
-    image_.resize(row_count_);
-    return inner_product(residual_, residual_);
-  }
-
-  glm::dvec3 cg_apply() override {
-    threads_.execute([&] {
-      set_sums(step_);
-      parallel_each(rows_->piece_count(), 1, [&](std::size_t p) {
-        rows_->for_each_sum(p, step_.data(),
-                            [&](std::size_t i, const Point& image) { image_[i] = image; });
-      });
-    });
-    return inner_product(step_, image_);
-  }
-
-  CgAdvance cg_advance(const glm::dvec3& alpha) override {
-    const Point factor = Point::of(alpha);
-    PieceSums squares;
-    threads_.execute([&] {
-      const auto piece_of = [&](std::size_t begin, std::size_t end) {
-        SquareSums piece;
-        for (std::size_t i = begin; i < end; ++i) {
-          displacement_[i] = displacement_[i] + factor * step_[i];
-          residual_[i] = residual_[i] - factor * image_[i];
-          piece.add(residual_[i]);
-        }
-        return piece.total();
-      };
-      squares = ordered_reduce(row_count_, kPieceRows, PieceSums{}, piece_of, join);
-    });
-    return {inner_product(residual_, residual_), norms(squares, row_count_)};
-  }
-
-  void cg_turn(const glm::dvec3& beta) override {
-    const Point factor = Point::of(beta);
-    threads_.execute([&] {
-      parallel_each(row_count_, kPieceRows,
-                    [&](std::size_t i) { step_[i] = residual_[i] + factor * step_[i]; });
-    });
-  }
-
  private:
-  using Rows = std::conditional_t<std::is_same_v<Real, float>, PackedRows, PlainRows>;
+  using Rows = RowsIn<Real>;
   using Point = PointLanes<Real>;
   using Points = RawVector<Point>;
 
   // Points, and behind them sums of these.
   [[nodiscard]] std::size_t source_count() const { return row_count_ + sums_.sizes.size(); }
-  void set_sums(Points& points) const {
-    parallel_each(sums_.sizes.size(), 1, [&](std::size_t row) {
-      glm::dvec3 sum(0.0);
-      const auto first = static_cast<std::size_t>(sums_.offsets[row]);
-      for (std::size_t k = first; k < first + static_cast<std::size_t>(sums_.sizes[row]); ++k)
-        sum += sums_.weights[k] * points[sums_.indices[k]].point();
-      points[row_count_ + row] = Point::of(sum);
-    });
-  }
 
   template <class Body>
   void for_pieces(std::size_t count, const Body& body) const {
@@ -482,7 +442,7 @@ class CpuSolve final : public Solve {
   PieceSums take_step(const StepCoefficients& coefficients) {
     const Real momentum = static_cast<Real>(coefficients.momentum);
     const Real gain = static_cast<Real>(coefficients.gain);
-    set_sums(displacement_);
+    set_sums(sums_, displacement_);
     // Pointers that stay where they are: what is written might else move the vectors.
     return sum_rows([momentum, gain, initial = initial_residual_.data(),
                      from = displacement_.data(),
@@ -494,73 +454,71 @@ class CpuSolve final : public Solve {
     });
   }
 
-  glm::dvec3 inner_product(const Points& a, const Points& b) {
-    PieceSums sums;
-    threads_.execute([&] {
-      const auto piece_of = [&](std::size_t begin, std::size_t end) {
-        PieceSums piece;
-        for (std::size_t i = begin; i < end; ++i) {
-          piece.sum += row_weights_[i] * a[i].point() * b[i].point();
-        }
-        return piece;
-      };
-      sums = ordered_reduce(row_count_, kPieceRows, PieceSums{}, piece_of, join);
-    });
-    return sums.sum;
-  }
-
   HostThreads& threads_;
   std::size_t row_count_;
   std::optional<Rows> rows_;
   StencilView<double> sums_;
   // The other displacement is the last step's, and becomes the next one.
   Points initial_residual_, displacement_, other_displacement_;
-  Points step_, residual_, image_;  // of conjugate gradients
-  std::vector<double> row_weights_;
 };
 
-class CpuPoints final : public DevicePoints {
- public:
-  explicit CpuPoints(std::vector<glm::dvec3> values) : points(std::move(values)) {}
-  [[nodiscard]] std::int32_t size() const override {
-    return static_cast<std::int32_t>(points.size());
-  }
-  std::vector<glm::dvec3> points;
-};
-
-glm::dvec3 apply_row(const StencilView<double>& table, std::size_t row,
-                     const std::vector<glm::dvec3>& source) {
-  glm::dvec3 sum(0.0);
-  const auto first = static_cast<std::size_t>(table.offsets[row]);
-  for (std::size_t k = first; k < first + table.sizes[row]; ++k) {
-    sum += table.weights[k] * source[table.indices[k]];
-  }
-  return sum;
+// A coordinate whose residual has vanished stays as it is.
+glm::dvec3 divide_or_zero(const glm::dvec3& a, const glm::dvec3& b) {
+  return {b.x > 0 ? a.x / b.x : 0.0, b.y > 0 ? a.y / b.y : 0.0, b.z > 0 ? a.z / b.z : 0.0};
 }
 
-struct LimitPoint {
-  glm::dvec3 position{0.0}, du{0.0}, dv{0.0};
-};
-
-LimitPoint apply_limit_row(const StencilView<double>& table, std::size_t row,
-                           const std::vector<glm::dvec3>& source) {
-  LimitPoint limit;
-  const auto first = static_cast<std::size_t>(table.offsets[row]);
-  for (std::size_t k = first; k < first + table.sizes[row]; ++k) {
-    const glm::dvec3& point = source[table.indices[k]];
-    limit.position += table.weights[k] * point;
-    limit.du += table.du_weights[k] * point;
-    limit.dv += table.dv_weights[k] * point;
+// Based on: M. R. Hestenes and E. Stiefel, "Methods of conjugate gradients for solving linear
+// systems", 1952, with one alpha and beta per coordinate.
+template <class Real>
+std::vector<glm::dvec3> gradients_in(const SummedView& masks, std::span<const glm::dvec3> initial,
+                                     std::span<const double> row_weights,
+                                     const std::function<bool(const ErrorNorms&)>& goes_on) {
+  using Point = PointLanes<Real>;
+  using Points = RawVector<Point>;
+  const RowsIn<Real> rows(masks.rows);
+  const std::size_t count = initial.size();
+  Points displacement(count), residual(count), image(count);
+  Points step(count + masks.sums.sizes.size());
+  parallel_each(count, kPieceRows, [&](std::size_t i) {
+    displacement[i] = Point{};
+    residual[i] = step[i] = Point::of(initial[i]);
+  });
+  const auto product = [&](const Points& a, const Points& b) {
+    const auto piece_of = [&](std::size_t begin, std::size_t end) {
+      PieceSums piece;
+      for (std::size_t i = begin; i < end; ++i)
+        piece.sum += row_weights[i] * a[i].point() * b[i].point();
+      return piece;
+    };
+    return ordered_reduce(count, kPieceRows, PieceSums{}, piece_of, join).sum;
+  };
+  glm::dvec3 square = product(residual, residual);
+  for (;;) {
+    set_sums(masks.sums, step);
+    parallel_each(rows.piece_count(), 1, [&](std::size_t p) {
+      rows.for_each_sum(p, step.data(), [&](std::size_t i, const Point& sum) { image[i] = sum; });
+    });
+    const Point alpha = Point::of(divide_or_zero(square, product(step, image)));
+    const auto advance = [&](std::size_t begin, std::size_t end) {
+      SquareSums piece;
+      for (std::size_t i = begin; i < end; ++i) {
+        displacement[i] = displacement[i] + alpha * step[i];
+        residual[i] = residual[i] - alpha * image[i];
+        piece.add(residual[i]);
+      }
+      return piece.total();
+    };
+    if (!goes_on(norms(ordered_reduce(count, kPieceRows, PieceSums{}, advance, join), count)))
+      break;
+    const glm::dvec3 next = product(residual, residual);
+    const Point beta = Point::of(divide_or_zero(next, square));
+    parallel_each(count, kPieceRows,
+                  [&](std::size_t i) { step[i] = residual[i] + beta * step[i]; });
+    square = next;
   }
-  return limit;
-}
-
-glm::vec3 unit_normal(const glm::dvec3& du, const glm::dvec3& dv) {
-  const glm::dvec3 normal = glm::cross(du, dv);
-  const double length = glm::length(normal);
-  const bool degenerate =
-      !(length >= kDegenerateNormal * glm::length(du) * glm::length(dv)) || length == 0;
-  return degenerate ? glm::vec3(0.0f) : glm::vec3(normal / length);
+  std::vector<glm::dvec3> result(count);
+  parallel_each(count, kPieceRows, [&](std::size_t i) { result[i] = displacement[i].point(); });
+  return result;
 }
 
 class CpuBackend final : public Backend {
@@ -577,48 +535,13 @@ class CpuBackend final : public Backend {
 
   void run_on_host(const std::function<void()>& work) override { threads_.execute(work); }
 
+  [[nodiscard]] Precision host_precision() const override { return options_.solve_precision; }
+
   [[nodiscard]] std::unique_ptr<Solve> make_solve(const SummedView& masks) override {
     if (options_.solve_precision == Precision::Float) {
       return std::make_unique<CpuSolve<float>>(masks, threads_);
     }
     return std::make_unique<CpuSolve<double>>(masks, threads_);
-  }
-
-  [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
-    return std::make_unique<CpuPoints>(std::vector<glm::dvec3>(points.begin(), points.end()));
-  }
-
-  [[nodiscard]] std::unique_ptr<DevicePoints> allocate(std::int32_t count) override {
-    return std::make_unique<CpuPoints>(std::vector<glm::dvec3>(static_cast<std::size_t>(count)));
-  }
-
-  [[nodiscard]] std::vector<glm::dvec3> download(const DevicePoints& points) override {
-    return static_cast<const CpuPoints&>(points).points;
-  }
-
-  void apply(const StencilView<double>& table, const DevicePoints& source, DevicePoints& target,
-             std::int32_t first_target) override {
-    const auto& from = static_cast<const CpuPoints&>(source).points;
-    auto& to = static_cast<CpuPoints&>(target).points;
-    PLANISH_ASSERT(&from != &to && table.source_count <= source.size());
-    PLANISH_ASSERT(first_target + table.row_count() <= target.size());
-    threads_.execute([&] {
-      parallel_each(table.sizes.size(), kPieceRows,
-                    [&](std::size_t i) { to[first_target + i] = apply_row(table, i, from); });
-    });
-  }
-
-  void apply_limit(const StencilView<double>& table, const DevicePoints& source,
-                   std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override {
-    const auto& from = static_cast<const CpuPoints&>(source).points;
-    PLANISH_ASSERT(positions.size() == table.sizes.size() && normals.size() == positions.size());
-    threads_.execute([&] {
-      parallel_each(table.sizes.size(), kPieceRows, [&](std::size_t i) {
-        const LimitPoint limit = apply_limit_row(table, i, from);
-        positions[i] = limit.position;
-        normals[i] = unit_normal(limit.du, limit.dv);
-      });
-    });
   }
 
   [[nodiscard]] std::uint64_t peak_device_bytes() const override { return 0; }
@@ -632,6 +555,18 @@ class CpuBackend final : public Backend {
 
 std::unique_ptr<Backend> make_cpu_backend(const CpuBackendOptions& options) {
   return std::make_unique<CpuBackend>(options);
+}
+
+std::vector<glm::dvec3> conjugate_gradients(Precision precision, const SummedView& limit_masks,
+                                            std::span<const glm::dvec3> initial_residual,
+                                            std::span<const double> row_weights,
+                                            const std::function<bool(const ErrorNorms&)>& goes_on) {
+  PLANISH_ASSERT(limit_masks.point_count() == std::ssize(initial_residual) &&
+                 limit_masks.rows.sizes.size() == initial_residual.size() &&
+                 row_weights.size() == initial_residual.size());
+  return precision == Precision::Float
+             ? gradients_in<float>(limit_masks, initial_residual, row_weights, goes_on)
+             : gradients_in<double>(limit_masks, initial_residual, row_weights, goes_on);
 }
 
 }  // namespace planish

@@ -252,39 +252,31 @@ void take_steps(StepSolve& solve, double initial_error, const InterpolationOptio
 
 namespace {
 
-// A coordinate whose residual has vanished stays as it is.
-glm::dvec3 divide_or_zero(const glm::dvec3& a, const glm::dvec3& b) {
-  return {b.x > 0 ? a.x / b.x : 0.0, b.y > 0 ? a.y / b.y : 0.0, b.z > 0 ? a.z / b.z : 0.0};
-}
-
-void run_conjugate_gradients(Solve& solve, std::span<const glm::dvec3> initial,
-                             const InterpolationOptions& options, Interpolation& result) {
+std::vector<glm::dvec3> by_gradients(Precision precision, const SummedView& limit_masks,
+                                     std::span<const glm::dvec3> initial,
+                                     const InterpolationOptions& options, Interpolation& result) {
   result.stop_reason = StopReason::IterationLimit;
-  glm::dvec3 residual_square = solve.cg_begin(initial, options.row_weights);
-  ProgressWatch watch(result.history.front().max);
-  while (result.iterations < options.max_iterations) {
-    check_stop();
-    const glm::dvec3 step_image = solve.cg_apply();
-    const auto advance = solve.cg_advance(divide_or_zero(residual_square, step_image));
-    ++result.iterations;
-    result.history.push_back(advance.error);
-    watch.tell(result, options);
-    if (advance.error.max <= kStopMargin * options.tolerance) {
-      result.stop_reason = StopReason::Converged;
-      return;
-    }
-    if (watch.diverged(advance.error.max)) {
-      result.stop_reason = StopReason::Diverged;
-      return;
-    }
-    const std::span<const ErrorNorms> history = result.history;
-    if (result.iterations % kBatchSteps == 0 && watch.stagnates(history.last(kBatchSteps))) {
-      result.stop_reason = StopReason::Stagnated;
-      return;
-    }
-    solve.cg_turn(divide_or_zero(advance.residual_square, residual_square));
-    residual_square = advance.residual_square;
-  }
+  result.history = {result.error};
+  if (options.max_iterations == 0) return std::vector<glm::dvec3>(initial.size(), glm::dvec3(0.0));
+  check_stop();
+  ProgressWatch watch(result.error.max);
+  const auto ends = [&](StopReason reason) {
+    result.stop_reason = reason;
+    return false;
+  };
+  return conjugate_gradients(
+      precision, limit_masks, initial, options.row_weights, [&](const ErrorNorms& error) {
+        check_stop();
+        ++result.iterations;
+        result.history.push_back(error);
+        watch.tell(result, options);
+        if (error.max <= kStopMargin * options.tolerance) return ends(StopReason::Converged);
+        if (watch.diverged(error.max)) return ends(StopReason::Diverged);
+        const std::span<const ErrorNorms> history = result.history;
+        if (result.iterations % kBatchSteps == 0 && watch.stagnates(history.last(kBatchSteps)))
+          return ends(StopReason::Stagnated);
+        return result.iterations < options.max_iterations;
+      });
 }
 
 void check_options(const SummedView& masks, std::span<const glm::dvec3> given,
@@ -340,19 +332,19 @@ Interpolation solved(Backend& backend, const SummedView& limit_masks,
     return result;
   }
 
-  const auto before_upload = std::chrono::steady_clock::now();
-  const std::unique_ptr<Solve> solve = backend.make_solve(limit_masks);
-  const std::chrono::duration<double, std::milli> upload =
-      std::chrono::steady_clock::now() - before_upload;
-  result.upload_milliseconds = upload.count();
   if (options.solver == Solver::ConjugateGradients) {
-    result.history = {result.error};
-    run_conjugate_gradients(*solve, initial, options, result);
+    result.displacement =
+        by_gradients(backend.host_precision(), limit_masks, initial, options, result);
   } else {
+    const auto before_upload = std::chrono::steady_clock::now();
+    const std::unique_ptr<Solve> solve = backend.make_solve(limit_masks);
+    const std::chrono::duration<double, std::milli> upload =
+        std::chrono::steady_clock::now() - before_upload;
+    result.upload_milliseconds = upload.count();
     solve->begin(initial);
     take_steps(*solve, result.error.max, options, result);
+    result.displacement = solve->displacement();
   }
-  result.displacement = solve->displacement();
   note_error(residual_of(limit_masks, initial, result.displacement), result);
   conclude(options, result);
   return result;

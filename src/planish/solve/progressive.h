@@ -15,7 +15,7 @@ namespace planish {
 enum class Solver {
   Chebyshev,           ///< Chebyshev semi-iteration on [spectral_bound, 1], count fixed in advance
   Plain,               ///< the paper: V <- V + (V0 - B V)
-  ConjugateGradients,  ///< closed smooth meshes only
+  ConjugateGradients,  ///< closed smooth meshes only; on the host, whatever the backend
 };
 
 enum class StopReason {

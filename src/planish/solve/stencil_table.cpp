@@ -1,9 +1,12 @@
 #include "planish/solve/stencil_table.h"
 
+#include <glm/geometric.hpp>
 #include <limits>
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/guards.h"
+#include "planish/core/parallel.h"
 #include "planish/solve/stencil_builder.h"
 
 namespace planish {
@@ -17,6 +20,51 @@ std::vector<LevelCounts> split_counts(const LevelCounts& base, std::int64_t corn
     corner_count *= 4;
   }
   return counts;
+}
+
+namespace {
+
+// Rows that a thread takes at least.
+constexpr std::size_t kAppliedRows = 4096;
+
+glm::vec3 unit_normal(const glm::dvec3& du, const glm::dvec3& dv) {
+  const glm::dvec3 normal = glm::cross(du, dv);
+  const double length = glm::length(normal);
+  const bool degenerate =
+      !(length >= kDegenerateNormal * glm::length(du) * glm::length(dv)) || length == 0;
+  return degenerate ? glm::vec3(0.0f) : glm::vec3(normal / length);
+}
+
+}  // namespace
+
+void apply(const StencilView<double>& table, std::span<const glm::dvec3> source,
+           std::span<glm::dvec3> target) {
+  PLANISH_ASSERT(table.source_count <= std::ssize(source) && target.size() == table.sizes.size());
+  parallel_each(table.sizes.size(), kAppliedRows, [&](std::size_t i) {
+    glm::dvec3 sum(0.0);
+    const auto first = static_cast<std::size_t>(table.offsets[i]);
+    for (std::size_t k = first; k < first + table.sizes[i]; ++k)
+      sum += table.weights[k] * source[table.indices[k]];
+    target[i] = sum;
+  });
+}
+
+void apply_limit(const StencilView<double>& table, std::span<const glm::dvec3> source,
+                 std::span<glm::dvec3> positions, std::span<glm::vec3> normals) {
+  PLANISH_ASSERT(table.source_count <= std::ssize(source) &&
+                 positions.size() == table.sizes.size() && normals.size() == positions.size());
+  parallel_each(table.sizes.size(), kAppliedRows, [&](std::size_t i) {
+    glm::dvec3 position(0.0), du(0.0), dv(0.0);
+    const auto first = static_cast<std::size_t>(table.offsets[i]);
+    for (std::size_t k = first; k < first + table.sizes[i]; ++k) {
+      const glm::dvec3& point = source[table.indices[k]];
+      position += table.weights[k] * point;
+      du += table.du_weights[k] * point;
+      dv += table.dv_weights[k] * point;
+    }
+    positions[i] = position;
+    normals[i] = unit_normal(du, dv);
+  });
 }
 
 void StencilRow::finish() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -20,7 +21,7 @@ struct LevelCounts {
                                                     std::int64_t corner_count, int last);
 
 /// Read-only view of sparse rows: row i is the sum over k in [offsets[i], offsets[i] + sizes[i]) of
-/// weights[k] * source[indices[k]]. This is what backends take.
+/// weights[k] * source[indices[k]].
 template <class Real>
 struct StencilView {
   std::int32_t source_count = 0;
@@ -50,6 +51,18 @@ struct StencilTable {
     return {source_count, sizes, offsets, indices, weights, du_weights, dv_weights};
   }
 };
+
+/// target[i] = row i of `table` applied to `source`, on the caller's threads.
+void apply(const StencilView<double>& table, std::span<const glm::dvec3> source,
+           std::span<glm::dvec3> target);
+
+/// du x dv shorter than this times |du||dv| is no normal: the tangents are parallel up to rounding.
+inline constexpr double kDegenerateNormal = 1e-6;
+
+/// Limit points and unit normals du x dv / |du x dv|, one per row. A normal whose |du x dv| <
+/// kDegenerateNormal |du||dv| is zero: the caller replaces it.
+void apply_limit(const StencilView<double>& table, std::span<const glm::dvec3> source,
+                 std::span<glm::dvec3> positions, std::span<glm::vec3> normals);
 
 /// Rows over points and, behind them, over sums of these: source i of `rows` is point i, or the sum
 /// i - point_count(). What each corner of a large face takes of all the others stands there once.

@@ -185,26 +185,20 @@ void for_slices(std::int64_t count, const Body& body) {
   }
 }
 
-// Control points of a level, or of the cage itself at level 0.
-struct Source {
-  std::unique_ptr<DevicePoints> points;
-  int level;
-};
-
-// The state of the level that gives the output's limit points.
-std::unique_ptr<DevicePoints> refine_points(Source source, const PrimalTables& tables,
-                                            Backend& backend, const Callbacks& callbacks) {
-  for (int l = source.level + 1; l <= tables.state_level(); ++l) {
-    const std::int64_t size = tables.state_size(l);
-    auto target = backend.allocate(static_cast<std::int32_t>(size));
-    for_slices(size, [&](RowRange rows) {
-      backend.apply(tables.step(l, rows).view(), *source.points, *target,
-                    static_cast<std::int32_t>(rows.first));
+// The state of the level that gives the output's limit points, from control points.
+std::vector<glm::dvec3> refined_points(std::vector<glm::dvec3> points, const PrimalTables& tables,
+                                       const Callbacks& callbacks) {
+  for (int l = 1; l <= tables.state_level(); ++l) {
+    std::vector<glm::dvec3> target(static_cast<std::size_t>(tables.state_size(l)));
+    for_slices(std::ssize(target), [&](RowRange rows) {
+      apply(tables.step(l, rows).view(), points,
+            std::span(target).subspan(static_cast<std::size_t>(rows.first),
+                                      static_cast<std::size_t>(rows.count)));
     });
-    source.points = std::move(target);
+    points = std::move(target);
     callbacks.report("evaluate", 0.4 * l / tables.state_level());
   }
-  return std::move(source.points);
+  return points;
 }
 
 // The output's faces, whose size is not stored where all are quads.
@@ -257,10 +251,16 @@ void replace_degenerate_normals(SurfaceMesh& surface, const Callbacks& callbacks
   warn_of({static_cast<std::int64_t>(degenerate.size()), degenerate.front()}, callbacks);
 }
 
-SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPart& used,
-                         const PrimalTables& tables, Backend& backend,
-                         const EvaluateOptions& options) {
-  const auto state = refine_points(std::move(source), tables, backend, options.callbacks);
+// On the caller's threads, whatever the backend.
+SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme,
+                           const EvaluateOptions& options) {
+  const UsedPart used = usable_part(cage, options.prepared);
+  const PrimalTables tables(used, scheme, options);
+  const Placement placement = placement_of(used.mesh);
+  std::vector<glm::dvec3> unit(used.mesh.positions.size());
+  std::transform(used.mesh.positions.begin(), used.mesh.positions.end(), unit.begin(),
+                 [&](const glm::dvec3& p) { return placement.to_unit(p); });
+  const auto state = refined_points(std::move(unit), tables, options.callbacks);
   SurfaceMesh surface;
   surface.level = options.level;
   surface.base_vertices.assign(used.vertices.begin(), used.vertices.end());
@@ -271,8 +271,8 @@ SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPa
     const StencilTable table = tables.limit(range);
     const auto first = static_cast<std::size_t>(range.first);
     const auto count = static_cast<std::size_t>(range.count);
-    backend.apply_limit(table.view(), *state, std::span(surface.positions).subspan(first, count),
-                        std::span(surface.normals).subspan(first, count));
+    apply_limit(table.view(), state, std::span(surface.positions).subspan(first, count),
+                std::span(surface.normals).subspan(first, count));
     options.callbacks.report(
         "evaluate", 0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
   });
@@ -282,22 +282,6 @@ SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPa
   replace_degenerate_normals(surface, options.callbacks);
   remove_holes(used.mesh, surface);
   return surface;
-}
-
-Source cage_points(const PolygonMesh& cage, const Placement& placement, Backend& backend) {
-  std::vector<glm::dvec3> unit(cage.positions.size());
-  std::transform(cage.positions.begin(), cage.positions.end(), unit.begin(),
-                 [&](const glm::dvec3& p) { return placement.to_unit(p); });
-  return {backend.upload(unit), 0};
-}
-
-SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme, Backend& backend,
-                           const EvaluateOptions& options) {
-  const UsedPart used = usable_part(cage, options.prepared);
-  const PrimalTables tables(used, scheme, options);
-  const Placement placement = placement_of(used.mesh);
-  return surface_from(cage_points(used.mesh, placement, backend), placement, used, tables, backend,
-                      options);
 }
 
 SurfaceMesh doo_sabin_surface(const PolygonMesh& mesh, const LevelOne* level_one, Backend& backend,
@@ -350,7 +334,7 @@ SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOp
                  options.rest_positions.size() == cage.positions.size());
   return evaluated(backend, options, [&] {
     const auto scheme = primal_scheme(options.scheme);
-    return scheme ? primal_surface(cage, *scheme, backend, options)
+    return scheme ? primal_surface(cage, *scheme, options)
                   : doo_sabin_surface(cage, nullptr, backend, options);
   });
 }

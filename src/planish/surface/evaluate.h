@@ -63,11 +63,11 @@ struct EvaluateOptions {
   Callbacks callbacks;
 };
 
-/// The tessellated limit surface of a control cage, with exact limit points and normals. Throws
-/// Error{UnusableMesh} (also for Loop where a face is no triangle), Error{InvalidArgument} for the
-/// level, Error{OutOfMemory} before
-/// memory is taken, Error{Cancelled}. Warns "degenerate-normals" where tangents are parallel and a
-/// facet's normal stands in.
+/// The tessellated limit surface of a control cage, with exact limit points and normals; of
+/// Catmull-Clark and Loop on the host, whatever the backend. Throws Error{UnusableMesh} (also for
+/// Loop where a face is no triangle), Error{InvalidArgument} for the level, Error{OutOfMemory}
+/// before memory is taken, Error{Cancelled}. Warns "degenerate-normals" where tangents are parallel
+/// and a facet's normal stands in.
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend,
                                    const EvaluateOptions& options = {});
 

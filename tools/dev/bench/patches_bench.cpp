@@ -12,7 +12,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/queries/surface_queries.h"
-#include "planish/solve/backend.h"
+#include "planish/solve/stencil_table.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/surface_blocks.h"
 #include "support/doo_sabin_tables.h"
@@ -22,18 +22,18 @@ namespace planish::bench {
 void apply_table_chain(const PolygonMesh& mesh, int level, std::span<glm::dvec3> positions,
                        std::span<glm::vec3> normals) {
   constexpr std::int64_t kSlice = 1 << 17;
-  const auto backend = make_cpu_backend();
   test::QuadSplit split(mesh);
   split.refine(level);
   const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
   const test::SubdivisionChain subdivision(split, features, Weights::DooSabin);
-  auto points = backend->upload(mesh.positions);
+  std::vector<glm::dvec3> points = mesh.positions;
   for (int l = 1; l <= level; ++l) {
     const std::int64_t size = subdivision.state_layout(l).size;
-    auto next = backend->allocate(static_cast<std::int32_t>(size));
+    std::vector<glm::dvec3> next(static_cast<std::size_t>(size));
     for (const RowRange rows : ranges_of(size, kSlice)) {
-      backend->apply(step_table(subdivision, l, rows).view(), *points, *next,
-                     static_cast<std::int32_t>(rows.first));
+      apply(step_table(subdivision, l, rows).view(), points,
+            std::span(next).subspan(static_cast<std::size_t>(rows.first),
+                                    static_cast<std::size_t>(rows.count)));
     }
     points = std::move(next);
   }
@@ -41,8 +41,8 @@ void apply_table_chain(const PolygonMesh& mesh, int level, std::span<glm::dvec3>
   for (const RowRange rows : ranges_of(limits.count(), kSlice)) {
     const auto first = static_cast<std::size_t>(rows.first);
     const auto count = static_cast<std::size_t>(rows.count);
-    backend->apply_limit(limit_table(subdivision, limits, rows).view(), *points,
-                         positions.subspan(first, count), normals.subspan(first, count));
+    apply_limit(limit_table(subdivision, limits, rows).view(), points,
+                positions.subspan(first, count), normals.subspan(first, count));
   }
 }
 

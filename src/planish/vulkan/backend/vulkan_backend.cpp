@@ -40,7 +40,6 @@ void VulkanMachine::upload_table(DeviceTable& table, const StencilView<double>& 
     const PackedSlice packed = table.pack(i, view);
     upload_items(submitter, slice.chunks, packed.chunks);
     upload_items(submitter, slice.entries, packed.entries);
-    if (table.has_derivatives()) upload_items(submitter, slice.derivatives, packed.derivatives);
   }
   table.finish_packing();
 }
@@ -226,7 +225,6 @@ void VulkanSolve::begin(std::span<const glm::dvec3> initial_residual) {
   machine_->upload_points(solve_.initial(), initial_residual);
   machine_->submitter.run([&](VkCommandBuffer commands) { solve_.record_clear(commands); });
   side_ = 0;
-  in_gradients_ = false;
 }
 
 std::uint32_t VulkanSolve::run_piece(std::span<const StepCoefficients> steps, float stop_square,
@@ -271,12 +269,6 @@ StepLog VulkanSolve::run(std::span<const StepCoefficients> steps, double stop_er
 }
 
 ErrorNorms VulkanSolve::error() {
-  if (in_gradients_)
-    machine_->submitter.run([&](VkCommandBuffer commands) {
-      const VkBufferCopy copy{0, 0, solve_.side(side_).size()};
-      machine_->context.vk().vkCmdCopyBuffer(commands, gradients_->displacement().handle(),
-                                             solve_.side(side_).handle(), 1, &copy);
-    });
   // A step that goes nowhere still measures; what it writes is the side that the next one writes.
   const std::uint32_t side = side_;
   const StepCoefficients measure{0, 0};
@@ -287,54 +279,7 @@ ErrorNorms VulkanSolve::error() {
 }
 
 std::vector<glm::dvec3> VulkanSolve::displacement() const {
-  const Buffer& result = in_gradients_ ? gradients_->displacement() : solve_.side(side_);
-  return machine_->download_points(result, masks_.row_count());
-}
-
-glm::dvec3 VulkanSolve::cg_begin(std::span<const glm::dvec3> initial_residual,
-                                 std::span<const double> row_weights) {
-  PLANISH_ASSERT(std::ssize(row_weights) == masks_.row_count());
-  begin(initial_residual);
-  if (!gradients_) gradients_.emplace(machine_->context, masks_);
-  in_gradients_ = true;
-  machine_->upload_points(gradients_->residual(), initial_residual);
-  const std::vector<float> weights(row_weights.begin(), row_weights.end());
-  machine_->submitter.upload({gradients_->weights().handle(), 0, weights.size() * sizeof(float)},
-                             std::as_bytes(std::span(weights)));
-  machine_->submitter.run([&](VkCommandBuffer commands) {
-    gradients_->record_begin(commands);
-    // An advance by nothing yields the sums.
-    gradients_->record_advance(commands, glm::vec3(0));
-  });
-  return read_sums().residual_square;
-}
-
-glm::dvec3 VulkanSolve::cg_apply() {
-  machine_->submitter.run([&](VkCommandBuffer commands) { gradients_->record_apply(commands); });
-  return read_sums().residual_square;
-}
-
-planish::Solve::CgAdvance VulkanSolve::cg_advance(const glm::dvec3& alpha) {
-  machine_->submitter.run(
-      [&](VkCommandBuffer commands) { gradients_->record_advance(commands, glm::vec3(alpha)); });
-  return read_sums();
-}
-
-void VulkanSolve::cg_turn(const glm::dvec3& beta) {
-  machine_->submitter.run(
-      [&](VkCommandBuffer commands) { gradients_->record_turn(commands, glm::vec3(beta)); });
-}
-
-planish::Solve::CgAdvance VulkanSolve::read_sums() {
-  std::uint32_t sums[shared::kSumFloats];
-  machine_->submitter.download(whole(gradients_->sums()),
-                               [&](std::uint64_t, std::span<const std::byte> piece) {
-                                 std::memcpy(sums, piece.data(), sizeof sums);
-                               });
-  CgAdvance result;
-  for (int c = 0; c < 3; ++c) result.residual_square[c] = std::bit_cast<float>(sums[c]);
-  result.error = norms_of(sums[4], std::bit_cast<float>(sums[3]), masks_.row_count());
-  return result;
+  return machine_->download_points(solve_.side(side_), masks_.row_count());
 }
 
 }  // namespace planish::vulkan
@@ -343,8 +288,6 @@ namespace planish {
 namespace vulkan {
 namespace {
 
-// apply_limit writes a position and a normal for each row.
-constexpr std::uint64_t kLimitFloats = 6;
 // Faces of some 90 corners, if the mesh has no others.
 constexpr double kMostExpansion = 8;
 
@@ -358,27 +301,6 @@ DeviceDescription describe(const Capabilities& device) {
       formatted("{}.{}.{}", VK_API_VERSION_MAJOR(device.api_version),
                 VK_API_VERSION_MINOR(device.api_version), VK_API_VERSION_PATCH(device.api_version));
   return description;
-}
-
-class VulkanPoints final : public DevicePoints {
- public:
-  VulkanPoints(std::shared_ptr<VulkanMachine> machine, std::int32_t count)
-      : machine_(std::move(machine)),
-        buffer_(machine_->context, std::uint64_t(count) * kPointBytes, MemoryUse::Device),
-        count_(count) {}
-  [[nodiscard]] std::int32_t size() const override { return count_; }
-  [[nodiscard]] const Buffer& buffer() const { return buffer_; }
-
- private:
-  std::shared_ptr<VulkanMachine> machine_;  // outlives the buffer
-  Buffer buffer_;
-  std::int32_t count_;
-};
-
-const VulkanPoints& vulkan_points(const DevicePoints& points) {
-  const auto* result = dynamic_cast<const VulkanPoints*>(&points);
-  PLANISH_ASSERT(result != nullptr);
-  return *result;
 }
 
 class VulkanBackend final : public Backend, public FairBuilder, public PatchEvaluator {
@@ -395,22 +317,6 @@ class VulkanBackend final : public Backend, public FairBuilder, public PatchEval
     if (expansion(masks) > kMostExpansion) return host_->make_solve(masks);
     return std::make_unique<VulkanSolve>(machine_, expanded(masks).view());
   }
-  [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
-    auto result =
-        std::make_unique<VulkanPoints>(machine_, static_cast<std::int32_t>(points.size()));
-    machine_->upload_points(result->buffer(), points);
-    return result;
-  }
-  [[nodiscard]] std::unique_ptr<DevicePoints> allocate(std::int32_t count) override {
-    return std::make_unique<VulkanPoints>(machine_, count);
-  }
-  [[nodiscard]] std::vector<glm::dvec3> download(const DevicePoints& points) override {
-    return machine_->download_points(vulkan_points(points).buffer(), points.size());
-  }
-  void apply(const StencilView<double>& table, const DevicePoints& source, DevicePoints& target,
-             std::int32_t first_target) override;
-  void apply_limit(const StencilView<double>& table, const DevicePoints& source,
-                   std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override;
   [[nodiscard]] FairNet build_fair_net(const FairTopology& topology,
                                        std::span<const glm::dvec3> given,
                                        const FairOptions& options) override {
@@ -429,62 +335,20 @@ class VulkanBackend final : public Backend, public FairBuilder, public PatchEval
   std::unique_ptr<Backend> host_ = make_cpu_backend();  // of solves that it takes
 };
 
-void VulkanBackend::apply(const StencilView<double>& view, const DevicePoints& source,
-                          DevicePoints& target, std::int32_t first_target) {
-  PLANISH_ASSERT(&source != &target && view.source_count <= source.size() && first_target >= 0 &&
-                 view.row_count() <= target.size() - first_target);
-  Context& context = machine_->context;
-  DeviceTable table(context, view, {});
-  machine_->upload_table(table, view);
-  constexpr std::uint32_t kFloats = shared::kPointFloats;
-  const StencilPass pass(
-      context, table, {vulkan_points(source).buffer().handle(), 0, 3, kFloats},
-      {vulkan_points(target).buffer().handle(), std::uint64_t(first_target) * kFloats, 3, kFloats},
-      {0, view.row_count()});
-  machine_->submitter.run([&](VkCommandBuffer commands) { pass.record(commands); });
-}
-
-void VulkanBackend::apply_limit(const StencilView<double>& view, const DevicePoints& source,
-                                std::span<glm::dvec3> positions, std::span<glm::vec3> normals) {
-  PLANISH_ASSERT(view.source_count <= source.size() && std::ssize(positions) == view.row_count() &&
-                 std::ssize(normals) == view.row_count());
-  Context& context = machine_->context;
-  DeviceTableOptions options;
-  options.has_derivatives = true;
-  options.target_stride = kLimitFloats * sizeof(float);
-  DeviceTable table(context, view, options);
-  machine_->upload_table(table, view);
-  for (std::size_t i = 0; i < table.slices().size(); ++i) {
-    const DeviceTable::Slice& slice = table.slices()[i];
-    const TableSlice& rows = slice.rows;
-    const Buffer target(context, rows.row_count * options.target_stride, MemoryUse::Device);
-    const BoundKernel bound[] = {
-        {Kernel::ApplyLimit,
-         {whole(slice.entries), whole(slice.chunks),
-          point_range(vulkan_points(source).buffer(), rows.first_source, rows.source_count),
-          whole(target), whole(slice.derivatives)}}};
-    const DescriptorSets sets(context, bound);
-    machine_->submitter.run([&](VkCommandBuffer commands) {
-      shared::TableParameters parameters = table.parameters(i);
-      parameters.target_stride = kLimitFloats;
-      parameters.normal_offset = 3;
-      table.record_dispatch(commands, Kernel::ApplyLimit, sets[0], i, parameters);
-    });
-    machine_->submitter.download(
-        {target.handle(), 0, rows.row_count * options.target_stride},
-        [&](std::uint64_t offset, std::span<const std::byte> piece) {
-          const std::size_t first = rows.first_row + offset / options.target_stride;
-          for (std::size_t k = 0; k < piece.size() / options.target_stride; ++k) {
-            glm::vec3 point[2];
-            std::memcpy(point, &piece[k * options.target_stride], sizeof point);
-            positions[first + k] = glm::dvec3(point[0]);
-            normals[first + k] = point[1];
-          }
-        });
-  }
-}
-
 }  // namespace
+
+std::shared_ptr<VulkanMachine> make_machine(const VulkanBackendOptions& options) {
+  OwnDeviceOptions device;
+  device.wanted = options.device;
+  device.instance.validation = options.validation;
+  device.instance.message = options.validation_message;
+  ContextOptions context;
+  context.max_storage_range = options.max_storage_bytes;
+  context.max_group_count = options.max_work_groups;
+  if (options.reads == VulkanReads::StorageBuffers) context.variant = kHardwareVariant;
+  if (options.reads == VulkanReads::TexelBuffers) context.variant = kSoftwareVariant;
+  return std::make_shared<VulkanMachine>(device, context);
+}
 
 std::unique_ptr<Backend> make_backend(std::shared_ptr<VulkanMachine> machine) {
   return std::make_unique<VulkanBackend>(std::move(machine));
@@ -527,16 +391,7 @@ VulkanDeviceList list_vulkan_devices() {
 }
 
 std::unique_ptr<Backend> make_vulkan_backend(const VulkanBackendOptions& options) {
-  vulkan::OwnDeviceOptions device;
-  device.wanted = options.device;
-  device.instance.validation = options.validation;
-  device.instance.message = options.validation_message;
-  vulkan::ContextOptions context;
-  context.max_storage_range = options.max_storage_bytes;
-  context.max_group_count = options.max_work_groups;
-  if (options.reads == VulkanReads::StorageBuffers) context.variant = vulkan::kHardwareVariant;
-  if (options.reads == VulkanReads::TexelBuffers) context.variant = vulkan::kSoftwareVariant;
-  return vulkan::make_backend(std::make_shared<vulkan::VulkanMachine>(device, context));
+  return vulkan::make_backend(vulkan::make_machine(options));
 }
 
 }  // namespace planish

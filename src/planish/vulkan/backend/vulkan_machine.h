@@ -2,7 +2,6 @@
 
 #include <glm/vec3.hpp>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "planish/vulkan/device/own_device.h"
 #include "planish/vulkan/solve/gpu_solve.h"
 #include "planish/vulkan/tables/device_table.h"
+#include "planish/vulkan/vulkan_backend.h"
 
 namespace planish::vulkan {
 
@@ -34,6 +34,9 @@ struct VulkanMachine {
   [[nodiscard]] std::vector<glm::dvec3> download_points(const Buffer& source, std::size_t count);
 };
 
+/// One that a backend with these options works on. Throws as make_vulkan_backend().
+[[nodiscard]] std::shared_ptr<VulkanMachine> make_machine(const VulkanBackendOptions& options);
+
 /// The backend on it.
 [[nodiscard]] std::unique_ptr<Backend> make_backend(std::shared_ptr<VulkanMachine> machine);
 
@@ -52,24 +55,15 @@ class VulkanSolve final : public planish::Solve {
   ErrorNorms error() override;
   [[nodiscard]] std::vector<glm::dvec3> displacement() const override;
 
-  glm::dvec3 cg_begin(std::span<const glm::dvec3> initial_residual,
-                      std::span<const double> row_weights) override;
-  glm::dvec3 cg_apply() override;
-  CgAdvance cg_advance(const glm::dvec3& alpha) override;
-  void cg_turn(const glm::dvec3& beta) override;
-
  private:
   /// Runs the steps in one submission; at most max_steps(). Returns how many were taken.
   std::uint32_t run_piece(std::span<const StepCoefficients> steps, float stop_square,
                           std::vector<ErrorNorms>& errors);
-  [[nodiscard]] CgAdvance read_sums();
 
   std::shared_ptr<VulkanMachine> machine_;
   DeviceTable masks_;
   GpuSolve solve_;
-  Buffer report_;                                   // the host's copy of status and steps
-  std::optional<GpuConjugateGradients> gradients_;  // made by the first cg_begin
-  bool in_gradients_ = false;                       // whose displacement is the current one
+  Buffer report_;  // the host's copy of status and steps
   std::uint32_t side_ = 0;
 };
 

@@ -155,12 +155,11 @@ TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) 
 }
 
 template <class Real>
-PackedSlice pack_slice(const StencilView<Real>& table, bool with_derivatives, const TablePlan& plan,
+PackedSlice pack_slice(const StencilView<Real>& table, const TablePlan& plan,
                        const TableSlice& slice) {
   PackedSlice packed;
   packed.chunks.resize(slice.chunk_count * shared::kChunkWords);
   packed.entries.resize(slice.entry_count);
-  if (with_derivatives) packed.derivatives.resize(slice.entry_count);
   std::uint32_t first = 0;
   for (std::size_t i = 0; i < slice.chunk_count; ++i) {
     const auto width = static_cast<std::uint32_t>(plan.chunk_widths[slice.first_chunk + i]);
@@ -183,9 +182,6 @@ PackedSlice pack_slice(const StencilView<Real>& table, bool with_derivatives, co
       packed.entries[to] = {
           static_cast<std::uint32_t>(table.indices[from + k] - slice.first_source),
           static_cast<float>(table.weights[from + k])};
-      if (with_derivatives)
-        packed.derivatives[to] = {static_cast<float>(table.du_weights[from + k]),
-                                  static_cast<float>(table.dv_weights[from + k])};
     }
   };
   parallel_each(slice.chunk_count, 256, [&](std::size_t i) {
@@ -201,18 +197,13 @@ PackedSlice pack_slice(const StencilView<Real>& table, bool with_derivatives, co
 
 template TablePlan plan_table(const StencilView<float>&, const SliceLimits&);
 template TablePlan plan_table(const StencilView<double>&, const SliceLimits&);
-template PackedSlice pack_slice(const StencilView<float>&, bool, const TablePlan&,
-                                const TableSlice&);
-template PackedSlice pack_slice(const StencilView<double>&, bool, const TablePlan&,
-                                const TableSlice&);
+template PackedSlice pack_slice(const StencilView<float>&, const TablePlan&, const TableSlice&);
+template PackedSlice pack_slice(const StencilView<double>&, const TablePlan&, const TableSlice&);
 
 template <class Real>
 DeviceTable::DeviceTable(const Maker& on, const StencilView<Real>& table,
                          const DeviceTableOptions& options)
-    : context_(on.context()),
-      row_count_(table.row_count()),
-      source_count_(table.source_count),
-      has_derivatives_(options.has_derivatives) {
+    : context_(on.context()), row_count_(table.row_count()), source_count_(table.source_count) {
   const Context& context = context_;
   SliceLimits limits;
   limits.range = context.binding_limit();
@@ -234,15 +225,12 @@ DeviceTable::DeviceTable(const Maker& on, const StencilView<Real>& table,
         Buffer(on, rows.entry_count * sizeof(PackedEntry), MemoryUse::Device, "planish entries");
     slice.chunks = Buffer(on, rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
                           MemoryUse::Device, "planish chunks");
-    if (has_derivatives_)
-      slice.derivatives = Buffer(on, rows.entry_count * sizeof(PackedDerivative), MemoryUse::Device,
-                                 "planish derivatives");
   }
 }
 
 template <class Real>
 PackedSlice DeviceTable::pack(std::size_t i, const StencilView<Real>& table) const {
-  return pack_slice(table, has_derivatives_, plan_, slices_[i].rows);
+  return pack_slice(table, plan_, slices_[i].rows);
 }
 
 std::vector<std::uint32_t> DeviceTable::slots() const {
@@ -265,7 +253,6 @@ shared::TableParameters DeviceTable::parameters(std::size_t i) const noexcept {
   parameters.first_source = static_cast<std::uint32_t>(slice.rows.first_source);
   parameters.first_group = slice.first_group;
   parameters.partials_total = partials_total();
-  parameters.target_stride = shared::kPointFloats;
   return parameters;
 }
 

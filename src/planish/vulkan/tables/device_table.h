@@ -51,20 +51,16 @@ struct PackedEntry {
   std::uint32_t source;  ///< counted from the slice's first_source
   float weight;
 };
-struct PackedDerivative {
-  float du, dv;
-};
 
 /// A slice as the kernels read it.
 struct PackedSlice {
   std::vector<std::uint32_t> chunks;
   std::vector<PackedEntry> entries;
-  std::vector<PackedDerivative> derivatives;  ///< as many as entries, or none
 };
 
 template <class Real>
-[[nodiscard]] PackedSlice pack_slice(const StencilView<Real>& table, bool with_derivatives,
-                                     const TablePlan& plan, const TableSlice& slice);
+[[nodiscard]] PackedSlice pack_slice(const StencilView<Real>& table, const TablePlan& plan,
+                                     const TableSlice& slice);
 
 /// Instances of one mesh whose vectors stand one after another in a buffer, so that one dispatch
 /// does all of them, each as its work groups of one y.
@@ -100,7 +96,6 @@ struct InstanceList {
 
 struct DeviceTableOptions {
   bool includes_own_rows = false;    ///< for square tables that solves use
-  bool has_derivatives = false;      ///< packs the derivative weights as well
   std::uint64_t source_stride = 16;  ///< bytes from one point of the source to the next
   std::uint64_t target_stride = 16;  ///< bytes that a row takes in the target
 };
@@ -111,7 +106,7 @@ class DeviceTable {
   struct Slice {
     TableSlice rows;
     std::uint32_t first_group = 0, group_count = 0;
-    Buffer entries, chunks, derivatives;
+    Buffer entries, chunks;
   };
 
   /// Plans the slices and takes the memory. Throws Error{OutOfMemory} naming the limit.
@@ -119,10 +114,8 @@ class DeviceTable {
   DeviceTable(const Maker& on, const StencilView<Real>& table, const DeviceTableOptions& options);
 
   [[nodiscard]] const std::vector<Slice>& slices() const { return slices_; }
-  [[nodiscard]] bool has_derivatives() const { return has_derivatives_; }
   [[nodiscard]] std::int32_t row_count() const { return row_count_; }
   [[nodiscard]] std::int32_t source_count() const { return source_count_; }
-  [[nodiscard]] std::uint32_t group_total() const { return group_total_; }
   /// Partial sums that an interpolation step over all slices yields.
   [[nodiscard]] std::uint32_t partials_total() const;
 
@@ -150,7 +143,6 @@ class DeviceTable {
   TablePlan plan_;
   std::vector<Slice> slices_;
   std::int32_t row_count_, source_count_;
-  bool has_derivatives_;
   std::uint32_t group_total_ = 0;
 };
 

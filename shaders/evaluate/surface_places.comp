@@ -1,17 +1,9 @@
-// Positions and normals of the limit surface: at the rows of a table, or at the places of a list.
+// The surface at the places of a list.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #include "read.glsl"
 
-#ifdef KERNEL_apply_limit
-#include "table.glsl"
-
-READ(2, vec4, source)
-layout(std430, set = 0, binding = 3) restrict writeonly buffer Target { float target[]; };
-READ(4, vec2, derivatives)
-#endif
-#ifdef KERNEL_surface_places
 layout(local_size_x = 64) in;
 layout(push_constant) uniform Parameters { PlaceParameters parameters; };
 
@@ -23,49 +15,14 @@ READ(3, vec4, planish_state)
 READ(4, vec4, planish_given)
 READ(5, vec4, planish_weights)
 WRITE(6, float, target);
-#endif
 
-#include "surface/unit_normal.glsl"
-
-void write_vector(uint place, vec3 v) {
-  target[place] = v.x;
-  target[place + 1u] = v.y;
-  target[place + 2u] = v.z;
-}
-
-#ifdef KERNEL_apply_limit
-// Limit position and unit normal du x dv for every row; the normal is zero where it is undefined.
-void main() {
-  for (uint i = 0u; i < kChunksPerGroup; ++i) {
-    uint chunk = gl_WorkGroupID.x * kChunksPerGroup + i;
-    if (chunk >= parameters.chunk_count) return;
-    ChunkRow at = chunk_row(chunk);
-    if (at.row == kNoRow) return;
-    precise vec3 position = vec3(0.0);
-    precise vec3 du = vec3(0.0);
-    precise vec3 dv = vec3(0.0);
-    for (uint k = 0u; k < at.width; ++k) {
-      uvec2 entry = entries_at(at.first + k * kChunkRows);
-      vec2 slope = derivatives_at(at.first + k * kChunkRows);
-      vec3 point = source_at(entry.x).xyz;
-      position += uintBitsToFloat(entry.y) * point;
-      du += slope.x * point;
-      dv += slope.y * point;
-    }
-    uint place = (at.row - parameters.first_row) * parameters.target_stride +
-                 parameters.first_target;
-    write_vector(place, position);
-    write_vector(place + parameters.normal_offset, unit_normal(du, dv));
-  }
-}
-#endif
-
-#ifdef KERNEL_surface_places
-// The surface at the places of a list.
 #include "surface/planish_surface.glsl"
 
 void write(uint target_place, uint offset, vec3 v) {
-  if (offset != kNone) write_vector(target_place + offset, v);
+  if (offset == kNone) return;
+  target[target_place + offset] = v.x;
+  target[target_place + offset + 1u] = v.y;
+  target[target_place + offset + 2u] = v.z;
 }
 
 void write_place(uint target_place, vec3 position, vec3 normal, vec3 du, vec3 dv, vec3 duu, vec3 duv,
@@ -96,4 +53,3 @@ void main() {
   write_place(target_place, at.position, at.normal, at.du, at.dv, at.duu, at.duv, at.dvv,
               at.is_singular ? kPlaceSingular : kPlaceRegular);
 }
-#endif
