@@ -10,7 +10,6 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
-#include <regex>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -348,8 +347,7 @@ TEST_F(ReportSchema, HoldsForWhatDidNotConvergeOrNeededRepair) {
   expect_valid(report, "fit");
 }
 
-TEST_F(ReportSchema, HoldsForTheJobsOfAScene) {
-}
+TEST_F(ReportSchema, HoldsForTheJobsOfAScene) {}
 #endif
 
 TEST_F(ReportSchema, HoldsForWhatOtherCommandsPrint) {

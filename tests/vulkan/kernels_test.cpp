@@ -9,8 +9,8 @@
 
 #include "planish/solve/backend.h"
 #include "planish/solve/stencil_table.h"
-#include "vulkan/device_cases.h"
 #include "vulkan/apply_table.h"
+#include "vulkan/device_cases.h"
 #include "vulkan/fixture.h"
 
 namespace planish::testing::twin {

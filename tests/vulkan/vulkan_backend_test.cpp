@@ -14,8 +14,8 @@
 #include "planish/vulkan/vulkan_backend.h"
 #include "shaders/shared.h"
 #include "support/meshes.h"
-#include "vulkan/device_cases.h"
 #include "vulkan/apply_table.h"
+#include "vulkan/device_cases.h"
 #include "vulkan/fixture.h"
 
 namespace planish::testing {
