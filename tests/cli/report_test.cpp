@@ -10,6 +10,7 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
+#include <regex>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -347,7 +348,28 @@ TEST_F(ReportSchema, HoldsForWhatDidNotConvergeOrNeededRepair) {
   expect_valid(report, "fit");
 }
 
-TEST_F(ReportSchema, HoldsForTheJobsOfAScene) {}
+TEST_F(ReportSchema, HoldsForTheJobsOfAScene) {
+  write("s.json", R"({"version":1,"jobs":[{"name":"a","input":"torus.obj","report":"a.json",)"
+                  R"("outputs":[{"path":"a.glb"}]},{"name":"b","input":"plate.obj",)"
+                  R"("solve":{"interpolation":"fair"},"report":"b.json",)"
+                  R"("outputs":[{"path":"b.obj","what":"cage"}]}]})");
+  ASSERT_EQ(run_planish({"run", path("s.json")}).exit_code, 0);
+  expect_valid(read_json("a.json"), "fit");
+  expect_valid(read_json("b.json"), "fit");
+}
+
+#ifdef PLANISH_HAS_MESHER
+TEST_F(ReportSchema, HoldsForPoints) {
+  // The torus' points alone.
+  const std::string points = std::regex_replace(torus_obj(24), std::regex("f .*\n|v "), "");
+  const std::string cloud = write("cloud.xyz", points);
+  ASSERT_EQ(run_planish({"reconstruct", cloud, "-o", path("m.obj"), "--tolerance-mesh", "1e-2",
+                         "--report", path("m.json")})
+                .exit_code,
+            0);
+  expect_valid(read_json("m.json"), "reconstruct");
+  expect_valid(fitted({cloud, "-o", path("f.glb"), "--tolerance-mesh", "1e-2"}), "fit");
+}
 #endif
 
 TEST_F(ReportSchema, HoldsForWhatOtherCommandsPrint) {
