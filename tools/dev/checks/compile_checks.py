@@ -25,7 +25,7 @@ import sys
 from sources import ROOT, files
 
 # Where a user's time is spent.
-SHIPPED = re.compile("(src/planish|tools/(planish|python|render|viewer))/")
+SHIPPED = re.compile("(src/planish|tools/(planish|python|products|dev/render))/")
 FOR_SHIPPED = "-performance-*,-bugprone-suspicious-missing-comma"
 
 
