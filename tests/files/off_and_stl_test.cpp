@@ -15,10 +15,6 @@ using testing::ElementsAre;
 
 MeshFile off_of(std::string_view text) { return read_off(test::file_of(text, "a.off")); }
 
-std::string off_error(std::string_view text) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)off_of(text); });
-}
-
 TEST(ReadOff, KeepsPolygonsOfAnySize) {
   const MeshFile file = off_of(
       "OFF\n# planish weights=averaged\n4 2 0\n0 0 0\n1 0 0  # right\n\n1 1 0.1\n0 1 0\n"
@@ -38,12 +34,6 @@ TEST(ReadOff, TakesLinesOfAnyLengthBehindAPosition) {
   }
 }
 
-std::vector<std::string> off_codes(const MeshFile& file) {
-  std::vector<std::string> codes;
-  for (const Warning& warning : file.warnings) codes.push_back(warning.code);
-  return codes;
-}
-
 TEST(ReadOff, ReadsColoursAndTextureCoordinatesOfVertices) {
   const MeshFile bytes = off_of(
       "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 128 0 51 0.25 0.75\n1 0 0 0 0 1 0 0 0 255 1 0\n"
@@ -54,7 +44,7 @@ TEST(ReadOff, ReadsColoursAndTextureCoordinatesOfVertices) {
   EXPECT_EQ(bytes.mesh.colors[2], glm::vec4(1.0f));
   EXPECT_EQ(bytes.mesh.uvs[0], glm::dvec2(0.25, 0.75));
   EXPECT_THAT(bytes.mesh.face_uvs, ElementsAre(-1, 1, 0));
-  EXPECT_THAT(off_codes(bytes),
+  EXPECT_THAT(test::codes_of(bytes.warnings),
               ElementsAre("missing-texture-coordinates", "missing-colors", "ignored-colors"));
   const MeshFile shares =
       off_of("COFF\n3 1 0\n0 0 0 1 0.50196078 0\n1 0 0 0 0 0\n0 1 0 0 0 0 0.5\n3 0 1 2\n");
@@ -68,12 +58,8 @@ TEST(ReadOff, ReadsFacesThatGoOverLines) {
     const MeshFile file = off_of(std::string("OFF\n3 1 0\n") + body);
     EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 1)) << body;
     EXPECT_EQ(file.mesh.positions[2], glm::dvec3(1, 1, 0)) << body;
-    EXPECT_THAT(off_codes(file), ElementsAre("wrapped-lines")) << body;
+    EXPECT_THAT(test::codes_of(file.warnings), ElementsAre("wrapped-lines")) << body;
   }
-  EXPECT_EQ(off_error("OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n4 0\n1\n2\n"),
-            "a.off:6: face has 1 corner of 4");
-  EXPECT_EQ(off_error("OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n4 0\n1\n2\n1\n1\n"),
-            "a.off:6: face has 1 corner of 4");
 }
 
 // The specification's layout, and what a program writes that takes the machine's own numbers.
@@ -91,16 +77,17 @@ TEST(ReadOff, FindsTheLayoutOfABinaryFileByItsCounts) {
     EXPECT_THAT(file.mesh.face_vertices, ElementsAre(2, 1, 0));
     EXPECT_EQ(file.mesh.positions[2], glm::dvec3(2, 2, 3));
     EXPECT_EQ(file.mesh.colors[1], glm::vec4(1, 0, 0, 1));
-    EXPECT_EQ(off_codes(file).size(), is_usual ? 0u : 1u);
+    EXPECT_EQ(file.warnings.size(), is_usual ? 0u : 1u);
     bytes.pop_back();
-    EXPECT_FALSE(off_error(bytes).empty());
+    test::expect_refused("a.off", {{bytes, testing::_}});
   }
   std::string absurd = "OFF BINARY\n";
   for (const int count : {1 << 29, 1, 0})
     test::append<std::int32_t>(absurd, count, std::endian::little);
-  EXPECT_EQ(off_error(absurd),
-            "a.off:1: count 32 behind the keyword does not fit 12 bytes, nor does it in the other "
-            "byte order");
+  test::expect_refused("a.off",
+                       {{absurd,
+                         "1: count 32 behind the keyword does not fit 12 bytes, nor does it in the "
+                         "other byte order"}});
 }
 
 TEST(ReadOff, AcceptsTheCountsBehindTheKeyword) {
@@ -108,45 +95,38 @@ TEST(ReadOff, AcceptsTheCountsBehindTheKeyword) {
     EXPECT_EQ(off_of(std::string(start) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2").mesh.face_count(), 1);
 }
 
-TEST(ReadOff, RefusesWrongHeaders) {
-  EXPECT_EQ(off_error(""), "a.off:1: the file is empty");
-  EXPECT_EQ(off_error("3 1 0\n"), "a.off:1: `3` stands in the place of OFF");
-  EXPECT_EQ(
-      off_error("4OFF\n"),
-      "a.off:1: `4OFF`: only three-dimensional OFF with the prefixes ST, C and N can be read");
-  EXPECT_EQ(off_error("OFF\n"), "a.off:1: the file ends before its counts");
-  EXPECT_EQ(off_error("OFF\n3 x 0\n"), "a.off:2: count `x` is no integer from 0");
-  EXPECT_EQ(off_error("OFF\n-3 1 0\n"), "a.off:2: count `-3` is no integer from 0");
-  EXPECT_EQ(off_error("OFF\n3\n"), "a.off:2: count `` is no integer from 0");
-  EXPECT_EQ(off_error("OFF\n1000000000 0 0\n0 0 0\n"),
-            "a.off:2: header promises 1000000000 vertices, but only 6 bytes follow");
-  EXPECT_EQ(off_error("OFF\n1 9000000000000000000 0\n0 0 0\n"),
-            "a.off:2: header promises 9000000000000000000 faces, but only 6 bytes follow");
-}
-
-TEST(ReadOff, RefusesWrongBodies) {
-  EXPECT_EQ(off_error("OFF\n1 0 0\n0 nan 0\n"),
-            "a.off:3: vertex coordinate `nan` is no finite number");
-  EXPECT_EQ(off_error("OFF\n1 0 0\n0 0     \n"),
-            "a.off:3: vertex coordinate `` is no finite number");
-  EXPECT_EQ(off_error("OFF\n2 0 0\n0 0 0     \n"), "a.off:3: the file ends at vertex 1 of 2");
-  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 1 0\n"), "a.off:4: face names vertex 1 of 1");
-  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 -1 0\n"), "a.off:4: face names vertex -1 of 1");
-  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 a 0\n"), "a.off:4: face corner `a` is no integer");
-  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 0\n"), "a.off:4: face has 2 corners of 3");
-  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n-3 0 0\n"),
-            "a.off:4: face size `-3` is no integer from 0");
-  EXPECT_EQ(off_error("OFF\n1 2 0\n0 0 0\n3 0 0 0\n"), "a.off:4: the file ends at face 1 of 2");
-  EXPECT_EQ(off_error("OFF\n1 0 0\n0 0 0\n3 0 0 0\n"), "a.off:4: more follows after the last face");
+TEST(ReadOff, RefusesWrongFiles) {
+  test::expect_refused(
+      "a.off",
+      {{"", "1: the file is empty"},
+       {"3 1 0\n", "1: `3` stands in the place of OFF"},
+       {"4OFF\n",
+        "1: `4OFF`: only three-dimensional OFF with the prefixes ST, C and N can be read"},
+       {"OFF\n", "1: the file ends before its counts"},
+       {"OFF\n3 x 0\n", "2: count `x` is no integer from 0"},
+       {"OFF\n-3 1 0\n", "2: count `-3` is no integer from 0"},
+       {"OFF\n3\n", "2: count `` is no integer from 0"},
+       {"OFF\n1000000000 0 0\n0 0 0\n",
+        "2: header promises 1000000000 vertices, but only 6 bytes follow"},
+       {"OFF\n1 9000000000000000000 0\n0 0 0\n",
+        "2: header promises 9000000000000000000 faces, but only 6 bytes follow"},
+       {"OFF\n1 0 0\n0 nan 0\n", "3: vertex coordinate `nan` is no finite number"},
+       {"OFF\n1 0 0\n0 0     \n", "3: vertex coordinate `` is no finite number"},
+       {"OFF\n2 0 0\n0 0 0     \n", "3: the file ends at vertex 1 of 2"},
+       {"OFF\n1 1 0\n0 0 0\n3 0 1 0\n", "4: face names vertex 1 of 1"},
+       {"OFF\n1 1 0\n0 0 0\n3 0 -1 0\n", "4: face names vertex -1 of 1"},
+       {"OFF\n1 1 0\n0 0 0\n3 0 a 0\n", "4: face corner `a` is no integer"},
+       {"OFF\n1 1 0\n0 0 0\n3 0 0\n", "4: face has 2 corners of 3"},
+       {"OFF\n1 1 0\n0 0 0\n-3 0 0\n", "4: face size `-3` is no integer from 0"},
+       {"OFF\n1 2 0\n0 0 0\n3 0 0 0\n", "4: the file ends at face 1 of 2"},
+       {"OFF\n1 0 0\n0 0 0\n3 0 0 0\n", "4: more follows after the last face"},
+       {"OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n4 0\n1\n2\n", "6: face has 1 corner of 4"},
+       {"OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n4 0\n1\n2\n1\n1\n", "6: face has 1 corner of 4"}});
 }
 
 using test::append;
 
 MeshFile stl_of(std::string_view text) { return read_stl(test::file_of(text, "a.stl")); }
-
-std::string stl_error(std::string_view text) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)stl_of(text); });
-}
 
 std::string binary_stl(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   std::string bytes(80, 's');
@@ -190,8 +170,7 @@ TEST(ReadStl, LeavesOutTrianglesWithoutArea) {
       binary_stl({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}}, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2));
   EXPECT_EQ(file.dropped_element_count, 1);
-  ASSERT_EQ(file.warnings.size(), 1u);
-  EXPECT_EQ(file.warnings[0].code, "degenerate-triangles");
+  EXPECT_THAT(test::codes_of(file.warnings), ElementsAre("degenerate-triangles"));
   EXPECT_EQ(file.warnings[0].message, "1 triangle without area was left out");
 }
 
@@ -209,44 +188,35 @@ TEST(ReadStl, WeldsManyPositionsInTheOrderOfTheFile) {
       EXPECT_EQ(file.mesh.positions[file.mesh.face(i)[corner]], glm::dvec3(triangles[i][corner]));
 }
 
-TEST(ReadStl, RefusesWrongSizes) {
-  std::string bytes = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
-  bytes[0] = 'x';
-  bytes.pop_back();
-  EXPECT_EQ(stl_error(bytes),
-            "a.stl: header promises 1 triangles in 134 bytes, but the file has 133");
-  EXPECT_EQ(stl_error("facet"),
-            "a.stl: neither begins with `solid` nor has a binary header of 84 bytes");
-}
-
-// Its header says `solid`, but an empty mesh would hide the loss.
-TEST(ReadStl, RefusesABinaryFileThatWasCutShort) {
-  std::string bytes = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
-  bytes.pop_back();
-  EXPECT_EQ(stl_error(bytes),
-            "a.stl: header promises 1 triangles in 134 bytes, but the file has 133");
-}
-
-TEST(ReadStl, RefusesNonFiniteNumbers) {
-  EXPECT_EQ(
-      stl_error(binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
-                            {{{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {}}}})),
-      "a.stl: triangle 1 has the coordinate nan");
-  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 inf 0\n")),
-            "a.stl:4: vertex coordinate `inf` is no finite number");
+TEST(ReadStl, RefusesWrongBinaries) {
+  // Its header says `solid`, but an empty mesh would hide the loss.
+  const std::string sound = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
+  const std::string cut = sound.substr(0, 133);
+  std::string none = sound;
+  none[80] = 0;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  test::expect_refused(
+      "a.stl",
+      {{cut, " header promises 1 triangles in 134 bytes, but the file has 133"},
+       {"x" + cut.substr(1), " header promises 1 triangles in 134 bytes, but the file has 133"},
+       {sound + "x", " header promises 1 triangles in 134 bytes, but the file has 135"},
+       {none,
+        " header promises 0 triangles in 84 bytes, but the file has 134, which 1 triangles need"},
+       {"facet", " neither begins with `solid` nor has a binary header of 84 bytes"},
+       {binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}, {{{0, 0, 0}, {nan, 0, 0}, {}}}}),
+        " triangle 1 has the coordinate nan"}});
 }
 
 TEST(ReadStl, RefusesWrongText) {
-  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0\n")),
-            "a.stl:4: vertex coordinate `` is no finite number");
-  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0 0 0\n")),
-            "a.stl:4: vertex has a fourth value `0`");
-  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0 0\n")),
-            "a.stl:5: facet has 1 vertex, 3 are needed");
-  EXPECT_EQ(stl_error("solid\nvertex 0 0 0\n"), "a.stl:2: `vertex` is out of place");
-  EXPECT_EQ(stl_error("solid\nfacet\nvertx 0 0 0\n"), "a.stl:3: `vertx` is no word of STL");
-  EXPECT_EQ(stl_error("solid\nfacet normal 0 0 1\nouter loop\n"),
-            "a.stl:3: the file ends inside a facet");
+  test::expect_refused(
+      "a.stl",
+      {{"solid\n" + facet("vertex 0 inf 0\n"), "4: vertex coordinate `inf` is no finite number"},
+       {"solid\n" + facet("vertex 0 0\n"), "4: vertex coordinate `` is no finite number"},
+       {"solid\n" + facet("vertex 0 0 0 0\n"), "4: vertex has a fourth value `0`"},
+       {"solid\n" + facet("vertex 0 0 0\n"), "5: facet has 1 vertex, 3 are needed"},
+       {"solid\nvertex 0 0 0\n", "2: `vertex` is out of place"},
+       {"solid\nfacet\nvertx 0 0 0\n", "3: `vertx` is no word of STL"},
+       {"solid\nfacet normal 0 0 1\nouter loop\n", "3: the file ends inside a facet"}});
 }
 
 // Of a tetrahedron whose corners each triangle has anew, a step of float32 apart.
@@ -270,31 +240,26 @@ TEST(ReadStl, LeavesCornersThatDifferByMore) {
   constexpr float kStep = 0x1p-23f;  // at 1
   const glm::vec3 apart(0, 3 * kStep, 0), near(0, kStep, 0);
   const glm::vec3 a(0, 0, 0), b(1, 0, 0), c(0.5f, 1, 0), e(0.5f, -1, 0);
-  EXPECT_EQ(stl_of(binary_stl({{{a, b, c}}, {{b + near, a + near, e}}})).mesh.vertex_count(), 4);
-  EXPECT_EQ(stl_of(binary_stl({{{a, b, c}}, {{b + apart, a + apart, e}}})).mesh.vertex_count(), 6);
-  EXPECT_EQ(
-      stl_of(binary_stl({{{a, b, c}}, {{a + near, e, glm::vec3(-1, 0, 0)}}})).mesh.vertex_count(),
-      6);
   const glm::vec3 i(kStep, 0, 0), j(0, kStep, 0);
-  const MeshFile small = stl_of(binary_stl({{{a, i, j}}, {{i + near, a + near, b}}}));
-  EXPECT_EQ(small.mesh.face_count(), 2);
-  EXPECT_EQ(small.mesh.vertex_count(), 5);
+  const auto vertices_of = [](const std::vector<std::array<glm::vec3, 3>>& triangles) {
+    const PolygonMesh mesh = stl_of(binary_stl(triangles)).mesh;
+    EXPECT_EQ(mesh.face_count(), 2);
+    return mesh.vertex_count();
+  };
+  EXPECT_EQ(vertices_of({{{a, b, c}}, {{b + near, a + near, e}}}), 4);
+  EXPECT_EQ(vertices_of({{{a, b, c}}, {{b + apart, a + apart, e}}}), 6);
+  EXPECT_EQ(vertices_of({{{a, b, c}}, {{a + near, e, glm::vec3(-1, 0, 0)}}}), 6);
+  EXPECT_EQ(vertices_of({{{a, i, j}}, {{i + near, a + near, b}}}), 5);
 }
 
 TEST(ReadStl, PassesOverZerosBehindTheTriangles) {
-  std::string bytes = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
-  const std::string padded = bytes + std::string(7, '\0');
+  const std::string padded =
+      binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}}) + std::string(7, '\0');
   const MeshFile file = read_mesh(test::bytes_of(padded), "a.stl", FileFormat::Stl);
   EXPECT_EQ(file.mesh.face_count(), 1);
-  ASSERT_EQ(file.warnings.size(), 1u);
-  EXPECT_EQ(file.warnings[0].message,
-            "a.stl: 7 zero bytes behind the triangles, from byte 134 on, are left out");
-  EXPECT_EQ(stl_error(bytes + "x"),
-            "a.stl: header promises 1 triangles in 134 bytes, but the file has 135");
-  bytes[80] = 0;
-  EXPECT_EQ(stl_error(bytes),
-            "a.stl: header promises 0 triangles in 84 bytes, but the file has 134, which 1 "
-            "triangles need");
+  EXPECT_THAT(test::messages_of(file.warnings),
+              ElementsAre("a.stl: 7 zero bytes behind the triangles, from byte 134 on, are left "
+                          "out"));
 }
 
 TEST(ReadStl, TellsOfColours) {

@@ -11,6 +11,7 @@
 #include <limits>
 #include <span>
 
+#include "files/read_bytes.h"
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -25,6 +26,7 @@ namespace planish {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 SurfaceMesh two_quads() {
   SurfaceMesh surface;
@@ -35,24 +37,19 @@ SurfaceMesh two_quads() {
   return surface;
 }
 
-std::string written_surface(FileFormat format, const SurfaceMesh& surface) {
+std::string written_surface(FileFormat format, const SurfaceMesh& surface,
+                            std::span<const NamedField> fields = {}) {
   const test::TemporaryFolder folder;
-  write_surface(folder.path() / "surface", format, surface, {"planish level=1"});
-  const auto bytes = read_file(folder.path() / "surface");
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  write_surface(folder.path() / "surface", format, surface, {"planish level=1"}, fields);
+  return test::content_of(folder.path() / "surface");
 }
 
 TEST(WriteSurface, PlyCarriesFieldsBehindEverythingElse) {
-  const test::TemporaryFolder folder;
-  const SurfaceMesh surface = two_quads();
   const std::vector<float> values{1, 2, 3, 4, 5, -6.5f};
-  const std::vector<NamedField> fields{{"error", values}};
-  write_surface(folder.path() / "s", FileFormat::Ply, surface, {}, fields);
-  const auto bytes = read_file(folder.path() / "s");
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string text =
+      written_surface(FileFormat::Ply, two_quads(), std::vector<NamedField>{{"error", values}});
   const std::size_t header = text.find("end_header\n") + 11;
-  EXPECT_NE(text.find("property float nz\nproperty float error\nelement face 2\n"),
-            std::string::npos);
+  EXPECT_THAT(text, HasSubstr("property float nz\nproperty float error\nelement face 2\n"));
   constexpr std::size_t kVertex = 3 * 8 + 3 * 4 + 4;
   for (std::size_t v = 0; v < values.size(); ++v) {
     float value = 0;
@@ -133,7 +130,41 @@ std::string refusal(FileFormat format, const SurfaceMesh& surface,
 }
 
 TEST(WriteSurface, IndicesAndCountsThatDoNotFitAreRefused) {
-  const auto expect = [](const std::string& message, const auto& spoil) {
+  struct Row {
+    const char* message;
+    void (*spoil)(SurfaceMesh&);
+  };
+  for (const auto& [message, spoil] : {
+           Row{"face corner 3 names vertex 6 of 6", [](auto& s) { s.face_vertices[3] = 6; }},
+           Row{"face corner 7 names vertex -1 of 6", [](auto& s) { s.face_vertices[7] = -1; }},
+           Row{"the number of quad corners is no multiple of 4",
+               [](auto& s) { s.face_vertices.pop_back(), s.face_uvs.pop_back(); }},
+           Row{"face 0 has 1 corner, at least 3 are needed",
+               [](auto& s) {
+                 s.face_offsets = {0, 1, 8};
+               }},
+           Row{"face 1 has 2 corners, at least 3 are needed",
+               [](auto& s) {
+                 s.face_offsets = {0, 6, 8};
+               }},
+           Row{"face 0 spans corners 0 to 9 of 8",
+               [](auto& s) {
+                 s.face_offsets = {0, 9, 8};
+               }},
+           Row{"the face offsets do not span the face corners",
+               [](auto& s) {
+                 s.face_offsets = {0, 4, 7};
+               }},
+           Row{"5 normals for 6 positions", [](auto& s) { s.normals.pop_back(); }},
+           Row{"5 colours where 6 are needed, or none", [](auto& s) { s.colors.pop_back(); }},
+           Row{"7 corners of the texture where 8 are needed, or none",
+               [](auto& s) { s.face_uvs.pop_back(); }},
+           Row{"the texture coordinate of corner 2 has number 2 of 2",
+               [](auto& s) { s.face_uvs[2] = 2; }},
+           Row{"1 groups of faces where 2 are needed, or none",
+               [](auto& s) { s.face_groups.pop_back(); }},
+           Row{"the group of face 1 has number 1 of 1", [](auto& s) { s.face_groups[1] = 1; }},
+       }) {
     SurfaceMesh surface = two_quads();
     surface.uvs = {{0, 0}, {0.5, 0}};
     surface.face_uvs = {0, 1, 0, 1, 0, 1, 0, 1};
@@ -143,30 +174,7 @@ TEST(WriteSurface, IndicesAndCountsThatDoNotFitAreRefused) {
     spoil(surface);
     for (const FileFormat format : kPolygonFormats)
       EXPECT_EQ(refusal(format, surface), message) << name_of(format);
-  };
-  expect("face corner 3 names vertex 6 of 6", [](auto& s) { s.face_vertices[3] = 6; });
-  expect("face corner 7 names vertex -1 of 6", [](auto& s) { s.face_vertices[7] = -1; });
-  expect("the number of quad corners is no multiple of 4", [](auto& s) {
-    s.face_vertices.pop_back();
-    s.face_uvs.pop_back();
-  });
-  expect("face 0 has 1 corner, at least 3 are needed", [](auto& s) { s.face_offsets = {0, 1, 8}; });
-  expect("face 1 has 2 corners, at least 3 are needed", [](auto& s) {
-    s.face_offsets = {0, 6, 8};
-  });
-  expect("face 0 spans corners 0 to 9 of 8", [](auto& s) { s.face_offsets = {0, 9, 8}; });
-  expect("the face offsets do not span the face corners", [](auto& s) {
-    s.face_offsets = {0, 4, 7};
-  });
-  expect("5 normals for 6 positions", [](auto& s) { s.normals.pop_back(); });
-  expect("5 colours where 6 are needed, or none", [](auto& s) { s.colors.pop_back(); });
-  expect("7 corners of the texture where 8 are needed, or none",
-         [](auto& s) { s.face_uvs.pop_back(); });
-  expect("the texture coordinate of corner 2 has number 2 of 2",
-         [](auto& s) { s.face_uvs[2] = 2; });
-  expect("1 groups of faces where 2 are needed, or none",
-         [](auto& s) { s.face_groups.pop_back(); });
-  expect("the group of face 1 has number 1 of 1", [](auto& s) { s.face_groups[1] = 1; });
+  }
 }
 
 TEST(WriteSurface, NormalsAndFieldsThatAreNotFiniteAreRefused) {
@@ -174,10 +182,9 @@ TEST(WriteSurface, NormalsAndFieldsThatAreNotFiniteAreRefused) {
   std::vector<float> values{1, 2, 3, 4, 5, 6};
   std::vector<NamedField> fields{{"error", values}};
   surface.normals[4].z = std::numeric_limits<float>::quiet_NaN();
-  for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Usda})
-    EXPECT_EQ(
-        refusal(format, surface),
-        "the normal of vertex 4 is not finite: (0.6, 0, nan); mend what made it, or leave it out");
+  EXPECT_EQ(
+      refusal(FileFormat::Ply, surface),
+      "the normal of vertex 4 is not finite: (0.6, 0, nan); mend what made it, or leave it out");
   surface = two_quads();
   values[3] = std::numeric_limits<float>::infinity();
   for (const FileFormat format : {FileFormat::Ply, FileFormat::Usda})
@@ -199,11 +206,12 @@ TEST(WriteSurface, FieldsOfBlocksAreAsManyAsTheirRows) {
   const std::vector<float> values(15, 0.5f);
   const std::vector<NamedField> fields{{"error", values}};
   const test::TemporaryFolder folder;
-  const std::string message = test::message_of(ErrorCode::InvalidArgument, [&] {
-    write_surface(folder.path() / "s", FileFormat::Ply, *base.level(0),
-                  {.header = {}, .fields = fields, .observe = {}, .callbacks = {}});
-  });
-  EXPECT_EQ(message, (folder.path() / "s").string() + ": 15 values of error for 16 positions");
+  EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
+                               [&] {
+                                 write_surface(folder.path() / "s", FileFormat::Ply, *base.level(0),
+                                               {.fields = fields, .callbacks = {}});
+                               }),
+              HasSubstr("s: 15 values of error for 16 positions"));
 }
 
 TEST(WriteSurface, ObjCarriesNormals) {
@@ -228,14 +236,19 @@ TEST(WriteSurface, ObjCarriesAttributes) {
             "g a\nusemtl x\nf 1/1/1 2/2/2 3/3/3 4/4/4\nusemtl y\nf 2/5/2 5/5/5 6/5/6 3/5/3\n");
 }
 
-TEST(WriteSurface, OffCarriesPositions) {
-  EXPECT_EQ(written_surface(FileFormat::Off, two_quads()),
-            "OFF\n# planish level=1\n6 2 0\n0 0 0\n1 0 0.1\n1 1 0\n0 1 0\n2 0 0\n2 1 0\n"
-            "4 0 1 2 3\n4 1 4 5 2\n");
+TEST(WriteSurface, OffCarriesPositionsAndPolygonsOfLevelZero) {
+  SurfaceMesh surface = two_quads();
+  const std::string start =
+      "OFF\n# planish level=1\n6 2 0\n0 0 0\n1 0 0.1\n1 1 0\n0 1 0\n2 0 0\n2 1 0\n";
+  EXPECT_EQ(written_surface(FileFormat::Off, surface), start + "4 0 1 2 3\n4 1 4 5 2\n");
+  surface.level = 0;
+  surface.face_offsets = {0, 3, 8};
+  EXPECT_EQ(written_surface(FileFormat::Off, surface), start + "3 0 1 2\n5 3 1 4 5 2\n");
 }
 
-TEST(WriteSurface, PlyCarriesNormals) {
-  const std::string text = written_surface(FileFormat::Ply, two_quads());
+TEST(WriteSurface, PlyIsReadBackWithItsNormals) {
+  const SurfaceMesh surface = two_quads();
+  const std::string text = written_surface(FileFormat::Ply, surface);
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment planish level=1\nelement vertex 6\n"
       "property double x\nproperty double y\nproperty double z\nproperty float nx\n"
@@ -243,21 +256,11 @@ TEST(WriteSurface, PlyCarriesNormals) {
       "property list uchar int vertex_indices\nend_header\n";
   ASSERT_TRUE(text.starts_with(header)) << text;
   EXPECT_EQ(text.size(), header.size() + 6 * (3 * 8 + 3 * 4) + 2 * (1 + 4 * 4));
-  float normal_x = 0;
-  std::memcpy(&normal_x, text.data() + header.size() + 4 * 36 + 24, sizeof(normal_x));
-  EXPECT_EQ(normal_x, 0.6f);
-}
-
-TEST(WriteSurface, EveryFormatIsReadBack) {
-  const SurfaceMesh surface = two_quads();
-  for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Off}) {
-    const std::string text = written_surface(format, surface);
-    const PolygonMesh mesh =
-        read_mesh(std::as_bytes(std::span(text.data(), text.size())), "surface", format).mesh;
-    EXPECT_EQ(mesh.positions, surface.positions);
-    EXPECT_EQ(mesh.face_vertices, surface.face_vertices);
-    EXPECT_THAT(mesh.face_offsets, ElementsAre(0, 4, 8));
-  }
+  const MeshFile file = read_mesh(test::bytes_of(text), "surface", FileFormat::Ply);
+  EXPECT_EQ(file.mesh.positions, surface.positions);
+  EXPECT_EQ(file.mesh.face_vertices, surface.face_vertices);
+  EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 8));
+  EXPECT_EQ(file.normals, surface.normals);
 }
 
 TEST(WriteSurface, StlIsReadBackAsTriangles) {
@@ -268,8 +271,7 @@ TEST(WriteSurface, StlIsReadBackAsTriangles) {
   float normal[3];
   std::memcpy(normal, bytes.data() + 84, sizeof normal);
   EXPECT_NEAR(glm::length(glm::vec3(normal[0], normal[1], normal[2])), 1, 1e-6);
-  const PolygonMesh mesh =
-      read_mesh(std::as_bytes(std::span(bytes.data(), bytes.size())), "s", FileFormat::Stl).mesh;
+  const PolygonMesh mesh = read_mesh(test::bytes_of(bytes), "s", FileFormat::Stl).mesh;
   EXPECT_EQ(mesh.face_count(), 4);
   ASSERT_EQ(mesh.positions.size(), 6u);
   for (const glm::dvec3& position : mesh.positions) {
@@ -299,20 +301,18 @@ TEST(WriteSurface, UsdaCarriesEverything) {
         "int[] primvars:st:indices = [0, 1, 2, 3, 3, 2, 1, 0]\n",
         "def GeomSubset \"group_0_left_side\"", "int[] indices = [1]\n",
         "def GeomSubset \"group_1\"", "int[] indices = [0]\n"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    EXPECT_THAT(text, HasSubstr(part));
 }
 
 TEST(WriteSurface, UsdaOfBlocksSaysWhichAxisIsUp) {
   const PolygonMesh mesh = test::cube();
   const DooSabinSurface base(mesh, {});
-  const auto blocks = base.level(1);
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "a.usda";
   for (const bool is_z_up : {false, true}) {
-    const test::TemporaryFolder folder;
-    const auto path = folder.path() / "a.usda";
-    (void)write_surface(path, FileFormat::Usda, *blocks, {.is_z_up = is_z_up, .callbacks = {}});
-    const auto bytes = read_file(path);
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    EXPECT_EQ(text.find("upAxis = \"Z\"") != text.npos, is_z_up);
+    (void)write_surface(path, FileFormat::Usda, *base.level(1),
+                        {.is_z_up = is_z_up, .callbacks = {}});
+    EXPECT_EQ(test::content_of(path).find("upAxis = \"Z\"") != std::string::npos, is_z_up);
   }
 }
 
@@ -324,14 +324,13 @@ TEST(WriteMesh, UsdaCagesSayHowTheyAreSubdivided) {
   cube.hole_faces = {2};
   write_mesh(folder.path() / "c.usda", FileFormat::Usda, cube,
              {.header = {}, .subdivision = {"catmullClark", true}});
-  const auto bytes = read_file(folder.path() / "c.usda");
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string text = test::content_of(folder.path() / "c.usda");
   for (const char* part :
        {"subdivisionScheme = \"catmullClark\"\n", "interpolateBoundary = \"edgeAndCorner\"\n",
         "creaseIndices = [0, 1, 1, 2]\n", "creaseLengths = [2, 2]\n",
         "creaseSharpnesses = [10, 2.5]\n", "cornerIndices = [3]\n", "cornerSharpnesses = [10]\n",
         "holeIndices = [2]\n"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    EXPECT_THAT(text, HasSubstr(part));
   EXPECT_EQ(text.find("normals"), std::string::npos);
 }
 
@@ -362,36 +361,15 @@ TEST(WriteSurface, LargePolygonsAreReadBack) {
   EXPECT_EQ(read.face_offsets, mesh.face_offsets);
 }
 
-TEST(WriteSurface, LevelZeroKeepsPolygons) {
-  SurfaceMesh surface = two_quads();
-  surface.level = 0;
-  surface.face_offsets = {0, 3, 8};
-  const std::string text = written_surface(FileFormat::Off, surface);
-  EXPECT_TRUE(text.ends_with("3 0 1 2\n5 3 1 4 5 2\n")) << text;
-}
-
-}  // namespace
-}  // namespace planish
-
-namespace planish::test {
-namespace {
-
 // Numbers that are not finite, given to each writer: a named error, and no file.
 
 using testing::AllOf;
-using testing::HasSubstr;
 
-constexpr std::array kSurfaceFormats{FileFormat::Obj, FileFormat::Ply, FileFormat::Off,
-                                     FileFormat::Stl, FileFormat::Usda};
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
                  kInfinite = std::numeric_limits<double>::infinity();
 
 SurfaceMesh mapped_quads() {
-  SurfaceMesh surface;
-  surface.level = 1;
-  surface.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
-  surface.normals.assign(6, {0, 0, 1});
-  surface.face_vertices = {0, 1, 2, 3, 1, 4, 5, 2};
+  SurfaceMesh surface = two_quads();
   surface.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {2, 0}, {2, 1}};
   surface.face_uvs = surface.face_vertices;
   surface.colors.assign(6, glm::vec4(0.5f));
@@ -400,15 +378,16 @@ SurfaceMesh mapped_quads() {
 
 // What write(folder) is refused by; nothing is left.
 std::string not_written(const std::function<void(const std::filesystem::path&)>& write) {
-  const TemporaryFolder folder;
-  const std::string message = message_of(ErrorCode::InvalidArgument, [&] { write(folder.path()); });
+  const test::TemporaryFolder folder;
+  const std::string message =
+      test::message_of(ErrorCode::InvalidArgument, [&] { write(folder.path()); });
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   return message;
 }
 
 TEST(FiniteNumbers, OfSurfacesMadeAsTheyAreWritten) {
   for (const double wrong : {kNan, kInfinite, -kInfinite}) {
-    for (const FileFormat format : kSurfaceFormats) {
+    for (const FileFormat format : kPolygonFormats) {
       const auto refused = [&](const auto& spoil) {
         SurfaceMesh surface = mapped_quads();
         spoil(surface);
@@ -430,12 +409,37 @@ TEST(FiniteNumbers, OfSurfacesMadeAsTheyAreWritten) {
 }
 
 TEST(FiniteNumbers, OfGltf) {
+  struct Row {
+    const char* message;
+    std::function<void(SurfaceMesh&, GltfOptions&)> spoil;
+  };
   for (const double wrong : {kNan, kInfinite, -kInfinite}) {
+    const auto narrow = static_cast<float>(wrong);
+    const std::vector<float> values{1, narrow, 1, 1, 1, 1};
+    std::vector<glm::dvec2> uvs(6);
+    uvs[2].y = wrong;
+    const std::vector<Row> rows{
+        {"vertex 4 has a coordinate that float32 cannot hold: (",
+         [&](auto& s, auto&) { s.positions[4].y = wrong; }},
+        {"the normal of vertex 2 has length", [&](auto& s, auto&) { s.normals[2].x = narrow; }},
+        {"the colour of vertex 3 is not finite: (",
+         [&](auto& s, auto&) { s.colors[3].a = narrow; }},
+        {"texture coordinate 5 is not finite: (", [&](auto& s, auto&) { s.uvs[5].x = wrong; }},
+        {"error of vertex 1 is not finite: ",
+         [&](auto&, auto& o) {
+           o.fields = {{"error", values}};
+         }},
+        {"WEIGHT of number 1 is not finite: ",
+         [&](auto&, auto& o) {
+           o.attributes = {{.name = "WEIGHT", .width = 1, .values = values}};
+         }},
+        {"further texture coordinate 2 is not finite: (",
+         [&](auto&, auto& o) { o.further_uvs = {uvs}; }}};
     for (const GltfCompression compression :
          {GltfCompression::None, GltfCompression::Quantize, GltfCompression::Meshopt}) {
       for (const char* name : {"s.glb", "s.gltf"}) {
         for (const std::uint64_t buffer_bytes : {std::uint64_t{1} << 30, std::uint64_t{100}}) {
-          const auto refused = [&](const auto& spoil) {
+          for (const auto& [message, spoil] : rows) {
             SurfaceMesh surface = mapped_quads();
             GltfOptions options;
             options.name = name;
@@ -443,36 +447,11 @@ TEST(FiniteNumbers, OfGltf) {
             options.position_error = 1e-4;
             options.buffer_bytes = buffer_bytes;
             spoil(surface, options);
-            return not_written([&](const auto& folder) {
-              write_gltf(folder / name, *blocks_of(surface, {}), options);
-            });
-          };
-          EXPECT_THAT(refused([&](auto& s, auto&) { s.positions[4].y = wrong; }),
-                      HasSubstr("vertex 4 has a coordinate that float32 cannot hold: ("));
-          EXPECT_THAT(refused([&](auto& s, auto&) { s.normals[2].x = static_cast<float>(wrong); }),
-                      HasSubstr("the normal of vertex 2 has length"));
-          EXPECT_THAT(refused([&](auto& s, auto&) { s.colors[3].a = static_cast<float>(wrong); }),
-                      HasSubstr("the colour of vertex 3 is not finite: ("));
-          EXPECT_THAT(refused([&](auto& s, auto&) { s.uvs[5].x = wrong; }),
-                      HasSubstr("texture coordinate 5 is not finite: ("));
-          std::vector<float> values(6, 1.0f);
-          values[1] = static_cast<float>(wrong);
-          EXPECT_THAT(refused([&](auto&, auto& o) {
-                        o.fields = {{"error", values}};
-                      }),
-                      HasSubstr("error of vertex 1 is not finite: "));
-          EXPECT_THAT(refused([&](auto&, auto& o) {
-                        GltfAttribute attribute;
-                        attribute.name = "WEIGHT";
-                        attribute.width = 1;
-                        attribute.values = values;
-                        o.attributes = {attribute};
-                      }),
-                      HasSubstr("WEIGHT of number 1 is not finite: "));
-          std::vector<glm::dvec2> uvs(6);
-          uvs[2].y = wrong;
-          EXPECT_THAT(refused([&](auto&, auto& o) { o.further_uvs = {uvs}; }),
-                      HasSubstr("further texture coordinate 2 is not finite: ("));
+            EXPECT_THAT(not_written([&](const auto& folder) {
+                          write_gltf(folder / name, *blocks_of(surface, {}), options);
+                        }),
+                        HasSubstr(message));
+          }
         }
       }
     }
@@ -483,13 +462,13 @@ TEST(FiniteNumbers, OfCages) {
   for (const double wrong : {kNan, kInfinite}) {
     for (const FileFormat format :
          {FileFormat::Obj, FileFormat::Ply, FileFormat::Off, FileFormat::Usda}) {
-      PolygonMesh mesh = cube();
+      PolygonMesh mesh = test::cube();
       mesh.positions[3].z = wrong;
       EXPECT_THAT(
-          not_written([&](const auto& folder) { write_mesh(folder / "cage.file", format, mesh); }),
+          not_written([&](auto& folder) { write_mesh(folder / "cage.file", format, mesh); }),
           HasSubstr("cage.file: vertex 3 is not finite: ("));
     }
-    PolygonMesh mesh = cube();
+    PolygonMesh mesh = test::cube();
     mesh.creases = {{0, 1, std::numeric_limits<float>::quiet_NaN()}};
     EXPECT_THAT(not_written([&](const auto& folder) {
                   write_mesh(folder / "cage.obj", FileFormat::Obj, mesh);
@@ -499,4 +478,4 @@ TEST(FiniteNumbers, OfCages) {
 }
 
 }  // namespace
-}  // namespace planish::test
+}  // namespace planish

@@ -123,18 +123,15 @@ std::string sheet_glb(const Stream& stream) {
   return test::glb_of(sheet_json(stream), stream.bytes);
 }
 
-std::string draco_error(const Stream& stream, const std::string& json) {
-  return test::glb_error(test::glb_of(json, stream.bytes));
+// Of a point on the sheet.
+int number_of(const glm::dvec3& p) {
+  return static_cast<int>(std::lround(p.y)) * (kSide + 1) + static_cast<int>(std::lround(p.x));
 }
 
 // The place of a triangle: its corners' numbers on the sheet, the least first.
 std::array<int, 3> numbers_of(const PolygonMesh& mesh, std::int32_t face) {
   std::array<int, 3> numbers{};
-  for (int k = 0; k < 3; ++k) {
-    const glm::dvec3& p = mesh.positions[mesh.face(face)[k]];
-    numbers[k] =
-        static_cast<int>(std::lround(p.y)) * (kSide + 1) + static_cast<int>(std::lround(p.x));
-  }
+  for (int k = 0; k < 3; ++k) numbers[k] = number_of(mesh.positions[mesh.face(face)[k]]);
   std::ranges::rotate(numbers, std::ranges::min_element(numbers));
   return numbers;
 }
@@ -148,8 +145,7 @@ void expect_sheet(const PolygonMesh& mesh, double error) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t corner = mesh.face_offsets[face] + k;
       const glm::dvec3& p = mesh.positions[mesh.face_vertices[corner]];
-      const int number =
-          static_cast<int>(std::lround(p.y)) * (kSide + 1) + static_cast<int>(std::lround(p.x));
+      const int number = number_of(p);
       EXPECT_LE(glm::distance(p, glm::dvec3(sheet_point(number))), error);
       // Texture coordinates are not quantised, and run upwards here.
       const glm::dvec2& uv = mesh.uvs[mesh.face_uvs[corner]];
@@ -190,8 +186,7 @@ TEST(ReadDraco, AnAssetComesOutUnpacked) {
   options.settings.set_levels({0});
   options.settings.quads = QuadChoice::Off;
   (void)fit_file(input, output, options);
-  std::ifstream file(output, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = test::content_of(output);
   EXPECT_EQ(bytes.find("KHR_draco"), std::string::npos);
   const MeshFile made = test::read_glb(bytes);
   for (int i = 0; i < kPointCount; ++i) {
@@ -225,47 +220,44 @@ TEST(ReadDraco, PlainBytesBesideAreReadInstead) {
   const MeshFile file = test::read_glb(test::glb_of(both, plain + stream.bytes));
   ASSERT_EQ(file.mesh.vertex_count(), kPointCount);
   for (const glm::dvec3& p : file.mesh.positions)
-    EXPECT_EQ(p,
-              glm::dvec3(sheet_point(static_cast<int>(p.y) * (kSide + 1) + static_cast<int>(p.x))));
+    EXPECT_EQ(p, glm::dvec3(sheet_point(number_of(p))));
 }
 
 TEST(ReadDraco, CountsAreHeldAgainstTheStream) {
   for (const auto method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
     const Stream stream = sheet_stream(method, 14);
-    EXPECT_THAT(draco_error(stream, sheet_json(stream, kPointCount, kCornerCount - 3)),
-                HasSubstr("the stream has 288 triangles, and the indices 861 corners"));
-    EXPECT_THAT(draco_error(stream, sheet_json(stream, kPointCount - 1)),
-                HasSubstr("the stream has 169 points, and the positions 168"));
-    EXPECT_THAT(draco_error(stream, sheet_json(stream, kPointCount, 9'000'000'000)),
-                HasSubstr("9000000000 corners of 169 points cannot come from"));
-    EXPECT_THAT(draco_error(stream, sheet_json(stream, 2'000'000'000)),
-                HasSubstr("cannot come from"));
-    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "\"TEXCOORD_0\":1",
-                                                   "\"TEXCOORD_0\":7")),
-                HasSubstr("attributes.TEXCOORD_0: the Draco stream has no attribute 7"));
-    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "\"VEC2\"", "\"VEC3\"")),
-                HasSubstr("`VEC3` stands in the place of `VEC2`"));
-    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "5121", "5123")),
-                HasSubstr("elements of 4 numbers of type 5123 are packed as"));
-    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "\"indices\":0",
-                                                   "\"indices\":0,\"mode\":5")),
-                HasSubstr("mode: only triangles are read of Draco streams"));
+    const std::string json = sheet_json(stream);
+    std::vector<test::WrongFile> files;
+    for (const auto& [changed, message] : std::vector<std::pair<std::string, std::string>>{
+             {sheet_json(stream, kPointCount, kCornerCount - 3),
+              "the stream has 288 triangles, and the indices 861 corners"},
+             {sheet_json(stream, kPointCount - 1),
+              "the stream has 169 points, and the positions 168"},
+             {sheet_json(stream, kPointCount, 9'000'000'000),
+              "9000000000 corners of 169 points cannot come from"},
+             {sheet_json(stream, 2'000'000'000), "cannot come from"},
+             {test::replaced(json, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":7)"),
+              "attributes.TEXCOORD_0: the Draco stream has no attribute 7"},
+             {test::replaced(json, "VEC2", "VEC3"), "`VEC3` stands in the place of `VEC2`"},
+             {test::replaced(json, "5121", "5123"),
+              "elements of 4 numbers of type 5123 are packed as"},
+             {test::replaced(json, R"("indices":0)", R"("indices":0,"mode":5)"),
+              "mode: only triangles are read of Draco streams"}})
+      files.push_back({test::glb_of(changed, stream.bytes), HasSubstr(message)});
+    test::expect_refused("a.glb", files);
   }
 }
 
 TEST(ReadDraco, OtherStreamsAreRefused) {
-  Stream stream = sheet_stream(draco::MESH_EDGEBREAKER_ENCODING, 14);
-  const std::string json = sheet_json(stream);
-  stream.bytes[6] = 1;
-  EXPECT_THAT(draco_error(stream, json),
-              HasSubstr("the stream is no mesh of Draco's bitstream 2.2"));
-  stream.bytes[6] = 2;
-  stream.bytes[7] = 0;  // points
-  EXPECT_THAT(draco_error(stream, json),
-              HasSubstr("the stream is no mesh of Draco's bitstream 2.2"));
-  stream.bytes[7] = 1;
-  std::fill(stream.bytes.begin() + 40, stream.bytes.end(), '\0');
-  EXPECT_THAT(draco_error(stream, json), HasSubstr("the stream is no Draco mesh"));
+  const Stream stream = sheet_stream(draco::MESH_EDGEBREAKER_ENCODING, 14);
+  Stream older = stream, points = stream, zeros = stream;
+  older.bytes[6] = 1;
+  points.bytes[7] = 0;
+  std::fill(zeros.bytes.begin() + 40, zeros.bytes.end(), '\0');
+  test::expect_refused(
+      "a.glb", {{sheet_glb(older), HasSubstr("the stream is no mesh of Draco's bitstream 2.2")},
+                {sheet_glb(points), HasSubstr("the stream is no mesh of Draco's bitstream 2.2")},
+                {sheet_glb(zeros), HasSubstr("the stream is no Draco mesh")}});
 }
 
 TEST(ReadDraco, DamagedStreamsAreReadOrRefused) {

@@ -24,7 +24,6 @@
 namespace planish {
 namespace {
 
-using test::glb_error;
 using test::glb_of;
 using test::read_glb;
 using test::read_square;
@@ -47,25 +46,25 @@ TEST(ReadGltf, ReadsIndexedTriangles) {
 }
 
 TEST(ReadGltf, ReadsStripsAndFansWithTheirWinding) {
-  const std::string chunk = square_chunk();
-  const auto mode = [&](const char* text, std::initializer_list<double> indices) {
-    const std::string json = replaced(
-        replaced(square_json(), "\"indices\":1", std::string("\"indices\":1,\"mode\":") + text),
-        "\"count\":6", "\"count\":" + std::to_string(indices.size()));
-    return read_glb(glb_of(json, chunk.substr(0, 48) + values<std::uint16_t>(indices) +
+  const auto faces = [&](const std::string& mode, std::initializer_list<double> indices) {
+    const std::string json =
+        replaced(replaced(square_json(), R"("indices":1)", R"("indices":1,"mode":)" + mode),
+                 R"("count":6)", R"("count":)" + std::to_string(indices.size()));
+    return read_glb(glb_of(json, square_chunk().substr(0, 48) + values<std::uint16_t>(indices) +
                                      std::string(12, '\0')))
         .mesh.face_vertices;
   };
-  EXPECT_THAT(mode("5", {0, 1, 3, 2}), ElementsAre(0, 1, 2, 1, 3, 2));
-  EXPECT_THAT(mode("6", {0, 1, 2, 3}), ElementsAre(1, 2, 0, 2, 3, 0));
-  EXPECT_THAT(mode("5", {0, 1}), IsEmpty());
+  EXPECT_THAT(faces("5", {0, 1, 3, 2}), ElementsAre(0, 1, 2, 1, 3, 2));
+  EXPECT_THAT(faces("6", {0, 1, 2, 3}), ElementsAre(1, 2, 0, 2, 3, 0));
+  EXPECT_THAT(faces("5", {0, 1}), IsEmpty());
 }
 
 TEST(ReadGltf, ReadsWithoutIndicesAndWelds) {
-  std::string json = replaced(square_json(), ",\"indices\":1", "");
-  json = replaced(json, "\"count\":4", "\"count\":6");
-  json = replaced(json, "\"byteLength\":48", "\"byteLength\":72");
-  json = replaced(json, "\"buffers\":[{\"byteLength\":60}", "\"buffers\":[{\"byteLength\":72}");
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
+      R"({"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":6,)"
+      R"("type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":72}],)"
+      R"("buffers":[{"byteLength":72}]})";
   const MeshFile file = read_glb(
       glb_of(json, values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, -0.0, 0, 0, 1, 1, 0, 0, 1, 0})));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
@@ -83,11 +82,11 @@ TEST(ReadGltf, WeldsAcrossPrimitivesAndNodes) {
 
 TEST(ReadGltf, AppliesTransformsDownTheTree) {
   // Parent: a quarter turn about z, then (10, 0, 0); child: twice as long in x, then (0, 0, 5).
-  const double half = std::sqrt(0.5);
-  const std::string nodes = "[{\"children\":[1],\"translation\":[10,0,0],\"rotation\":[0,0," +
-                            std::to_string(half) + "," + std::to_string(half) +
-                            "]},{\"mesh\":0,\"scale\":[2,1,1],\"translation\":[0,0,5]}]";
-  const MeshFile file = read_square("[{\"mesh\":0}]", nodes);
+  const std::string half = std::to_string(std::sqrt(0.5));
+  const MeshFile file =
+      read_square(R"([{"mesh":0}])", R"([{"children":[1],"translation":[10,0,0],"rotation":[0,0,)" +
+                                         half + "," + half +
+                                         R"(]},{"mesh":0,"scale":[2,1,1],"translation":[0,0,5]}])");
   const glm::dvec3 expected[] = {{10, 0, 5}, {10, 2, 5}, {9, 2, 5}, {9, 0, 5}};
   for (int i = 0; i < 4; ++i)
     for (int axis = 0; axis < 3; ++axis)
@@ -114,12 +113,11 @@ TEST(ReadGltf, MirrorsFlipTheWinding) {
 }
 
 TEST(ReadGltf, TakesTheDefaultScene) {
-  const std::string two = "\"scenes\":[{\"nodes\":[0]},{}],";
-  EXPECT_EQ(read_square("\"scene\":0,\"scenes\":[{\"nodes\":[0]}],", "\"scene\":1," + two)
-                .mesh.face_count(),
-            0);
-  EXPECT_EQ(read_square("\"scene\":0,\"scenes\":[{\"nodes\":[0]}],", two).mesh.face_count(), 2);
-  EXPECT_EQ(read_square("\"scene\":0,\"scenes\":[{\"nodes\":[0]}],", "").mesh.face_count(), 2);
+  const std::string given = R"("scene":0,"scenes":[{"nodes":[0]}],)";
+  const std::string two = R"("scenes":[{"nodes":[0]},{}],)";
+  EXPECT_EQ(read_square(given, R"("scene":1,)" + two).mesh.face_count(), 0);
+  EXPECT_EQ(read_square(given, two).mesh.face_count(), 2);
+  EXPECT_EQ(read_square(given, "").mesh.face_count(), 2);
 }
 
 TEST(ReadGltf, ReadsQuantisedPositionsWithAStride) {
@@ -135,22 +133,19 @@ TEST(ReadGltf, ReadsQuantisedPositionsWithAStride) {
 }
 
 TEST(ReadGltf, CountsWhatCarriesNoSurface) {
-  const MeshFile file = read_square("\"primitives\":[",
-                                    "\"primitives\":[{\"attributes\":{\"POSITION\":0},\"mode\":0},"
-                                    "{\"attributes\":{\"POSITION\":0},\"mode\":1},"
-                                    "{\"attributes\":{}},");
+  const MeshFile file = read_square(R"("primitives":[)",
+                                    R"("primitives":[{"attributes":{"POSITION":0},"mode":0},)"
+                                    R"({"attributes":{"POSITION":0},"mode":1},{"attributes":{}},)");
   EXPECT_EQ(file.dropped_element_count, 3);
   EXPECT_EQ(file.mesh.face_count(), 2);
 }
 
 TEST(ReadGltf, WarnsOfSkinsAndMorphTargets) {
-  const MeshFile file =
-      read_glb(glb_of(replaced(replaced(square_json(), "{\"mesh\":0}",
-                                        "{\"mesh\":0,\"skin\":0}],\"skins\":[{\"joints\":[0]}"),
-                               "\"indices\":1", "\"indices\":1,\"targets\":[{}]"),
-                      square_chunk()));
-  ASSERT_EQ(file.warnings.size(), 1u);
-  EXPECT_EQ(file.warnings[0].code, "ignored-deformation");
+  const std::string json = replaced(
+      replaced(square_json(), R"({"mesh":0})", R"({"mesh":0,"skin":0}],"skins":[{"joints":[0]})"),
+      R"("indices":1)", R"("indices":1,"targets":[{}])");
+  const MeshFile file = read_glb(glb_of(json, square_chunk()));
+  ASSERT_THAT(test::codes_of(file.warnings), ElementsAre("ignored-deformation"));
   EXPECT_EQ(file.warnings[0].count, 2);
 }
 
@@ -186,9 +181,9 @@ TEST(ReadGltf, JointsPlaceWhatTheyMove) {
   const glm::dvec3 expected[] = {{0, 0, 0}, {1, 0, 0}, {-0.5, 1, 3.75}, {-1, 0, 5}};
   for (std::size_t v = 0; v < 4; ++v)
     EXPECT_LT(glm::distance(file.mesh.positions[v], expected[v]), 1e-12) << v;
-  EXPECT_EQ(test::glb_error(glb_of(replaced(json, "\"joints\":[1,2]", "\"joints\":[1]"), chunk)),
-            "a.glb: meshes[0].primitives[0].attributes.JOINTS_0: vertex 2 names joint 1, and the "
-            "skin has 1");
+  test::expect_refused("a.glb", {{glb_of(replaced(json, "[1,2]", "[1]"), chunk),
+                                  " meshes[0].primitives[0].attributes.JOINTS_0: vertex 2 names "
+                                  "joint 1, and the skin has 1"}});
 }
 
 TEST(ReadGltf, LeavesOutWhatIsHidden) {
@@ -199,8 +194,7 @@ TEST(ReadGltf, LeavesOutWhatIsHidden) {
                                   R"("extensionsRequired":["KHR_node_visibility"])");
   const MeshFile file = read_glb(glb_of(json, square_chunk()));
   EXPECT_EQ(file.mesh.face_count(), 2);
-  ASSERT_EQ(file.warnings.size(), 1u);
-  EXPECT_EQ(file.warnings[0].code, "hidden-nodes");
+  ASSERT_THAT(test::codes_of(file.warnings), ElementsAre("hidden-nodes"));
   EXPECT_EQ(file.warnings[0].count, 1);
   json = replaced(json, "false", "true");
   EXPECT_EQ(read_glb(glb_of(json, square_chunk())).mesh.face_count(), 4);
@@ -251,55 +245,59 @@ TEST(ReadGltf, LeavesOutTrianglesWithoutArea) {
 }
 
 TEST(ReadGltf, ReadsDataUris) {
-  // The 60 bytes of the square in base64, with the padding left out in the second document.
+  // The 60 bytes of the square in base64.
   const std::string base64 =
       "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAABAAIAAAACAAMA";
-  const std::string json = replaced(
-      square_json(), "{\"byteLength\":60}",
-      "{\"byteLength\":60,\"uri\":\"data:application/octet-stream;base64," + base64 + "\"}");
+  const std::string json =
+      replaced(square_json(), R"({"byteLength":60})",
+               R"({"byteLength":60,"uri":"data:application/octet-stream;base64,)" + base64 + "\"}");
   const MeshFile file = read_glb(json);
   EXPECT_EQ(file.format, FileFormat::Gltf);
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
   EXPECT_EQ(file.mesh.positions[2], glm::dvec3(1, 1, 0));
-  EXPECT_EQ(glb_error(replaced(json, base64, "AA*A")),
-            "a.glb: buffers[0].uri: `data:application/octet-stream;base64,AA*...` is no data "
-            "URI: its base64 is broken, or it has no data");
-  EXPECT_EQ(glb_error(replaced(json, base64, "AAAA")),
-            "a.glb: buffers[0].byteLength: promises 60 bytes, but there are only 3");
+  test::expect_refused(
+      "a.glb",
+      {{replaced(json, base64, "AA*A"),
+        " buffers[0].uri: `data:application/octet-stream;base64,AA*...` is no data URI: its base64 "
+        "is broken, or it has no data"},
+       {replaced(json, base64, "AAAA"),
+        " buffers[0].byteLength: promises 60 bytes, but there are only 3"},
+       {replaced(square_json(), R"({"byteLength":60})", R"({"byteLength":60,"uri":"a.bin"})"),
+        " buffers[0].uri: `a.bin` is another file, but only embedded data can be read"}});
+}
+
+std::string text_in(const std::optional<std::vector<std::byte>>& bytes) {
+  return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()) : "none";
 }
 
 // RFC 2397, and what is in none.
 TEST(DataUri, IsThatOfItsRfc) {
-  const auto decoded = [](std::string_view uri) {
-    const auto bytes = decode_data_uri(uri);
-    return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size())
-                 : "none";
-  };
-  EXPECT_EQ(decoded("data:,A%20brief%20note"), "A brief note");
-  EXPECT_EQ(decoded("data:text/plain;charset=iso-8859-7,%be%fg%be"), "\xbe%fg\xbe");
-  EXPECT_EQ(decoded("data:application/octet-stream,%00%ff"), std::string("\0\xff", 2));
-  EXPECT_EQ(decoded("data:;base64,Zm9v"), "foo");
-  EXPECT_EQ(decoded("data:;base64,Zm8%3D"), "fo");
-  EXPECT_EQ(decoded("data:;base64,Zm-9"), "none");
-  EXPECT_EQ(decoded("data:application/octet-stream"), "none");
+  for (const auto& [uri, text] : std::vector<std::pair<std::string, std::string>>{
+           {"data:,A%20brief%20note", "A brief note"},
+           {"data:text/plain;charset=iso-8859-7,%be%fg%be", "\xbe%fg\xbe"},
+           {"data:application/octet-stream,%00%ff", std::string("\0\xff", 2)},
+           {"data:;base64,Zm9v", "foo"},
+           {"data:;base64,Zm8%3D", "fo"},
+           {"data:;base64,Zm-9", "none"},
+           {"data:application/octet-stream", "none"}})
+    EXPECT_EQ(text_in(decode_data_uri(uri)), text) << uri;
 }
 
 // The test vectors of RFC 4648, section 10, and what has more or other digits than they may.
 TEST(Base64, IsThatOfItsRfc) {
-  const auto decoded = [](std::string_view text) {
-    const auto bytes = decode_base64(text);
-    return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size())
-                 : "none";
-  };
-  EXPECT_EQ(decoded(""), "");
-  EXPECT_EQ(decoded("Zg=="), "f");
-  EXPECT_EQ(decoded("Zm8="), "fo");
-  EXPECT_EQ(decoded("Zm9v"), "foo");
-  EXPECT_EQ(decoded("Zm9vYg=="), "foob");
-  EXPECT_EQ(decoded("Zm9vYmE="), "fooba");
-  EXPECT_EQ(decoded("Zm9vYmFy"), "foobar");
-  for (const char* text : {"Zg===", "Z", "Zm9v=Zg", "Zm9-"})
-    EXPECT_EQ(decoded(text), "none") << text;
+  for (const auto& [digits, text] :
+       std::vector<std::pair<std::string, std::string>>{{"", ""},
+                                                        {"Zg==", "f"},
+                                                        {"Zm8=", "fo"},
+                                                        {"Zm9v", "foo"},
+                                                        {"Zm9vYg==", "foob"},
+                                                        {"Zm9vYmE=", "fooba"},
+                                                        {"Zm9vYmFy", "foobar"},
+                                                        {"Zg===", "none"},
+                                                        {"Z", "none"},
+                                                        {"Zm9v=Zg", "none"},
+                                                        {"Zm9-", "none"}})
+    EXPECT_EQ(text_in(decode_base64(digits)), text) << digits;
 }
 
 // Normals are placed by the inverse transpose, which stays perpendicular to what is placed.
@@ -317,68 +315,38 @@ TEST(PlacedNormal, IsThatOfTheInverseTranspose) {
 
 TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
   const test::TemporaryFolder folder;
-  const auto write = [&](const std::filesystem::path& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
-  };
   const std::filesystem::path inside = folder.path() / "inside";
-  std::filesystem::create_directory(inside);
-  write(inside / "a b.bin", square_chunk());
-  write(folder.path() / "outside.bin", square_chunk());
+  const std::string outside = (folder.path() / "outside.bin").string();
+  std::filesystem::create_directories(inside / "parts");
+  // Names that no program has encoded, and those of programs for Windows.
+  for (const char* name : {"a b.bin", "10%.bin", "parts/a.bin", "../outside.bin"})
+    std::ofstream(inside / name, std::ios::binary) << square_chunk();
   const auto read_with = [&](const std::string& uri) {
-    write(inside / "a.gltf", replaced(square_json(), "{\"byteLength\":60}",
-                                      "{\"byteLength\":60,\"uri\":\"" + uri + "\"}"));
+    std::ofstream(inside / "a.gltf") << replaced(square_json(), R"({"byteLength":60})",
+                                                 R"({"byteLength":60,"uri":")" + uri + "\"}");
     return read_mesh(inside / "a.gltf");
   };
-  // Names that no program has encoded, and those of programs for Windows.
-  write(inside / "10%.bin", square_chunk());
-  std::filesystem::create_directory(inside / "parts");
-  write(inside / "parts" / "a.bin", square_chunk());
   for (const char* uri : {"a%20b.bin", "a b.bin", "10%.bin", "10%25.bin", "parts\\\\a.bin"})
     EXPECT_EQ(read_with(uri).mesh.face_count(), 2) << uri;
-  const std::string name = (inside / "a.gltf").string();
-  for (const std::string& uri :
-       {std::string("../outside.bin"), std::string("x/../../outside.bin"),
-        std::string("%2e%2e/outside.bin"), (folder.path() / "outside.bin").string(),
-        std::string("..\\\\outside.bin"), std::string("%2e%2e%5coutside.bin")}) {
-    const std::string message =
-        test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with(uri); });
-    EXPECT_TRUE(message.starts_with(name + ": buffers[0].uri: ") &&
-                message.find("leads away from the folder of the file") != std::string::npos)
-        << message;
-  }
-  const auto refusal = [&](const std::string& uri) {
-    return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with(uri); });
-  };
-  for (const std::string& uri :
-       {"file://" + (folder.path() / "outside.bin").string(), std::string("https://a.org/a.bin")})
-    EXPECT_THAT(refusal(uri), testing::HasSubstr("is the address of something elsewhere"));
-  for (const char* uri : {"%00", ""})
-    EXPECT_THAT(refusal(uri), testing::HasSubstr("names no file"));
-  EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with("no.bin"); }),
-            name + ": buffers[0].uri: " + (inside / "no.bin").string() +
-                ": cannot read: No such file or directory; it belongs to this file, copy it along");
-  EXPECT_EQ(glb_error(replaced(square_json(), "{\"byteLength\":60}",
-                               "{\"byteLength\":60,\"uri\":\"a.bin\"}")),
-            "a.glb: buffers[0].uri: `a.bin` is another file, but only embedded data can be read");
-}
-
-// What the project itself writes is read back to the last bit of float32.
-TEST(ReadGltf, ReadsWhatIsWritten) {
-  const SurfaceMesh surface = test::wavy_grid(9, 7);
-  const std::vector<std::byte> bytes = encode_glb(surface, {});
-  const MeshFile file = read_mesh(bytes, "own.glb", FileFormat::Glb);
-  EXPECT_EQ(file.mesh.face_count(), 2 * 8 * 6);
-  ASSERT_EQ(file.mesh.vertex_count(), 63);
-  EXPECT_THAT(check(file.mesh), IsEmpty());
-  std::vector<glm::dvec3> expected;
-  for (const glm::dvec3& position : surface.positions) expected.emplace_back(glm::vec3(position));
-  const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
-    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-  };
-  std::vector<glm::dvec3> found = file.mesh.positions;
-  std::ranges::sort(expected, less);
-  std::ranges::sort(found, less);
-  EXPECT_EQ(found, expected);
+  const char *away = "leads away from the folder of the file",
+             *elsewhere = "is the address of something elsewhere", *no_name = "names no file";
+  for (const auto& [uri, message] : std::vector<std::pair<std::string, std::string>>{
+           {"../outside.bin", away},
+           {"x/../../outside.bin", away},
+           {"%2e%2e/outside.bin", away},
+           {outside, away},
+           {"..\\\\outside.bin", away},
+           {"%2e%2e%5coutside.bin", away},
+           {"file://" + outside, elsewhere},
+           {"https://a.org/a.bin", elsewhere},
+           {"%00", no_name},
+           {"", no_name},
+           {"no.bin", (inside / "no.bin").string() + ": cannot read: No such file or directory; it "
+                                                     "belongs to this file, copy it along"}})
+    EXPECT_THAT(test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with(uri); }),
+                testing::AllOf(testing::StartsWith((inside / "a.gltf: buffers[0].uri: ").string()),
+                               testing::HasSubstr(message)))
+        << uri;
 }
 
 // Sparse accessors: elements in the place of others.
@@ -387,12 +355,11 @@ using testing::HasSubstr;
 // The square with `sparse` in its positions; the chunk goes on with two bytes, numbers of vertices,
 // at 60 and two positions at 64.
 std::string sparse_json(const std::string& sparse) {
-  std::string json = replaced(square_json(), "\"count\":4", "\"count\":4,\"sparse\":" + sparse);
-  json = replaced(json, "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":12}",
-                  "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":12},"
-                  "{\"buffer\":0,\"byteOffset\":60,\"byteLength\":4},"
-                  "{\"buffer\":0,\"byteOffset\":64,\"byteLength\":24}");
-  return replaced(json, "{\"byteLength\":60}", "{\"byteLength\":88}");
+  std::string json = replaced(square_json(), R"("count":4)", R"("count":4,"sparse":)" + sparse);
+  json = replaced(json, R"("byteOffset":48,"byteLength":12})",
+                  R"("byteOffset":48,"byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":4},)"
+                  R"({"buffer":0,"byteOffset":64,"byteLength":24})");
+  return replaced(json, R"({"byteLength":60})", R"({"byteLength":88})");
 }
 
 std::string sparse_chunk(const std::string& numbers) {
@@ -402,18 +369,14 @@ std::string sparse_chunk(const std::string& numbers) {
 const std::string kSparse =
     R"({"count":2,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})";
 
-std::string sparse_error(const std::string& sparse, std::initializer_list<double> numbers) {
-  return glb_error(glb_of(sparse_json(sparse), sparse_chunk(values<std::uint16_t>(numbers))));
-}
-
 TEST(ReadGltfSparse, ElementsTakeTheirPlaces) {
   const std::string chunk = sparse_chunk(values<std::uint16_t>({1, 3}));
   EXPECT_THAT(read_glb(glb_of(sparse_json(kSparse), chunk)).mesh.positions,
               ElementsAre(glm::dvec3(0, 0, 0), glm::dvec3(5, 6, 7), glm::dvec3(1, 1, 0),
                           glm::dvec3(8, 9, 10)));
   // Indices of one byte, behind others.
-  const std::string bytes = replaced(replaced(kSparse, "5123", "5121"), "\"bufferView\":2",
-                                     "\"bufferView\":2,\"byteOffset\":2");
+  const std::string bytes = replaced(replaced(kSparse, "5123", "5121"), R"("bufferView":2)",
+                                     R"("bufferView":2,"byteOffset":2)");
   EXPECT_THAT(
       read_glb(glb_of(sparse_json(bytes), sparse_chunk(std::string("\7\7\0\2", 4)))).mesh.positions,
       ElementsAre(glm::dvec3(5, 6, 7), glm::dvec3(1, 0, 0), glm::dvec3(8, 9, 10),
@@ -431,17 +394,17 @@ TEST(ReadGltfSparse, WithoutABufferViewTheOthersAreZeros) {
 }
 
 TEST(ReadGltfSparse, IndicesAreReadToo) {
-  const std::string json = replaced(
-      replaced(square_json(), "\"count\":6",
+  std::string json =
+      replaced(square_json(), R"("count":6)",
                R"("count":6,"sparse":{"count":2,"indices":{"bufferView":2,"componentType":5125},)"
-               R"("values":{"bufferView":2,"byteOffset":8}})"),
-      "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":12}",
-      "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":12},"
-      "{\"buffer\":0,\"byteOffset\":60,\"byteLength\":12}");
-  const std::string chunk =
-      square_chunk() + values<std::uint32_t>({0, 4}) + values<std::uint16_t>({3, 1});
-  const PolygonMesh mesh =
-      read_glb(glb_of(replaced(json, "{\"byteLength\":60}", "{\"byteLength\":72}"), chunk)).mesh;
+               R"("values":{"bufferView":2,"byteOffset":8}})");
+  json =
+      replaced(json, R"("byteOffset":48,"byteLength":12})",
+               R"("byteOffset":48,"byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":12})");
+  json = replaced(json, R"({"byteLength":60})", R"({"byteLength":72})");
+  const PolygonMesh mesh = read_glb(glb_of(json, square_chunk() + values<std::uint32_t>({0, 4}) +
+                                                     values<std::uint16_t>({3, 1})))
+                               .mesh;
   // 3 1 2 and 0 1 3 of the square, numbered as they come.
   EXPECT_THAT(mesh.face_vertices, ElementsAre(0, 1, 2, 3, 1, 0));
   EXPECT_THAT(mesh.positions, ElementsAre(glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0),
@@ -476,31 +439,36 @@ TEST(ReadGltfSparse, TinygltfSeesTheSameParts) {
 }
 
 TEST(ReadGltfSparse, RefusesWrongParts) {
-  const std::string place = "a.glb: accessors[0].sparse";
-  EXPECT_EQ(sparse_error(kSparse, {3, 1}),
-            place + ".indices: entry 1 is 1 behind 3; they must ascend");
-  EXPECT_EQ(sparse_error(kSparse, {1, 1}),
-            place + ".indices: entry 1 is 1 behind 1; they must ascend");
-  EXPECT_EQ(sparse_error(kSparse, {1, 4}), place + ".indices: entry 1 names element 4 of 4");
-  EXPECT_EQ(sparse_error(replaced(kSparse, "\"count\":2", "\"count\":5"), {1, 3}),
-            place + ".count: 5 is more than the accessor has (4)");
-  EXPECT_EQ(sparse_error(replaced(kSparse, "\"count\":2", "\"count\":0"), {1, 3}),
-            place + ".count: 0 is no integer from 1");
-  EXPECT_EQ(sparse_error(replaced(kSparse, "\"count\":2", "\"count\":3"), {1, 3}),
-            place + ".indices: reaches to byte 6 of bufferViews[2], which has 4");
-  EXPECT_EQ(sparse_error(replaced(kSparse, "\"bufferView\":3", "\"bufferView\":3,\"byteOffset\":4"),
-                         {1, 3}),
-            place + ".values: reaches to byte 28 of bufferViews[3], which has 24");
-  EXPECT_EQ(sparse_error(replaced(kSparse, "5123", "5126"), {1, 3}),
-            place + ".indices.componentType: 5126 cannot be used for indices");
-  EXPECT_EQ(sparse_error(replaced(kSparse, "\"bufferView\":3", "\"bufferView\":4"), {1, 3}),
-            "a.glb: bufferViews: entry 4 is asked for, but there are only 4");
-  EXPECT_EQ(sparse_error(replaced(kSparse, "{\"bufferView\":3}", "{}"), {1, 3}),
-            place + ".values: has no `bufferView`");
-  const std::string strided = replaced(sparse_json(kSparse), "\"byteOffset\":64,\"byteLength\":24",
-                                       "\"byteOffset\":64,\"byteLength\":24,\"byteStride\":12");
-  EXPECT_THAT(glb_error(glb_of(strided, sparse_chunk(values<std::uint16_t>({1, 3})))),
-              HasSubstr("bufferViews[3].byteStride: the parts of sparse accessors have no stride"));
+  const std::string place = " accessors[0].sparse", count = R"("count":2)";
+  std::vector<test::WrongFile> files;
+  struct Row {
+    std::initializer_list<double> numbers;
+    std::string message;
+  };
+  for (const auto& [numbers, message] : {Row{{3, 1}, "entry 1 is 1 behind 3; they must ascend"},
+                                         Row{{1, 1}, "entry 1 is 1 behind 1; they must ascend"},
+                                         Row{{1, 4}, "entry 1 names element 4 of 4"}})
+    files.push_back({glb_of(sparse_json(kSparse), sparse_chunk(values<std::uint16_t>(numbers))),
+                     place + ".indices: " + message});
+  const std::string chunk = sparse_chunk(values<std::uint16_t>({1, 3}));
+  for (const auto& [from, to, message] : std::vector<test::WrongJson>{
+           {count, R"("count":5)", place + ".count: 5 is more than the accessor has (4)"},
+           {count, R"("count":0)", place + ".count: 0 is no integer from 1"},
+           {count, R"("count":3)",
+            place + ".indices: reaches to byte 6 of bufferViews[2], which has 4"},
+           {R"("bufferView":3)", R"("bufferView":3,"byteOffset":4)",
+            place + ".values: reaches to byte 28 of bufferViews[3], which has 24"},
+           {"5123", "5126", place + ".indices.componentType: 5126 cannot be used for indices"},
+           {R"("bufferView":3)", R"("bufferView":4)",
+            " bufferViews: entry 4 is asked for, but there are only 4"},
+           {R"({"bufferView":3})", "{}", place + ".values: has no `bufferView`"}})
+    files.push_back({glb_of(sparse_json(replaced(kSparse, from, to)), chunk), message});
+  files.push_back(
+      {glb_of(replaced(sparse_json(kSparse), R"("byteLength":24)",
+                       R"("byteLength":24,"byteStride":12)"),
+              chunk),
+       HasSubstr("bufferViews[3].byteStride: the parts of sparse accessors have no stride")});
+  test::expect_refused("a.glb", files);
 }
 
 TEST(ReadGltfSparse, EveryPlaceHasThem) {

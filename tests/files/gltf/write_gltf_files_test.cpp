@@ -9,7 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -19,6 +19,8 @@
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
+#include "support/calls.h"
+#include "support/files.h"
 
 namespace planish {
 namespace {
@@ -32,38 +34,24 @@ using test::vectors_of;
 using test::wavy_grid;
 using ::testing::HasSubstr;
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  EXPECT_TRUE(file) << path;
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-template <class Call>
-Error error_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return Error(ErrorCode::Cancelled, "");
-}
-
 class WriteGltfFiles : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
+  // All files, by name.
+  [[nodiscard]] std::map<std::string, std::string> contents() const {
+    const auto files = test::files_below(folder_);
+    return {files.begin(), files.end()};
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::size_t file_count() const {
-    return std::distance(std::filesystem::directory_iterator(folder_), {});
+  [[nodiscard]] tinygltf::Model document(const std::string& name) const {
+    tinygltf::Model model;
+    std::string error, warning;
+    EXPECT_TRUE(
+        tinygltf::TinyGLTF().LoadASCIIFromFile(&model, &error, &warning, (folder_ / name).string()))
+        << error;
+    return model;
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder temporary_;
+  std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST_F(WriteGltfFiles, BytesDoNotDependOnThreadsOrRun) {
@@ -72,23 +60,19 @@ TEST_F(WriteGltfFiles, BytesDoNotDependOnThreadsOrRun) {
   oneapi::tbb::task_arena one_thread(1);
   one_thread.execute([&] { EXPECT_EQ(encode_glb(surface, {}), glb); });
   write_gltf(folder_ / "a.glb", surface, {});
-  EXPECT_EQ(text_of(folder_ / "a.glb"),
+  EXPECT_EQ(contents()["a.glb"],
             std::string(reinterpret_cast<const char*>(glb.data()), glb.size()));
 }
 
 TEST_F(WriteGltfFiles, GltfHasABufferBesideIt) {
   const SurfaceMesh surface = wavy_grid(20, 10);
-  const auto path = folder_ / "two words.GLTF";
-  const GltfFile written = write_gltf(path, surface, {});
-  EXPECT_EQ(file_count(), 2u);
-  EXPECT_EQ(written.byte_count, std::filesystem::file_size(path) +
-                                    std::filesystem::file_size(folder_ / "two words.bin"));
+  const GltfFile written = write_gltf(folder_ / "two words.GLTF", surface, {});
+  auto files = contents();
+  EXPECT_EQ(files.size(), 2u);
+  EXPECT_EQ(written.byte_count, files["two words.GLTF"].size() + files["two words.bin"].size());
   EXPECT_EQ(written.vertex_count, 200u);
   EXPECT_EQ(written.triangle_count, 2u * 19 * 9);
-  tinygltf::Model model;
-  std::string error, warning;
-  ASSERT_TRUE(tinygltf::TinyGLTF().LoadASCIIFromFile(&model, &error, &warning, path.string()))
-      << error;
+  const tinygltf::Model model = document("two words.GLTF");
   const auto embedded = parsed(encode_glb(surface, {}));
   EXPECT_EQ(vectors_of(model, 0), vectors_of(embedded, 0));
   EXPECT_EQ(indices_of(model), indices_of(embedded));
@@ -110,11 +94,10 @@ TEST_F(WriteGltfFiles, FourGibibytesAreRefusedNamingTheWayOut) {
   // 12 + 8 + 8 bytes of headers: the largest multiple of 4 that fits is 2^32 - 4.
   const std::uint64_t largest = (std::uint64_t{1} << 32) - 4;
   EXPECT_EQ(glb_byte_count(1001, largest - 28 - 1004, "a.glb"), largest);
-  const Error error =
-      error_of([&] { (void)glb_byte_count(1001, largest - 28 - 1004 + 1, "a.glb"); });
-  EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-  EXPECT_THAT(error.what(), HasSubstr("a.glb: 4294967296 bytes"));
-  EXPECT_THAT(error.what(), HasSubstr("write .gltf"));
+  EXPECT_THAT(
+      test::message_of(ErrorCode::InvalidArgument,
+                       [&] { (void)glb_byte_count(1001, largest - 28 - 1004 + 1, "a.glb"); }),
+      testing::AllOf(HasSubstr("a.glb: 4294967296 bytes"), HasSubstr("write .gltf")));
 }
 
 TEST_F(WriteGltfFiles, LargeFilesAreWarnedOf) {
@@ -148,72 +131,54 @@ TEST_F(WriteGltfFiles, LayoutCountsIn64Bits) {
 }
 
 TEST_F(WriteGltfFiles, UnusableSurfacesAreRefusedNamingTheElement) {
-  const SurfaceMesh good = wavy_grid(4, 4);
-  const auto refused = [&](auto change) {
-    SurfaceMesh bad = good;
-    change(bad);
-    Error error = error_of([&] { write_gltf(folder_ / "bad.glb", bad, {}); });
-    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-    EXPECT_EQ(file_count(), 0u);
-    return error;
+  struct Row {
+    const char* message;
+    std::int64_t element;
+    std::function<void(SurfaceMesh&)> spoil;
   };
-  EXPECT_EQ(refused([](auto& s) { s.positions[5].y = 1e300; }).element(), 5);
-  EXPECT_EQ(refused([](auto& s) { s.positions[6].z = std::nan(""); }).element(), 6);
-  EXPECT_EQ(refused([](auto& s) { s.normals[7] = glm::vec3(0); }).element(), 7);
-  EXPECT_EQ(refused([](auto& s) { s.normals[8].x = std::nanf(""); }).element(), 8);
-  EXPECT_EQ(refused([](auto& s) { s.face_vertices[9] = 16; }).element(), 9);
-  EXPECT_EQ(refused([](auto& s) { s.face_vertices[10] = -1; }).element(), 10);
-  EXPECT_THAT(refused([](auto& s) { s.normals.pop_back(); }).what(), HasSubstr("15 normals"));
-  EXPECT_THAT(refused([](auto& s) { s.face_vertices.clear(); }).what(), HasSubstr("no face"));
-  EXPECT_THAT(refused([](auto& s) { s.face_vertices.pop_back(); }).what(), HasSubstr("multiple"));
-  EXPECT_THAT(refused([](auto& s) { s = SurfaceMesh{}; }).what(), HasSubstr("no face"));
-  EXPECT_EQ(refused([](auto& s) {
-              s = flat_polygons({{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}}});
-            }).element(),
-            1);
-  EXPECT_THAT(refused([](auto& s) {
-                s = flat_polygons({{{0, 0}, {1, 0}, {0, 1}}});
-                s.face_offsets = {0, 2147483647};
-              }).what(),
-              HasSubstr("offsets"));
-}
-
-TEST_F(WriteGltfFiles, FailureLeavesTheOldFiles) {
-  std::ofstream(folder_ / "a.gltf") << "old";
-  std::ofstream(folder_ / "a.bin") << "old buffer";
-  GltfOptions options;
-  options.callbacks.cancelled = [] { return true; };
-  const Error error = error_of([&] { write_gltf(folder_ / "a.gltf", wavy_grid(9, 9), options); });
-  EXPECT_EQ(error.code(), ErrorCode::Cancelled);
-  EXPECT_EQ(file_count(), 2u);
-  EXPECT_EQ(text_of(folder_ / "a.gltf"), "old");
-  EXPECT_EQ(text_of(folder_ / "a.bin"), "old buffer");
+  const SurfaceMesh triangle = flat_polygons({{{0, 0}, {1, 0}, {0, 1}}});
+  for (const auto& [message, element, spoil] :
+       std::vector<Row>{{"vertex 5", 5, [](auto& s) { s.positions[5].y = 1e300; }},
+                        {"vertex 6", 6, [](auto& s) { s.positions[6].z = std::nan(""); }},
+                        {"vertex 7", 7, [](auto& s) { s.normals[7] = glm::vec3(0); }},
+                        {"vertex 8", 8, [](auto& s) { s.normals[8].x = std::nanf(""); }},
+                        {"corner 9", 9, [](auto& s) { s.face_vertices[9] = 16; }},
+                        {"corner 10", 10, [](auto& s) { s.face_vertices[10] = -1; }},
+                        {"15 normals", -1, [](auto& s) { s.normals.pop_back(); }},
+                        {"no face", -1, [](auto& s) { s.face_vertices.clear(); }},
+                        {"multiple", -1, [](auto& s) { s.face_vertices.pop_back(); }},
+                        {"no face", -1, [](auto& s) { s = SurfaceMesh{}; }},
+                        {"", 1,
+                         [](auto& s) {
+                           s = flat_polygons({{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}}});
+                         }},
+                        {"offsets", -1, [&](auto& s) {
+                           s = triangle;
+                           s.face_offsets = {0, 2147483647};
+                         }}}) {
+    SCOPED_TRACE(message);
+    SurfaceMesh bad = wavy_grid(4, 4);
+    spoil(bad);
+    try {
+      write_gltf(folder_ / "bad.glb", bad, {});
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+      EXPECT_THAT(error.what(), HasSubstr(message));
+      if (element >= 0) {
+        EXPECT_EQ(error.element(), element);
+      }
+    }
+    EXPECT_THAT(contents(), testing::IsEmpty());
+  }
 }
 
 TEST_F(WriteGltfFiles, UnwritableFoldersAndExtensionsAreNamed) {
-  const Error missing =
-      error_of([&] { write_gltf(folder_ / "none" / "a.glb", wavy_grid(2, 2), {}); });
-  EXPECT_EQ(missing.code(), ErrorCode::UnwritableOutput);
-  EXPECT_THAT(missing.what(), HasSubstr("none/a.glb"));
-  const Error other = error_of([&] { write_gltf(folder_ / "a.obj", wavy_grid(2, 2), {}); });
-  EXPECT_EQ(other.code(), ErrorCode::InvalidArgument);
-  EXPECT_THAT(other.what(), HasSubstr("a.obj"));
-}
-
-TEST_F(WriteGltfFiles, ProgressRisesToOne) {
-  GltfOptions options;
-  std::vector<double> fractions;
-  options.callbacks.progress = [&](std::string_view step, double fraction) {
-    EXPECT_EQ(step, "write");
-    fractions.push_back(fraction);
-  };
-  (void)encode_glb(wavy_grid(600, 600), options);
-  // The two loops' starts and the end, however fast the machine; what is told between them depends
-  // on time (LoopProgress.*).
-  ASSERT_GE(fractions.size(), 3u);
-  EXPECT_EQ(fractions.front(), 0.0);
-  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
-  EXPECT_EQ(fractions.back(), 1.0);
+  for (const auto& [name, code] : {std::pair{"none/a.glb", ErrorCode::UnwritableOutput},
+                                   {"a.obj", ErrorCode::InvalidArgument}})
+    EXPECT_THAT(
+        test::message_of(code, [&, n = name] { write_gltf(folder_ / n, wavy_grid(2, 2), {}); }),
+        HasSubstr(name));
 }
 
 TEST_F(WriteGltfFiles, UriIsPercentEncoded) {
@@ -224,30 +189,7 @@ TEST_F(WriteGltfFiles, UriIsPercentEncoded) {
 // A .gltf of several buffers, read back by our reader and by tinygltf.
 
 namespace fs = std::filesystem;
-
-class SeveralBuffers : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ =
-        fs::path(testing::TempDir()) /
-        (std::string("buffers_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  // All files, by name.
-  [[nodiscard]] std::map<std::string, std::string> contents() const {
-    std::map<std::string, std::string> found;
-    for (const auto& entry : fs::directory_iterator(folder_)) {
-      std::ifstream file(entry.path(), std::ios::binary);
-      found[entry.path().filename()] = {std::istreambuf_iterator<char>(file), {}};
-    }
-    return found;
-  }
-
-  fs::path folder_;
-};
+using SeveralBuffers = WriteGltfFiles;
 
 SurfaceMesh laden_grid(std::int32_t columns, std::int32_t rows) {
   SurfaceMesh surface = test::wavy_grid(columns, rows);
@@ -329,11 +271,7 @@ TEST_F(SeveralBuffers, ADocumentHasAMeshForEach) {
   const std::vector<float> height(surface.positions.size(), 0.5f);
   options.fields = {{"error", height}};
   const GltfFile written = write_gltf(folder_ / "a.gltf", surface, options);
-  tinygltf::Model model;
-  std::string error, warning;
-  ASSERT_TRUE(tinygltf::TinyGLTF().LoadASCIIFromFile(&model, &error, &warning,
-                                                     (folder_ / "a.gltf").string()))
-      << error;
+  const tinygltf::Model model = document("a.gltf");
   ASSERT_EQ(model.buffers.size(), written.buffer_count);
   ASSERT_EQ(model.meshes.size(), written.buffer_count);
   ASSERT_EQ(model.nodes.size(), written.buffer_count);
@@ -369,40 +307,61 @@ TEST_F(SeveralBuffers, BytesDoNotDependOnThreads) {
   EXPECT_EQ(contents(), all_threads);
 }
 
+// Also of one buffer, and files of others.
 TEST_F(SeveralBuffers, FailureLeavesTheOldFiles) {
+  struct Row {
+    std::uint64_t buffer_bytes;
+    int asked;  // so often, every few milliseconds: the second time some buffers stand there
+  };
   const SurfaceMesh surface = laden_grid(41, 30);
-  GltfOptions options;
-  options.buffer_bytes = 20000;
-  (void)write_gltf(folder_ / "a.gltf", surface, options);
-  const auto before = contents();
-  options.name = "another";
-  int asked = 0;  // every few milliseconds: the second time some buffers stand there
-  options.callbacks.cancelled = [&] { return ++asked > 1; };
-  EXPECT_THROW((void)write_gltf(folder_ / "a.gltf", laden_grid(600, 400), options), Error);
-  EXPECT_EQ(contents(), before);
-  // In the third buffer, by the vertex's number in the surface.
-  SurfaceMesh bad = surface;
-  bad.positions[700].x = 1e300;
-  options.callbacks = {};
-  try {
-    (void)write_gltf(folder_ / "a.gltf", bad, options);
-    ADD_FAILURE() << "nothing was thrown";
-  } catch (const Error& refusal) {
-    EXPECT_EQ(refusal.element(), 700);
+  for (const auto& [buffer_bytes, most] : {Row{20000, 1}, Row{1 << 30, 0}}) {
+    GltfOptions options;
+    options.buffer_bytes = buffer_bytes;
+    (void)write_gltf(folder_ / "a.gltf", surface, options);
+    std::ofstream(folder_ / "b.gltf") << "old";
+    std::ofstream(folder_ / "b.bin") << "old buffer";
+    const auto before = contents();
+    options.name = "another";
+    for (const char* name : {"a.gltf", "b.gltf"}) {
+      int asked = 0;
+      options.callbacks.cancelled = [&, limit = most] { return ++asked > limit; };
+      EXPECT_NE(
+          test::message_of(ErrorCode::Cancelled,
+                           [&] { write_gltf(folder_ / name, laden_grid(600, 400), options); }),
+          "no error");
+      EXPECT_EQ(contents(), before);
+    }
+    // In the third buffer, by the vertex's number in the surface.
+    SurfaceMesh bad = surface;
+    bad.positions[700].x = 1e300;
+    options.callbacks = {};
+    try {
+      (void)write_gltf(folder_ / "a.gltf", bad, options);
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const Error& refusal) {
+      EXPECT_EQ(refusal.element(), 700);
+    }
+    EXPECT_EQ(contents(), before);
   }
-  EXPECT_EQ(contents(), before);
 }
 
 TEST_F(SeveralBuffers, ProgressRisesToOne) {
-  GltfOptions options;
-  options.buffer_bytes = 20000;
-  std::vector<double> fractions;
-  options.callbacks.progress = [&](std::string_view, double done) { fractions.push_back(done); };
-  (void)write_gltf(folder_ / "a.gltf", laden_grid(41, 30), options);
-  ASSERT_GE(fractions.size(), 3u);
-  EXPECT_EQ(fractions.front(), 0.0);
-  EXPECT_TRUE(std::ranges::is_sorted(fractions));
-  EXPECT_NEAR(fractions.back(), 1.0, 1e-12);
+  for (const std::uint64_t buffer_bytes : {20000, 1 << 30}) {
+    GltfOptions options;
+    options.buffer_bytes = buffer_bytes;
+    std::vector<double> fractions;
+    options.callbacks.progress = [&](std::string_view step, double fraction) {
+      EXPECT_EQ(step, "write");
+      fractions.push_back(fraction);
+    };
+    (void)write_gltf(folder_ / "a.gltf", laden_grid(41, 30), options);
+    // The two loops' starts and the end, however fast the machine; what is told between them
+    // depends on time (LoopProgress.*).
+    ASSERT_GE(fractions.size(), 3u);
+    EXPECT_EQ(fractions.front(), 0.0);
+    EXPECT_TRUE(std::ranges::is_sorted(fractions));
+    EXPECT_NEAR(fractions.back(), 1.0, 1e-12);
+  }
 }
 
 }  // namespace
