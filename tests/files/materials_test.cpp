@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -125,10 +124,12 @@ TEST(WriteMtl, NamesEndNoLine) {
   PolygonMesh mesh = painted_cube();
   mesh.groups[0] = {"li\u2028d", "re\u2029d\u0085"};
   mesh.groups[1] = {"\u202etnorf", "pa\u2067int K\u00e4se"};
+  mesh.groups[2] = {"a\nf 1 2 3", "#b #c\\"};
   write_mesh(folder.path() / "a.obj", FileFormat::Obj, mesh);
-  EXPECT_THAT(test::content_of(folder.path() / "a.obj"),
-              AllOf(HasSubstr("\ng li_d\n"), HasSubstr("\nusemtl re_d_\n"),
-                    HasSubstr("\ng _tnorf\n"), HasSubstr("\nusemtl pa_int K\u00e4se\n")));
+  EXPECT_THAT(
+      test::content_of(folder.path() / "a.obj"),
+      AllOf(HasSubstr("\ng li_d\n"), HasSubstr("\nusemtl re_d_\n"), HasSubstr("\ng _tnorf\n"),
+            HasSubstr("\ng a_f 1 2 3\nusemtl _b _c_\n"), HasSubstr("\nusemtl pa_int K\u00e4se\n")));
   EXPECT_THAT(test::content_of(folder.path() / "a.mtl"),
               AllOf(HasSubstr("newmtl re_d_\n"), HasSubstr("newmtl pa_int K\u00e4se\n")));
 }

@@ -211,17 +211,6 @@ TEST(ReadMesh, TextureListsOfPlyThatDoNotFitAreLeftOut) {
   EXPECT_EQ(file.warnings[0].first, 2);
 }
 
-TEST(WriteMesh, KeepsNamesWithinTheirLine) {
-  PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});
-  mesh.groups = {{"a\nf 1 2 3", "#b #c\\"}};
-  mesh.face_groups = {0};
-  const PolygonMesh again = round_trip(mesh, FileFormat::Obj).mesh;
-  EXPECT_EQ(again.face_count(), 1);
-  ASSERT_EQ(again.groups.size(), 1u);
-  EXPECT_EQ(again.groups[0].name, "a_f 1 2 3");
-  EXPECT_EQ(again.groups[0].material, "_b _c_");
-}
-
 TEST(WriteMesh, WritesTheTextExpected) {
   const test::TemporaryFolder folder;
   PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});

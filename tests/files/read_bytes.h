@@ -41,6 +41,16 @@ inline std::vector<std::string> messages_of(const std::vector<Warning>& warnings
   return messages;
 }
 
+/// ASCII as UTF-16 of both byte orders, with and without the mark of theirs.
+inline std::vector<std::string> as_utf16(const std::string& text) {
+  std::string little, big;
+  for (const char c : text) {
+    little += {c, '\0'};
+    big += {'\0', c};
+  }
+  return {"\xFF\xFE" + little, "\xFE\xFF" + big, little, big};
+}
+
 /// A file that a reader refuses, and what the error says behind the file's name and a colon.
 struct WrongFile {
   std::string text;

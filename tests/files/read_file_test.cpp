@@ -71,12 +71,7 @@ TEST(SniffFormat, KnowsEveryFormatByItsFirstLines) {
 }
 
 TEST(SniffFormat, KnowsTextOfAnyEncoding) {
-  std::string little, big;
-  for (const char c : std::string("# made by hand\nsolid a\n")) {
-    little += {c, '\0'};
-    big += {'\0', c};
-  }
-  for (const std::string& wide : {"\xFF\xFE" + little, "\xFE\xFF" + big, little, big})
+  for (const std::string& wide : test::as_utf16("# made by hand\nsolid a\n"))
     EXPECT_EQ(sniff(wide), FileFormat::Stl);
 }
 

@@ -68,14 +68,10 @@ std::vector<ProgressFile> progress_files() {
                           count + "\nproperty list uchar int vertex_indices\nend_header\n";
   const std::string pcd =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + count + "\nHEIGHT 1\nDATA ";
-  const std::string corners = floats + floats + floats, size = std::to_string(corners.size());
-  const std::string glb = test::glb_of(
-      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
-      R"({"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3",)"
-      R"("count":)" +
-          std::to_string(3 * kCount) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + size +
-          R"(}],"buffers":[{"byteLength":)" + size + "}]}",
-      corners);
+  test::GlbParts glb;
+  const std::size_t points = glb.add_accessor(floats + floats + floats, 5126, 3 * kCount, "VEC3");
+  glb.json["nodes"] = {{{"mesh", 0}}};
+  glb.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", points}}}}}}}};
   return {{"a.obj", lines(kCount, [](int i) { return "v " + point(i); }) +
                         lines(kCount, [](int i) { return "f " + triangle(i, 1); })},
           {"a.off", "OFF\n" + count + " " + count + " 0\n" + xyz + threes},
@@ -83,7 +79,7 @@ std::vector<ProgressFile> progress_files() {
           {"binary.ply", "ply\nformat binary_little_endian" + ply + floats + faces},
           {"text.stl", "solid a\n" + facets + "endsolid\n"},
           {"binary.stl", stl},
-          {"a.glb", glb},
+          {"a.glb", glb.glb()},
           {"a.xyz", xyz},
           {"a.pts", count + "\n" + xyz},
           {"a.ptx", "1\n" + count +

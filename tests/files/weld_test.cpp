@@ -177,17 +177,14 @@ std::string glb_bytes(const Shape& shape, const std::string& nodes = "{\"mesh\":
       }
     }
   }
-  const std::string bytes = std::to_string(positions.size());
-  const std::string vectors = R"("componentType":5126,"type":"VEC3","count":)" +
-                              std::to_string(positions.size() / 12) + "}";
-  return test::glb_of(
-      R"({"asset":{"version":"2.0"},"nodes":[)" + nodes +
-          R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"NORMAL":1}}]}],)" +
-          R"("accessors":[{"bufferView":0,)" + vectors + R"(,{"bufferView":1,)" + vectors +
-          R"(],"bufferViews":[{"buffer":0,"byteLength":)" + bytes +
-          R"(},{"buffer":0,"byteOffset":)" + bytes + R"(,"byteLength":)" + bytes +
-          R"(}],"buffers":[{"byteLength":)" + std::to_string(2 * positions.size()) + "}]}",
-      positions + normals);
+  test::GlbParts parts;
+  const std::size_t count = positions.size() / 12;
+  parts.json["nodes"] = nlohmann::json::parse("[" + nodes + "]");
+  parts.json["meshes"] = {{{"primitives",
+                            {{{"attributes",
+                               {{"POSITION", parts.add_accessor(positions, 5126, count, "VEC3")},
+                                {"NORMAL", parts.add_accessor(normals, 5126, count, "VEC3")}}}}}}}};
+  return parts.glb();
 }
 
 MeshFile read_split(const std::string& bytes, FileFormat format, bool creases = true) {

@@ -108,6 +108,22 @@ TEST(TileGrid, DifferencesToAnOriginAreFloats) {
   EXPECT_EQ(TileGrid(1e-9, 1024.0).step(), std::ldexp(1.0, 11 - 53)) << "doubles end before";
 }
 
+// All that rows may be asked for.
+struct AllOfRows {
+  explicit AllOfRows(std::size_t count) : positions(count), normals(count), colors(count) {}
+  [[nodiscard]] RowTarget target() {
+    RowTarget target;
+    target.positions = positions;
+    target.normals = normals;
+    target.colors = colors;
+    return target;
+  }
+
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::vec3> normals;
+  std::vector<glm::vec4> colors;
+};
+
 TEST(RowsAt, HaveTheBitsOfRowsInRanges) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     const PolygonMesh mesh = test::laden_mesh(seed);
@@ -115,31 +131,19 @@ TEST(RowsAt, HaveTheBitsOfRowsInRanges) {
     for (int level = 1; level <= 4; ++level) {
       const DooSabinBlocks blocks(surface, level, nullptr);
       const auto count = static_cast<std::size_t>(blocks.info().row_count);
-      std::vector<glm::dvec3> positions(count), some_positions;
-      std::vector<glm::vec3> normals(count), some_normals;
-      std::vector<glm::vec4> colors(count), some_colors;
-      RowTarget target;
-      target.positions = positions;
-      target.normals = normals;
-      target.colors = colors;
-      (void)blocks.rows({0, blocks.info().row_count}, target);
+      AllOfRows all(count);
+      (void)blocks.rows({0, blocks.info().row_count}, all.target());
       std::mt19937 random(seed);
       for (const unsigned part : {1u, 3u, 40u}) {
         std::vector<std::int32_t> rows;
         for (std::size_t r = 0; r < count; ++r)
           if (random() % part == 0) rows.push_back(static_cast<std::int32_t>(r));
-        some_positions.resize(rows.size());
-        some_normals.resize(rows.size());
-        some_colors.resize(rows.size());
-        RowTarget some;
-        some.positions = some_positions;
-        some.normals = some_normals;
-        some.colors = some_colors;
-        (void)blocks.rows_at(rows, some);
+        AllOfRows some(rows.size());
+        (void)blocks.rows_at(rows, some.target());
         for (std::size_t i = 0; i < rows.size(); ++i) {
-          ASSERT_EQ(some_positions[i], positions[rows[i]]) << level << " " << rows[i];
-          ASSERT_EQ(some_normals[i], normals[rows[i]]) << level << " " << rows[i];
-          ASSERT_EQ(some_colors[i], colors[rows[i]]) << level << " " << rows[i];
+          ASSERT_EQ(some.positions[i], all.positions[rows[i]]) << level << " " << rows[i];
+          ASSERT_EQ(some.normals[i], all.normals[rows[i]]) << level << " " << rows[i];
+          ASSERT_EQ(some.colors[i], all.colors[rows[i]]) << level << " " << rows[i];
         }
       }
     }

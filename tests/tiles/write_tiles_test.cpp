@@ -2,13 +2,11 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <signal.h>
-#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
@@ -26,6 +24,7 @@
 #include "cli/test_files.h"
 #include "files/gltf/asset_sample.h"
 #include "files/gltf/glb_bytes.h"
+#include "files/gltf/parsed_gltf.h"
 #include "planish/core/json.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
@@ -118,10 +117,15 @@ struct ReadTileset {
   }
 };
 
+// Y up to Z up, as viewers turn it.
+glm::dvec3 upright(const ReadTile& tile, const glm::dvec3& p) {
+  return tile.origin + glm::dvec3(p.x, -p.z, p.y);
+}
+
 // tinygltf does not unpack; planish's reader is compared with meshoptimizer's elsewhere.
 PolygonMesh unpacked(const ReadTile& tile) {
   PolygonMesh mesh = read_mesh(tile.content).mesh;
-  for (glm::dvec3& p : mesh.positions) p = tile.origin + glm::dvec3(p.x, -p.z, p.y);
+  for (glm::dvec3& p : mesh.positions) p = upright(tile, p);
   return mesh;
 }
 
@@ -130,40 +134,19 @@ PolygonMesh unpacked(const ReadTile& tile) {
 PolygonMesh triangles_of(const ReadTile& tile) {
   const std::string bytes = content_of(tile.content);
   if (bytes.find("extensionsRequired") != std::string::npos) return unpacked(tile);
-  tinygltf::Model model;
-  std::string error, warning;
-  EXPECT_TRUE(tinygltf::TinyGLTF().LoadBinaryFromMemory(
-      &model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()),
-      static_cast<unsigned>(bytes.size())))
-      << error;
+  const tinygltf::Model model = parsed(std::as_bytes(std::span(bytes)));
   EXPECT_TRUE(model.nodes.at(0).translation.empty());
   PolygonMesh mesh;
-  for (const tinygltf::Primitive& primitive : model.meshes.at(0).primitives) {
+  for (std::size_t part = 0; part < model.meshes.at(0).primitives.size(); ++part) {
     const auto first = static_cast<std::int32_t>(mesh.positions.size());
-    const auto data = [&](int accessor) {
-      return model.buffers[0].data.data() +
-             model.bufferViews[model.accessors[accessor].bufferView].byteOffset;
-    };
-    const int positions = primitive.attributes.at("POSITION");
-    for (std::size_t i = 0; i < model.accessors[positions].count; ++i) {
-      glm::vec3 p;
-      std::memcpy(&p, data(positions) + i * sizeof(p), sizeof(p));
-      // Y up to Z up, as viewers turn it.
-      mesh.positions.push_back(tile.origin + glm::dvec3(p.x, -p.z, p.y));
-    }
-    if (const auto uvs = primitive.attributes.find("TEXCOORD_0"); uvs != primitive.attributes.end())
-      for (std::size_t i = 0; i < model.accessors[uvs->second].count; ++i) {
-        glm::vec2 uv;
-        std::memcpy(&uv, data(uvs->second) + i * sizeof(uv), sizeof(uv));
+    for (const glm::vec3& p : vectors_of(model, attribute(model, "POSITION", part)))
+      mesh.positions.push_back(upright(tile, p));
+    if (model.meshes[0].primitives[part].attributes.contains("TEXCOORD_0"))
+      for (const glm::vec2& uv : values_of<glm::vec2>(model, attribute(model, "TEXCOORD_0", part)))
         mesh.uvs.emplace_back(uv);
-      }
-    const bool is_short =
-        model.accessors[primitive.indices].componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
-    for (std::size_t i = 0; i < model.accessors[primitive.indices].count; ++i) {
-      std::uint32_t index = 0;
-      const std::size_t size = is_short ? 2 : 4;
-      std::memcpy(&index, data(primitive.indices) + i * size, size);
-      mesh.face_vertices.push_back(first + static_cast<std::int32_t>(index));
+    const auto indices = indices_of(model, part);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      mesh.face_vertices.push_back(first + static_cast<std::int32_t>(indices[i]));
       if (i % 3 == 2)
         mesh.face_offsets.push_back(static_cast<std::int32_t>(mesh.face_vertices.size()));
     }

@@ -23,7 +23,7 @@ namespace planish::test {
 /// only morph apart; a ball with colours and numbers of its own that two nodes place; the ball
 /// again, instanced, beside a line; a lamp, a camera, an animation, and an extension that nobody
 /// knows.
-class AssetSample {
+class AssetSample : public GlbParts {
  public:
   AssetSample() {
     add_tube();
@@ -31,10 +31,6 @@ class AssetSample {
     add_rest();
   }
 
-  [[nodiscard]] std::string glb() {
-    json["buffers"] = {{{"byteLength", bytes.size()}}};
-    return glb_of(json.dump(), bytes);
-  }
   /// A .gltf of the same, whose buffer is `buffer` and whose image `image`.
   [[nodiscard]] std::string gltf(const std::string& buffer, const std::string& image) {
     nlohmann::json beside = json;
@@ -81,27 +77,11 @@ class AssetSample {
 
   static constexpr int kAround = 12, kRings = 16;
 
-  nlohmann::json json;
-  std::string bytes;
   std::vector<std::array<double, 3>> tube, moves;      // of the tube's vertices
   std::vector<std::array<double, 2>> weights;          // of its two joints
   std::vector<std::array<std::int32_t, 3>> triangles;  // of it
 
  private:
-  std::size_t add_view(const std::string& view) {
-    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
-    json["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", view.size()}});
-    bytes += view;
-    return json["bufferViews"].size() - 1;
-  }
-  std::size_t add_accessor(const std::string& view, int component, std::size_t count,
-                           const char* type) {
-    const std::size_t number = add_view(view);
-    json["accessors"].push_back(
-        {{"bufferView", number}, {"componentType", component}, {"count", count}, {"type", type}});
-    return json["accessors"].size() - 1;
-  }
   template <std::size_t N>
   std::size_t add_floats(const std::vector<std::array<double, N>>& rows, bool has_bounds = false) {
     constexpr std::array kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
@@ -283,20 +263,9 @@ struct Riders {
 /// follow one another along the vertices; targets move all vertices.
 inline std::string large_asset(const std::vector<PolygonMesh>& meshes,
                                const std::vector<Riders>& riders = {}) {
-  nlohmann::json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
-  std::string bytes;
-  const auto add = [&](const std::string& view, int component, std::size_t count,
-                       const char* type) {
-    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
-    json["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", view.size()}});
-    bytes += view;
-    json["accessors"].push_back({{"bufferView", json["bufferViews"].size() - 1},
-                                 {"componentType", component},
-                                 {"count", count},
-                                 {"type", type}});
-    return json["accessors"].size() - 1;
-  };
+  GlbParts parts;
+  nlohmann::json& json = parts.json;
+  json["scene"] = 0;
   nlohmann::json roots;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     const PolygonMesh& mesh = meshes[m];
@@ -322,17 +291,19 @@ inline std::string large_asset(const std::vector<PolygonMesh>& meshes,
         corner_count += 3;
       }
     }
-    nlohmann::json primitive = {{"attributes", {{"POSITION", add(points, 5126, count, "VEC3")}}},
-                                {"indices", add(corners, 5125, corner_count, "SCALAR")}};
+    nlohmann::json primitive = {
+        {"attributes", {{"POSITION", parts.add_accessor(points, 5126, count, "VEC3")}}},
+        {"indices", parts.add_accessor(corners, 5125, corner_count, "SCALAR")}};
     nlohmann::json node = {{"mesh", m}};
     if (of.joints > 0) {
-      primitive["attributes"]["JOINTS_0"] = add(joints, 5123, count, "VEC4");
-      primitive["attributes"]["WEIGHTS_0"] = add(weights, 5126, count, "VEC4");
+      primitive["attributes"]["JOINTS_0"] = parts.add_accessor(joints, 5123, count, "VEC4");
+      primitive["attributes"]["WEIGHTS_0"] = parts.add_accessor(weights, 5126, count, "VEC4");
       node["skin"] = json["skins"].size();
       json["skins"].push_back({{"joints", nlohmann::json::array()}});
     }
     for (int k = 0; k < of.targets; ++k)
-      primitive["targets"].push_back({{"POSITION", add(moves, 5126, count, "VEC3")}});
+      primitive["targets"].push_back(
+          {{"POSITION", parts.add_accessor(moves, 5126, count, "VEC3")}});
     json["meshes"].push_back({{"name", "mesh" + std::to_string(m)}, {"primitives", {primitive}}});
     roots.push_back(json["nodes"].size());
     json["nodes"].push_back(node);
@@ -343,8 +314,7 @@ inline std::string large_asset(const std::vector<PolygonMesh>& meshes,
     }
   }
   json["scenes"] = {{{"nodes", roots}}};
-  json["buffers"] = {{{"byteLength", bytes.size()}}};
-  return glb_of(json.dump(), bytes);
+  return parts.glb();
 }
 
 }  // namespace planish::test

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
@@ -21,6 +22,32 @@ inline std::string glb_of(std::string json, std::string chunk) {
   append<std::uint32_t>(bytes, static_cast<std::uint32_t>(chunk.size()));
   return bytes + std::string("BIN\0", 4) + chunk;
 }
+
+/// A GLB that is made part by part.
+struct GlbParts {
+  nlohmann::json json = {{"asset", {{"version", "2.0"}}}};
+  std::string bytes;
+
+  std::size_t add_view(const std::string& view) {
+    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+    json["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", view.size()}});
+    bytes += view;
+    return json["bufferViews"].size() - 1;
+  }
+  std::size_t add_accessor(const std::string& view, int component, std::size_t count,
+                           const char* type) {
+    json["accessors"].push_back({{"bufferView", add_view(view)},
+                                 {"componentType", component},
+                                 {"count", count},
+                                 {"type", type}});
+    return json["accessors"].size() - 1;
+  }
+  [[nodiscard]] std::string glb() {
+    json["buffers"] = {{{"byteLength", bytes.size()}}};
+    return glb_of(json.dump(), bytes);
+  }
+};
 
 /// The JSON of a GLB.
 inline nlohmann::json document_of(const std::string& glb) {
@@ -55,5 +82,7 @@ inline std::string square_json() {
          R"("bufferViews":[{"buffer":0,"byteLength":48},)"
          R"({"buffer":0,"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60}]})";
 }
+
+inline GlbParts square_parts() { return {nlohmann::json::parse(square_json()), square_chunk()}; }
 
 }  // namespace planish::test

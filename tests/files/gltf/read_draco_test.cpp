@@ -200,24 +200,24 @@ TEST(ReadDraco, AnAssetComesOutUnpacked) {
 }
 
 TEST(ReadDraco, PlainBytesBesideAreReadInstead) {
-  const Stream stream = sheet_stream(draco::MESH_EDGEBREAKER_ENCODING, 8);
-  std::string plain;
+  std::string points, corners;
   for (int i = 0; i < kPointCount; ++i)
-    for (int axis = 0; axis < 3; ++axis) test::append<float>(plain, sheet_point(i)[axis]);
+    for (int axis = 0; axis < 3; ++axis) test::append<float>(points, sheet_point(i)[axis]);
   for (const auto& t : sheet_triangles())
     for (const std::uint32_t corner : t)
-      test::append<std::uint16_t>(plain, static_cast<std::uint16_t>(corner));
-  const std::string both =
-      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
-      R"("attributes":{"POSITION":1},"indices":0,"extensions":{"KHR_draco_mesh_compression":)"
-      R"({"bufferView":2,"attributes":{"POSITION":0}}}}]}],"accessors":[)"
-      R"({"bufferView":1,"componentType":5123,"type":"SCALAR","count":864},)"
-      R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":169}],"bufferViews":[)"
-      R"({"buffer":0,"byteLength":2028},{"buffer":0,"byteOffset":2028,"byteLength":1728},)"
-      R"({"buffer":0,"byteOffset":3756,"byteLength":)" +
-      std::to_string(stream.bytes.size()) + R"(}],"buffers":[{"byteLength":)" +
-      std::to_string(plain.size() + stream.bytes.size()) + "}]}";
-  const MeshFile file = test::read_glb(test::glb_of(both, plain + stream.bytes));
+      test::append<std::uint16_t>(corners, static_cast<std::uint16_t>(corner));
+  test::GlbParts parts;
+  const std::size_t stream =
+      parts.add_view(sheet_stream(draco::MESH_EDGEBREAKER_ENCODING, 8).bytes);
+  parts.json["nodes"] = {{{"mesh", 0}}};
+  parts.json["meshes"] = {
+      {{"primitives",
+        {{{"attributes", {{"POSITION", parts.add_accessor(points, 5126, kPointCount, "VEC3")}}},
+          {"indices", parts.add_accessor(corners, 5123, kCornerCount, "SCALAR")},
+          {"extensions",
+           {{"KHR_draco_mesh_compression",
+             {{"bufferView", stream}, {"attributes", {{"POSITION", 0}}}}}}}}}}}};
+  const MeshFile file = test::read_glb(parts.glb());
   ASSERT_EQ(file.mesh.vertex_count(), kPointCount);
   for (const glm::dvec3& p : file.mesh.positions)
     EXPECT_EQ(p, glm::dvec3(sheet_point(number_of(p))));

@@ -11,14 +11,11 @@
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 #include <string>
-#include <string_view>
 
-#include "files/gltf/surfaces.h"
+#include "files/gltf/parsed_gltf.h"
 #include "files/read_bytes.h"
 #include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/read_gltf.h"
-#include "planish/files/gltf/write_gltf.h"
-#include "planish/mesh/check.h"
 #include "support/files.h"
 
 namespace planish {
@@ -60,21 +57,21 @@ TEST(ReadGltf, ReadsStripsAndFansWithTheirWinding) {
 }
 
 TEST(ReadGltf, ReadsWithoutIndicesAndWelds) {
-  const std::string json =
-      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
-      R"({"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":6,)"
-      R"("type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":72}],)"
-      R"("buffers":[{"byteLength":72}]})";
-  const MeshFile file = read_glb(
-      glb_of(json, values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, -0.0, 0, 0, 1, 1, 0, 0, 1, 0})));
+  test::GlbParts parts;
+  const std::size_t points = parts.add_accessor(
+      values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, -0.0, 0, 0, 1, 1, 0, 0, 1, 0}), 5126, 6, "VEC3");
+  parts.json["nodes"] = {{{"mesh", 0}}};
+  parts.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", points}}}}}}}};
+  const MeshFile file = read_glb(parts.glb());
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
   EXPECT_EQ(file.welded_vertex_count, 2);
 }
 
 TEST(ReadGltf, WeldsAcrossPrimitivesAndNodes) {
-  std::string json = replaced(square_json(), "\"nodes\":[0]", "\"nodes\":[0,1]");
-  json = replaced(json, "[{\"mesh\":0}]", "[{\"mesh\":0},{\"mesh\":0,\"translation\":[1,0,0]}]");
-  const MeshFile file = read_glb(glb_of(json, square_chunk()));
+  test::GlbParts parts = test::square_parts();
+  parts.json["scenes"][0]["nodes"] = {0, 1};
+  parts.json["nodes"].push_back({{"mesh", 0}, {"translation", {1, 0, 0}}});
+  const MeshFile file = read_glb(parts.glb());
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2));
   EXPECT_EQ(file.mesh.positions[5], glm::dvec3(2, 1, 0));
   EXPECT_EQ(file.welded_vertex_count, 2);
@@ -121,15 +118,16 @@ TEST(ReadGltf, TakesTheDefaultScene) {
 }
 
 TEST(ReadGltf, ReadsQuantisedPositionsWithAStride) {
-  std::string json =
-      replaced(square_json(), "5126,\"count\":4", "5120,\"normalized\":true,\"count\":4");
-  json = replaced(json, "\"byteLength\":48", "\"byteLength\":16,\"byteStride\":4");
-  json = replaced(json, "\"byteOffset\":48", "\"byteOffset\":16");
-  const MeshFile file = read_glb(glb_of(
-      json, values<std::int8_t>({0, 0, 0, 99, 127, 0, 0, 99, 127, -127, 0, 99, -128, 127, 0, 99}) +
-                values<std::uint16_t>({0, 1, 2, 0, 2, 3}) + std::string(32, '\0')));
-  EXPECT_THAT(file.mesh.positions, ElementsAre(glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0),
-                                               glm::dvec3(1, -1, 0), glm::dvec3(-1, 1, 0)));
+  test::GlbParts parts = test::square_parts();
+  const std::size_t points = parts.add_accessor(
+      values<std::int8_t>({0, 0, 0, 99, 127, 0, 0, 99, 127, -127, 0, 99, -128, 127, 0, 99}), 5120,
+      4, "VEC3");
+  parts.json["accessors"][points]["normalized"] = true;
+  parts.json["bufferViews"].back()["byteStride"] = 4;
+  parts.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = points;
+  EXPECT_THAT(read_glb(parts.glb()).mesh.positions,
+              ElementsAre(glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(1, -1, 0),
+                          glm::dvec3(-1, 1, 0)));
 }
 
 TEST(ReadGltf, CountsWhatCarriesNoSurface) {
@@ -141,10 +139,11 @@ TEST(ReadGltf, CountsWhatCarriesNoSurface) {
 }
 
 TEST(ReadGltf, WarnsOfSkinsAndMorphTargets) {
-  const std::string json = replaced(
-      replaced(square_json(), R"({"mesh":0})", R"({"mesh":0,"skin":0}],"skins":[{"joints":[0]})"),
-      R"("indices":1)", R"("indices":1,"targets":[{}])");
-  const MeshFile file = read_glb(glb_of(json, square_chunk()));
+  test::GlbParts parts = test::square_parts();
+  parts.json["nodes"][0]["skin"] = 0;
+  parts.json["skins"] = {{{"joints", {0}}}};
+  parts.json["meshes"][0]["primitives"][0]["targets"] = {nlohmann::json::object()};
+  const MeshFile file = read_glb(parts.glb());
   ASSERT_THAT(test::codes_of(file.warnings), ElementsAre("ignored-deformation"));
   EXPECT_EQ(file.warnings[0].count, 2);
 }
@@ -153,61 +152,55 @@ TEST(ReadGltf, WarnsOfSkinsAndMorphTargets) {
 TEST(ReadGltf, JointsPlaceWhatTheyMove) {
   // Two joints, at (0, 0, 5) and turned about z by a right angle below it; the second half of the
   // square hangs at the second one, all of its first vertex at neither.
-  const std::string nodes =
-      R"("nodes":[{"mesh":0,"skin":0,"translation":[100,0,0]},{"translation":[0,0,5],)"
-      R"("children":[2]},{"rotation":[0,0,1,1]}],"skins":[{"joints":[1,2],)"
-      R"("inverseBindMatrices":4}])";
-  std::string json = replaced(square_json(), R"("nodes":[{"mesh":0}])", nodes);
-  json = replaced(json, R"("POSITION":0)", R"("POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3)");
-  json = replaced(json, R"("type":"SCALAR"})",
-                  R"("type":"SCALAR"},{"bufferView":2,"componentType":5121,"count":4,)"
-                  R"("type":"VEC4"},{"bufferView":3,"componentType":5126,"count":4,)"
-                  R"("type":"VEC4"},{"bufferView":4,"componentType":5126,"count":2,)"
-                  R"("type":"MAT4"})");
-  json = replaced(json, R"("byteLength":12})",
-                  R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":16},)"
-                  R"({"buffer":0,"byteOffset":76,"byteLength":64},)"
-                  R"({"buffer":0,"byteOffset":140,"byteLength":128})");
-  json = replaced(json, R"([{"byteLength":60}])", R"([{"byteLength":268}])");
-  const std::string chunk = square_chunk() +
-                            values<std::uint8_t>({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0}) +
-                            values<float>({0, 0, 0, 0, 1, 0, 0, 0, 0.25, 0.75, 0, 0, 2, 0, 0, 0}) +
-                            values<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1}) +
-                            values<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
-  const MeshFile file = read_glb(glb_of(json, chunk));
+  test::GlbParts parts = test::square_parts();
+  nlohmann::json& attributes = parts.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = parts.add_accessor(
+      values<std::uint8_t>({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0}), 5121, 4, "VEC4");
+  attributes["WEIGHTS_0"] = parts.add_accessor(
+      values<float>({0, 0, 0, 0, 1, 0, 0, 0, 0.25, 0.75, 0, 0, 2, 0, 0, 0}), 5126, 4, "VEC4");
+  const std::size_t inverses =
+      parts.add_accessor(values<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1}) +
+                             values<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}),
+                         5126, 2, "MAT4");
+  parts.json["nodes"] =
+      nlohmann::json::parse(R"([{"mesh":0,"skin":0,"translation":[100,0,0]},)"
+                            R"({"translation":[0,0,5],"children":[2]},{"rotation":[0,0,1,1]}])");
+  parts.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", inverses}}};
+  const MeshFile file = read_glb(parts.glb());
   ASSERT_EQ(file.mesh.vertex_count(), 4);
   // The first as the first joint has it; (1, 0, 0) too; of (1, 1, 0) a quarter stays there, the
   // rest is at (-1, 1, 5); (0, 1, 0) is all at (-1, 0, 5).
   const glm::dvec3 expected[] = {{0, 0, 0}, {1, 0, 0}, {-0.5, 1, 3.75}, {-1, 0, 5}};
   for (std::size_t v = 0; v < 4; ++v)
     EXPECT_LT(glm::distance(file.mesh.positions[v], expected[v]), 1e-12) << v;
-  test::expect_refused("a.glb", {{glb_of(replaced(json, "[1,2]", "[1]"), chunk),
+  parts.json["skins"][0]["joints"] = {1};
+  test::expect_refused("a.glb", {{parts.glb(),
                                   " meshes[0].primitives[0].attributes.JOINTS_0: vertex 2 names "
                                   "joint 1, and the skin has 1"}});
 }
 
 TEST(ReadGltf, LeavesOutWhatIsHidden) {
-  const std::string extension = R"(,"extensions":{"KHR_node_visibility":{"visible":false}})";
-  std::string json = replaced(square_json(), R"("nodes":[{"mesh":0}])",
-                              R"("nodes":[{"children":[1,2]},{"mesh":0},{"children":[3])" +
-                                  extension + R"(},{"mesh":0,"translation":[0,0,1]}],)" +
-                                  R"("extensionsRequired":["KHR_node_visibility"])");
-  const MeshFile file = read_glb(glb_of(json, square_chunk()));
+  test::GlbParts parts = test::square_parts();
+  parts.json["extensionsRequired"] = {"KHR_node_visibility"};
+  parts.json["nodes"] = nlohmann::json::parse(
+      R"([{"children":[1,2]},{"mesh":0},{"children":[3],"extensions":{"KHR_node_visibility":)"
+      R"({"visible":false}}},{"mesh":0,"translation":[0,0,1]}])");
+  const MeshFile file = read_glb(parts.glb());
   EXPECT_EQ(file.mesh.face_count(), 2);
   ASSERT_THAT(test::codes_of(file.warnings), ElementsAre("hidden-nodes"));
   EXPECT_EQ(file.warnings[0].count, 1);
-  json = replaced(json, "false", "true");
-  EXPECT_EQ(read_glb(glb_of(json, square_chunk())).mesh.face_count(), 4);
+  parts.json["nodes"][2]["extensions"]["KHR_node_visibility"]["visible"] = true;
+  EXPECT_EQ(read_glb(parts.glb()).mesh.face_count(), 4);
 }
 
 // Section 3.6.2.1: what has no buffer view is zero.
 TEST(ReadGltf, AccessorsWithoutViewsAreZeros) {
-  const std::string zeros = R"("type":"SCALAR"},{"componentType":5126,"count":4,"type":"VEC2"},)"
-                            R"({"componentType":5126,"count":4,"type":"VEC4"})";
-  const std::string json = replaced(
-      replaced(square_json(), R"("POSITION":0)", R"("POSITION":0,"TEXCOORD_0":2,"COLOR_0":3)"),
-      R"("type":"SCALAR"})", zeros);
-  const PolygonMesh mesh = read_glb(glb_of(json, square_chunk())).mesh;
+  test::GlbParts parts = test::square_parts();
+  for (const char* type : {"VEC2", "VEC4"})
+    parts.json["accessors"].push_back({{"componentType", 5126}, {"count", 4}, {"type", type}});
+  parts.json["meshes"][0]["primitives"][0]["attributes"].update(
+      {{"TEXCOORD_0", 2}, {"COLOR_0", 3}});
+  const PolygonMesh mesh = read_glb(parts.glb()).mesh;
   EXPECT_EQ(mesh.positions[2], glm::dvec3(1, 1, 0));
   EXPECT_EQ(mesh.uvs, std::vector<glm::dvec2>(4, {0, 1}));  // upwards
   EXPECT_EQ(mesh.colors, std::vector<glm::vec4>(4, glm::vec4(0.0f)));
@@ -215,24 +208,21 @@ TEST(ReadGltf, AccessorsWithoutViewsAreZeros) {
 
 // Of two vertices at one place the first has the colour.
 TEST(ReadGltf, WarnsOfColorsThatShareAPlace) {
-  std::string json = replaced(square_json(), R"("POSITION":0)", R"("POSITION":0,"COLOR_0":2)");
-  json = replaced(json, R"("type":"SCALAR"})",
-                  R"("type":"SCALAR"},{"bufferView":2,"componentType":5121,"normalized":true,)"
-                  R"("count":4,"type":"VEC4"})");
-  json = replaced(json, R"("byteLength":12})",
-                  R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":16})");
-  json = replaced(json, R"([{"byteLength":60}])", R"([{"byteLength":76}])");
-  const std::string colors = values<std::uint8_t>({0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255,  //
-                                                   0, 0, 255, 255});
-  EXPECT_THAT(read_glb(glb_of(json, square_chunk() + colors)).warnings, IsEmpty());
+  test::GlbParts parts = test::square_parts();
+  const std::size_t colors = parts.add_accessor(
+      values<std::uint8_t>({0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255}), 5121, 4,
+      "VEC4");
+  parts.json["accessors"][colors]["normalized"] = true;
+  parts.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = colors;
+  EXPECT_THAT(read_glb(parts.glb()).warnings, IsEmpty());
   // The last vertex lies on the first.
-  const std::string chunk = values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0}) +
-                            values<std::uint16_t>({0, 1, 2, 1, 2, 3}) + colors;
-  const MeshFile file = read_glb(glb_of(json, chunk));
-  ASSERT_EQ(file.warnings.size(), 1u);
-  EXPECT_EQ(file.warnings[0].message,
-            "1 of 4 vertices has another colour at a place they share: there the first one's is "
-            "taken");
+  parts.bytes.replace(0, 60,
+                      values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0}) +
+                          values<std::uint16_t>({0, 1, 2, 1, 2, 3}));
+  const MeshFile file = read_glb(parts.glb());
+  EXPECT_THAT(test::messages_of(file.warnings),
+              ElementsAre("1 of 4 vertices has another colour at a place they share: there the "
+                          "first one's is taken"));
   EXPECT_EQ(file.warnings[0].first, 0);
 }
 
@@ -352,41 +342,36 @@ TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
 // Sparse accessors: elements in the place of others.
 using testing::HasSubstr;
 
-// The square with `sparse` in its positions; the chunk goes on with two bytes, numbers of vertices,
-// at 60 and two positions at 64.
-std::string sparse_json(const std::string& sparse) {
-  std::string json = replaced(square_json(), R"("count":4)", R"("count":4,"sparse":)" + sparse);
-  json = replaced(json, R"("byteOffset":48,"byteLength":12})",
-                  R"("byteOffset":48,"byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":4},)"
-                  R"({"buffer":0,"byteOffset":64,"byteLength":24})");
-  return replaced(json, R"({"byteLength":60})", R"({"byteLength":88})");
-}
-
-std::string sparse_chunk(const std::string& numbers) {
-  return square_chunk() + numbers + values<float>({5, 6, 7, 8, 9, 10});
-}
-
 const std::string kSparse =
     R"({"count":2,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})";
 
+// The square with `sparse` in its positions, numbers of vertices in view 2 and two positions in
+// view 3.
+test::GlbParts sparse_parts(const std::string& numbers, const std::string& sparse = kSparse) {
+  test::GlbParts parts = test::square_parts();
+  parts.add_view(numbers);
+  parts.add_view(values<float>({5, 6, 7, 8, 9, 10}));
+  parts.json["accessors"][0]["sparse"] = nlohmann::json::parse(sparse);
+  return parts;
+}
+
 TEST(ReadGltfSparse, ElementsTakeTheirPlaces) {
-  const std::string chunk = sparse_chunk(values<std::uint16_t>({1, 3}));
-  EXPECT_THAT(read_glb(glb_of(sparse_json(kSparse), chunk)).mesh.positions,
+  EXPECT_THAT(read_glb(sparse_parts(values<std::uint16_t>({1, 3})).glb()).mesh.positions,
               ElementsAre(glm::dvec3(0, 0, 0), glm::dvec3(5, 6, 7), glm::dvec3(1, 1, 0),
                           glm::dvec3(8, 9, 10)));
   // Indices of one byte, behind others.
   const std::string bytes = replaced(replaced(kSparse, "5123", "5121"), R"("bufferView":2)",
                                      R"("bufferView":2,"byteOffset":2)");
   EXPECT_THAT(
-      read_glb(glb_of(sparse_json(bytes), sparse_chunk(std::string("\7\7\0\2", 4)))).mesh.positions,
+      read_glb(sparse_parts(values<std::uint8_t>({7, 7, 0, 2}), bytes).glb()).mesh.positions,
       ElementsAre(glm::dvec3(5, 6, 7), glm::dvec3(1, 0, 0), glm::dvec3(8, 9, 10),
                   glm::dvec3(0, 1, 0)));
 }
 
 TEST(ReadGltfSparse, WithoutABufferViewTheOthersAreZeros) {
-  const std::string json =
-      replaced(sparse_json(kSparse), "\"bufferView\":0,\"componentType\"", "\"componentType\"");
-  const PolygonMesh mesh = read_glb(glb_of(json, sparse_chunk(values<std::uint16_t>({1, 2})))).mesh;
+  test::GlbParts parts = sparse_parts(values<std::uint16_t>({1, 2}));
+  parts.json["accessors"][0].erase("bufferView");
+  const PolygonMesh mesh = read_glb(parts.glb()).mesh;
   // Vertices 0 and 3 are welded at the origin, which leaves one triangle.
   EXPECT_THAT(mesh.positions,
               ElementsAre(glm::dvec3(0, 0, 0), glm::dvec3(5, 6, 7), glm::dvec3(8, 9, 10)));
@@ -394,17 +379,12 @@ TEST(ReadGltfSparse, WithoutABufferViewTheOthersAreZeros) {
 }
 
 TEST(ReadGltfSparse, IndicesAreReadToo) {
-  std::string json =
-      replaced(square_json(), R"("count":6)",
-               R"("count":6,"sparse":{"count":2,"indices":{"bufferView":2,"componentType":5125},)"
-               R"("values":{"bufferView":2,"byteOffset":8}})");
-  json =
-      replaced(json, R"("byteOffset":48,"byteLength":12})",
-               R"("byteOffset":48,"byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":12})");
-  json = replaced(json, R"({"byteLength":60})", R"({"byteLength":72})");
-  const PolygonMesh mesh = read_glb(glb_of(json, square_chunk() + values<std::uint32_t>({0, 4}) +
-                                                     values<std::uint16_t>({3, 1})))
-                               .mesh;
+  test::GlbParts parts = test::square_parts();
+  parts.add_view(values<std::uint32_t>({0, 4}) + values<std::uint16_t>({3, 1}));
+  parts.json["accessors"][1]["sparse"] =
+      nlohmann::json::parse(R"({"count":2,"indices":{"bufferView":2,"componentType":5125},)"
+                            R"("values":{"bufferView":2,"byteOffset":8}})");
+  const PolygonMesh mesh = read_glb(parts.glb()).mesh;
   // 3 1 2 and 0 1 3 of the square, numbered as they come.
   EXPECT_THAT(mesh.face_vertices, ElementsAre(0, 1, 2, 3, 1, 0));
   EXPECT_THAT(mesh.positions, ElementsAre(glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0),
@@ -413,13 +393,8 @@ TEST(ReadGltfSparse, IndicesAreReadToo) {
 
 // tinygltf hands the parts on; put together by hand.
 TEST(ReadGltfSparse, TinygltfSeesTheSameParts) {
-  const std::string glb = glb_of(sparse_json(kSparse), sparse_chunk(values<std::uint16_t>({1, 3})));
-  tinygltf::Model model;
-  std::string error, warning;
-  ASSERT_TRUE(tinygltf::TinyGLTF().LoadBinaryFromMemory(
-      &model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
-      static_cast<unsigned>(glb.size())))
-      << error;
+  const std::string glb = sparse_parts(values<std::uint16_t>({1, 3})).glb();
+  const tinygltf::Model model = test::parsed(test::bytes_of(glb));
   const auto& sparse = model.accessors[0].sparse;
   ASSERT_TRUE(sparse.isSparse);
   ASSERT_EQ(sparse.count, 2);
@@ -441,17 +416,17 @@ TEST(ReadGltfSparse, TinygltfSeesTheSameParts) {
 TEST(ReadGltfSparse, RefusesWrongParts) {
   const std::string place = " accessors[0].sparse", count = R"("count":2)";
   std::vector<test::WrongFile> files;
-  struct Row {
-    std::initializer_list<double> numbers;
-    std::string message;
+  const auto add = [&](const std::string& numbers, const test::WrongJson& change) {
+    files.push_back(
+        {sparse_parts(numbers, replaced(kSparse, change.from, change.to)).glb(), change.message});
   };
-  for (const auto& [numbers, message] : {Row{{3, 1}, "entry 1 is 1 behind 3; they must ascend"},
-                                         Row{{1, 1}, "entry 1 is 1 behind 1; they must ascend"},
-                                         Row{{1, 4}, "entry 1 names element 4 of 4"}})
-    files.push_back({glb_of(sparse_json(kSparse), sparse_chunk(values<std::uint16_t>(numbers))),
-                     place + ".indices: " + message});
-  const std::string chunk = sparse_chunk(values<std::uint16_t>({1, 3}));
-  for (const auto& [from, to, message] : std::vector<test::WrongJson>{
+  add(values<std::uint16_t>({3, 1}),
+      {"", "", place + ".indices: entry 1 is 1 behind 3; they must ascend"});
+  add(values<std::uint16_t>({1, 1}),
+      {"", "", place + ".indices: entry 1 is 1 behind 1; they must ascend"});
+  add(values<std::uint16_t>({1, 4}), {"", "", place + ".indices: entry 1 names element 4 of 4"});
+  const std::string good = values<std::uint16_t>({1, 3});
+  for (const test::WrongJson& change : std::vector<test::WrongJson>{
            {count, R"("count":5)", place + ".count: 5 is more than the accessor has (4)"},
            {count, R"("count":0)", place + ".count: 0 is no integer from 1"},
            {count, R"("count":3)",
@@ -462,21 +437,21 @@ TEST(ReadGltfSparse, RefusesWrongParts) {
            {R"("bufferView":3)", R"("bufferView":4)",
             " bufferViews: entry 4 is asked for, but there are only 4"},
            {R"({"bufferView":3})", "{}", place + ".values: has no `bufferView`"}})
-    files.push_back({glb_of(sparse_json(replaced(kSparse, from, to)), chunk), message});
+    add(good, change);
+  test::GlbParts strided = sparse_parts(good);
+  strided.json["bufferViews"][3]["byteStride"] = 12;
   files.push_back(
-      {glb_of(replaced(sparse_json(kSparse), R"("byteLength":24)",
-                       R"("byteLength":24,"byteStride":12)"),
-              chunk),
+      {strided.glb(),
        HasSubstr("bufferViews[3].byteStride: the parts of sparse accessors have no stride")});
   test::expect_refused("a.glb", files);
 }
 
+// Looked at once.
 TEST(ReadGltfSparse, EveryPlaceHasThem) {
-  // Looked at once.
-  std::string json = replaced(sparse_json(kSparse), "\"nodes\":[0]", "\"nodes\":[0,1]");
-  json = replaced(json, "[{\"mesh\":0}]", "[{\"mesh\":0},{\"mesh\":0,\"translation\":[20,0,0]}]");
-  const PolygonMesh mesh = read_glb(glb_of(json, sparse_chunk(values<std::uint16_t>({1, 3})))).mesh;
-  EXPECT_EQ(mesh.positions[5], glm::dvec3(25, 6, 7));
+  test::GlbParts parts = sparse_parts(values<std::uint16_t>({1, 3}));
+  parts.json["scenes"][0]["nodes"] = {0, 1};
+  parts.json["nodes"].push_back({{"mesh", 0}, {"translation", {20, 0, 0}}});
+  EXPECT_EQ(read_glb(parts.glb()).mesh.positions[5], glm::dvec3(25, 6, 7));
 }
 
 }  // namespace

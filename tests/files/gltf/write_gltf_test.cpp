@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
@@ -222,20 +221,9 @@ tinygltf::Model parsed(const SurfaceMesh& surface, const GltfOptions& options = 
 }
 
 template <class Value>
-std::vector<Value> values_of(const tinygltf::Model& model, int accessor_index) {
-  const auto& accessor = model.accessors.at(accessor_index);
-  const auto& view = model.bufferViews.at(accessor.bufferView);
-  EXPECT_EQ(view.byteOffset % 4, 0u);
-  EXPECT_EQ(view.byteLength, accessor.count * sizeof(Value));
-  std::vector<Value> values(accessor.count);
-  std::memcpy(values.data(), model.buffers.at(0).data.data() + view.byteOffset, view.byteLength);
-  return values;
-}
-
-template <class Value>
 std::vector<Value> attribute_of(const tinygltf::Model& model, const std::string& name,
                                 std::size_t primitive = 0) {
-  return values_of<Value>(model, model.meshes.at(0).primitives.at(primitive).attributes.at(name));
+  return test::values_of<Value>(model, attribute(model, name, primitive));
 }
 
 bool is_corner(const SurfaceMesh& surface, std::int64_t face, const glm::vec3& place) {
@@ -282,7 +270,7 @@ TEST(GltfAttributes, ThoseOfTargetsMoveTheMesh) {
   ASSERT_EQ(primitive.targets.size(), 1u);
   const int accessor = primitive.targets[0].at("POSITION");
   EXPECT_THAT(model.accessors.at(accessor).minValues, ElementsAre(0, 0.25, 0.5));
-  EXPECT_EQ(values_of<glm::vec3>(model, accessor).at(1), glm::vec3(0.75f, 1.0f, 1.25f));
+  EXPECT_EQ(test::values_of<glm::vec3>(model, accessor).at(1), glm::vec3(0.75f, 1.0f, 1.25f));
 }
 
 TEST(GltfAttributes, GiveVerticesOnSeamsOneCopyForEachChart) {
@@ -298,7 +286,7 @@ TEST(GltfAttributes, GiveVerticesOnSeamsOneCopyForEachChart) {
     EXPECT_EQ(normals[i], surface.normals[i]);
   }
   // Each triangle lies in one chart, at its corners' places.
-  const auto indices = values_of<std::uint16_t>(model, model.meshes[0].primitives.at(0).indices);
+  const auto indices = indices_of(model);
   EXPECT_EQ(indices.size(), 48u);
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const glm::vec3 place = positions[indices[i]];
@@ -339,7 +327,7 @@ TEST(GltfAttributes, EachPrimitiveHasVerticesOfItsOwn) {
     const double left = 0.5 * static_cast<double>(part);
     EXPECT_THAT(accessor.minValues, ElementsAre(left, 0, 0));
     EXPECT_THAT(accessor.maxValues, ElementsAre(left + 0.5, 1, 0));
-    const auto indices = values_of<std::uint16_t>(model, primitive.indices);
+    const auto indices = indices_of(model, part);
     ASSERT_EQ(indices.size(), 24u);
     for (std::size_t i = 0; i < indices.size(); ++i) {
       const auto face = static_cast<std::int64_t>(4 * (i / 12) + 2 * part + i / 6 % 2);
@@ -370,9 +358,9 @@ TEST(GltfAttributes, GroupsBecomePrimitivesWithMaterials) {
   EXPECT_EQ(model.materials[primitives[1].material].name, "rest");
   EXPECT_EQ(primitives[0].extras.Get("group").Get<std::string>(), "side");
   EXPECT_NE(primitives[0].attributes, primitives[1].attributes);
-  EXPECT_EQ(values_of<std::uint16_t>(model, primitives[0].indices).size(), 30u);
+  EXPECT_EQ(indices_of(model).size(), 30u);
   // Faces keep their order within a group: 0, 2 and 4 are the second primitive's.
-  const auto indices = values_of<std::uint16_t>(model, primitives[1].indices);
+  const auto indices = indices_of(model, 1);
   const auto positions = attribute_of<glm::vec3>(model, "POSITION", 1);
   ASSERT_EQ(indices.size(), 18u);
   for (std::size_t i = 0; i < 18; ++i) {
@@ -428,6 +416,15 @@ TEST(GltfAttributes, SurfacesWithoutAnyHaveAPlainDocument) {
       R"("primitives":[{"attributes":{"NORMAL":1,"POSITION":0},"indices":2,"material":0,)"
       R"("mode":4}]}],"nodes":[{"mesh":0,"name":"surface"}],"scene":0,"scenes":[{"nodes":[0]}]})";
   const std::string text(reinterpret_cast<const char*>(glb.data()), glb.size());
+  // The header, the JSON in whole words, its size, two vectors a vertex and 6 bytes of indices
+  // padded to 8.
+  std::uint32_t words[5];
+  std::memcpy(words, text.data(), sizeof words);
+  EXPECT_EQ(text.substr(0, 4), "glTF");
+  EXPECT_EQ(words[1], 2u);
+  EXPECT_EQ(words[2], text.size());
+  EXPECT_EQ(words[3], (json.size() + 3) / 4 * 4);
+  EXPECT_EQ(text.size(), 12u + 8 + words[3] + 8 + 2 * 36 + 8);
   EXPECT_EQ(text.substr(20, json.size()), json);
   EXPECT_EQ(text.substr(text.size() - 8), std::string("\0\0\1\0\2\0\0\0", 8));
 }
