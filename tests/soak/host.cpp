@@ -65,8 +65,7 @@ class Session {
     options.level = static_cast<int>(random_() % 3);
     const bool is_fair = random_() % 2 == 0;
     if (is_fair) options.method = InterpolationMethod::Fair;
-    HostTopology topology(*context_, rest, options);
-    topology.upload(*submitter_);
+    const HostTopology topology(*context_, *submitter_, rest, options);
     std::unique_ptr<HostFrame> frame;
     for (int i = 0; i < kFrames; ++i) {
       if (i % 4 == 0) frame = frame_by_lot(topology);  // as when a window's buffers are made anew
@@ -86,7 +85,7 @@ class Session {
     testing::Layout layout;
     if (random_() % 2)
       layout = {.offset = 256, .stride = 40, .position_offset = 4, .normal_offset = 20};
-    return std::make_unique<HostFrame>(*context_, topology, layout,
+    return std::make_unique<HostFrame>(*context_, topology, layout, 1,
                                        40 + static_cast<std::uint32_t>(random_() % 20));
   }
 

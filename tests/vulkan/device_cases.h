@@ -118,6 +118,16 @@ inline std::vector<glm::dvec3> random_points(std::int32_t count) {
   return meshes;
 }
 
+/// With further vertices in front of vertex `at`, which no face names.
+[[nodiscard]] inline PolygonMesh with_unused(PolygonMesh mesh, std::int32_t at,
+                                             const glm::dvec3& where, std::int32_t count = 1) {
+  mesh.positions.insert(mesh.positions.begin() + at, static_cast<std::size_t>(count), where);
+  const auto move = [&](std::int32_t& v) { v += v >= at ? count : 0; };
+  for (std::int32_t& v : mesh.face_vertices) move(v);
+  for (CreaseEdge& crease : mesh.creases) move(crease.v0), move(crease.v1);
+  return mesh;
+}
+
 /// As a device is given them. (GCC 12 at -O2 leaves out a conversion to float and back that does
 /// not pass through memory.)
 [[nodiscard]] inline std::vector<glm::dvec3> through_floats(const std::vector<glm::dvec3>& points) {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -27,14 +26,6 @@
 
 namespace planish::testing {
 namespace {
-
-// Words of a buffer, as a host gets them.
-std::vector<std::uint32_t> words_of(vulkan::Buffer& buffer) {
-  buffer.invalidate();
-  std::vector<std::uint32_t> words(buffer.mapped().size() / sizeof(std::uint32_t));
-  std::memcpy(words.data(), buffer.mapped().data(), words.size() * sizeof words[0]);
-  return words;
-}
 
 // The sphere around a box of points, in double.
 struct Sphere {
@@ -92,18 +83,9 @@ struct LevelHost {
     layout.buffer = output.handle();
     levels.emplace(on, tables, solve,
                    vulkan::TessellationOptions{.vertices = layout, .places = std::move(room)});
-    vulkan::Buffer staging(on, tables.upload_bytes(), vulkan::MemoryUse::Upload);
-    tables.write_upload(system, staging.mapped().first(tables.upload_bytes()));
-    staging.flush();
-    submitter.run(
-        [&](VkCommandBuffer commands) { tables.record_upload(commands, staging.handle(), 0); });
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const PolygonMesh pose = pose_of(i);
-      const std::vector<glm::vec3> rounded(pose.positions.begin(), pose.positions.end());
-      const std::size_t bytes = rounded.size() * sizeof rounded[0];
-      std::memcpy(points.mapped().data() + i * bytes, rounded.data(), bytes);
-    }
-    points.flush();
+    upload_tables(on, submitter, system, tables);
+    for (std::uint32_t i = 0; i < count; ++i)
+      put(points, points_of(pose_of(i)), i * mesh.positions.size() * sizeof(glm::vec3));
     submitter.run([&](VkCommandBuffer commands) {
       levels->record_reset(commands);
       solve.record_solve(commands, iterations(20));
@@ -127,6 +109,10 @@ struct LevelHost {
     return pose;
   }
 
+  // Forgets what levels there were.
+  void reset() {
+    submitter.run([&](VkCommandBuffer commands) { levels->record_reset(commands); });
+  }
   // Draws a view; returns each instance's level.
   std::vector<std::uint32_t> draw(const vulkan::TessellateParameters& view) {
     vulkan::Buffer report(context, count * sizeof(std::uint32_t), vulkan::MemoryUse::Download);
@@ -134,41 +120,30 @@ struct LevelHost {
       levels->record_evaluate(commands, view);
       levels->record_levels(commands, report.handle(), 0);
     });
-    std::vector<std::uint32_t> words = words_of(report);
-    words.resize(count);
-    return words;
+    return fetched<std::uint32_t>(report, count);
   }
 
-  // A buffer of planish's own.
-  std::vector<std::uint32_t> fetch(VkBuffer from, VkDeviceSize offset, VkDeviceSize bytes) {
-    vulkan::Buffer copy(context, bytes, vulkan::MemoryUse::Download);
+  // Of a buffer of planish's own.
+  template <class Item>
+  std::vector<Item> fetch(VkBuffer from, VkDeviceSize offset, std::size_t item_count) {
+    const VkBufferCopy region{offset, 0, item_count * sizeof(Item)};
+    vulkan::Buffer copy(context, region.size, vulkan::MemoryUse::Download);
     submitter.run([&](VkCommandBuffer commands) {
       vulkan::record_barrier(context, commands, vulkan::kExitScope, vulkan::kEntryScope);
-      const VkBufferCopy region{offset, 0, bytes};
       context.vk().vkCmdCopyBuffer(commands, from, copy.handle(), 1, &region);
     });
-    std::vector<std::uint32_t> words = words_of(copy);
-    words.resize(bytes / sizeof(std::uint32_t));
-    return words;
+    return fetched<Item>(copy, item_count);
   }
   std::vector<VkDrawIndexedIndirectCommand> draws() {
-    const VkDeviceSize bytes = count * sizeof(VkDrawIndexedIndirectCommand);
-    const std::vector<std::uint32_t> words = fetch(levels->draws(), 0, bytes);
-    std::vector<VkDrawIndexedIndirectCommand> result(count);
-    std::memcpy(result.data(), words.data(), bytes);
-    return result;
+    return fetch<VkDrawIndexedIndirectCommand>(levels->draws(), 0, count);
   }
   // Control points of an instance.
   std::vector<glm::dvec3> control_points(std::uint32_t instance) {
-    const std::size_t rows = system.used_vertices().size();
-    const std::vector<std::uint32_t> words = fetch(
-        solve.control_points(), instance * solve.control_point_stride(), rows * 4 * sizeof(float));
+    const auto found =
+        fetch<glm::vec4>(solve.control_points(), instance * solve.control_point_stride(),
+                         system.used_vertices().size());
     std::vector<glm::dvec3> result;
-    for (std::size_t i = 0; i < rows; ++i) {
-      std::array<float, 3> p{};
-      std::memcpy(p.data(), &words[4 * i], sizeof p);
-      result.emplace_back(p[0], p[1], p[2]);
-    }
+    for (const glm::vec4& p : found) result.emplace_back(p);
     return result;
   }
 
@@ -298,13 +273,12 @@ class EmbedLevels : public Embedding {
       SystemOptions one = options;
       one.levels.clear();
       one.level = host.level_numbers[k];
-      HostTopology topology(*context_, host.rest, one);
-      topology.upload(*submitter_);
-      HostFrame frame(*context_, topology);
+      const HostTopology topology = topology_of(host.rest, one);
+      HostFrame frame = frame_of(topology);
       const auto triangles = topology.system.triangles();
-      const std::vector<std::uint32_t> indices =
-          host.fetch(host.levels->indices(), index_offset(draws, levels, k) * sizeof(std::uint32_t),
-                     triangles.size_bytes());
+      const std::vector<std::uint32_t> indices = host.fetch<std::uint32_t>(
+          host.levels->indices(), index_offset(draws, levels, k) * sizeof(std::uint32_t),
+          triangles.size());
       for (std::uint32_t i = 0; i < host.count; ++i) {
         if (levels[i] != k) continue;
         const VkDrawIndexedIndirectCommand& draw = draws[i];
@@ -348,7 +322,7 @@ class EmbedLevels : public Embedding {
     host.draw(view);
     Dispatched result;
     for (const auto& [buffer, offset] : PretendedDriver::notes().indirect_dispatches) {
-      const std::vector<std::uint32_t> groups = host.fetch(buffer, offset, 12);
+      const std::vector<std::uint32_t> groups = host.fetch<std::uint32_t>(buffer, offset, 3);
       result.groups += std::uint64_t(groups[0]) * groups[1] * groups[2];
       ++result.count;
     }
@@ -387,7 +361,7 @@ TEST_F(EmbedLevels, FollowAnyProjection) {
   std::set<std::vector<std::uint32_t>> choices;
   for (const glm::mat4& clip : {perspective(20, 200), reversed, parallel}) {
     const TessellateParameters view = view_of(clip);
-    submitter_->run([&](VkCommandBuffer commands) { host.levels->record_reset(commands); });
+    host.reset();
     const std::vector<std::uint32_t> levels = host.draw(view);
     EXPECT_EQ(levels, expected_levels(host, view));
     EXPECT_TRUE(choices.insert(levels).second);
@@ -402,9 +376,8 @@ TEST_F(EmbedLevels, NothingThatIsInViewIsLeftOut) {
   std::size_t seen = 0, unseen = 0;
   for (const PolygonMesh& mesh : meshes) {
     LevelHost host(*context_, *submitter_, mesh, {.level = 2, .levels = {1, 2}}, field(30));
-    HostTopology topology(*context_, mesh);
-    topology.upload(*submitter_);
-    HostFrame frame(*context_, topology);
+    const HostTopology topology = topology_of(mesh);
+    HostFrame frame = frame_of(topology);
     std::vector<std::vector<Vertex>> vertices;
     for (std::uint32_t i = 0; i < host.count; ++i)
       vertices.push_back(run(frame, host.pose_of(i), iterations(20)));
@@ -454,13 +427,9 @@ TEST_F(EmbedLevels, WhatIsOffScreenIsNeitherDispatchedNorDrawn) {
   ASSERT_LT(seen.size(), places.size());
   const auto alone_with = [&](const std::vector<glm::dvec3>& offsets) {
     LevelHost alone(*context_, *submitter_, mesh, {.levels = kLevels}, offsets);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      const PolygonMesh pose = host.pose_of(numbers[i]);
-      const std::vector<glm::vec3> rounded(pose.positions.begin(), pose.positions.end());
-      std::memcpy(alone.points.mapped().data() + i * rounded.size() * sizeof rounded[0],
-                  rounded.data(), rounded.size() * sizeof rounded[0]);
-    }
-    alone.points.flush();
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      put(alone.points, points_of(host.pose_of(numbers[i])),
+          i * mesh.positions.size() * sizeof(glm::vec3));
     submitter_->run(
         [&](VkCommandBuffer commands) { alone.solve.record_solve(commands, iterations(20)); });
     return dispatched(alone, view);
@@ -481,7 +450,7 @@ TEST_F(EmbedLevels, KeepALevelUntilACoarserOneIsWellEnough) {
   std::vector<std::uint32_t> last(host.count, kNotSeen);
   int changes[2] = {};
   for (const float coarser_at : {0.7f, 1.0f}) {
-    submitter_->run([&](VkCommandBuffer commands) { host.levels->record_reset(commands); });
+    host.reset();
     std::ranges::fill(last, kNotSeen);
     for (int frame = 0; frame < 12; ++frame) {
       const TessellateParameters view = at(frame % 2 == 0 ? limit : 1.2f * limit, coarser_at);
@@ -498,7 +467,7 @@ TEST_F(EmbedLevels, KeepALevelUntilACoarserOneIsWellEnough) {
   EXPECT_EQ(coarse, expected_levels(host, at(8, 0.7f), last));
   EXPECT_NE(coarse, last);
   const std::vector<std::uint32_t> fine = host.draw(at(0.1f, 0.7f));
-  submitter_->run([&](VkCommandBuffer commands) { host.levels->record_reset(commands); });
+  host.reset();
   EXPECT_EQ(host.draw(at(0.12f, 0.7f)), expected_levels(host, at(0.12f, 0.7f)));
   EXPECT_NE(fine, coarse);
 }
@@ -547,7 +516,7 @@ TEST_F(EmbedLevels, TheFairMethodHasThemToo) {
   LevelHost host(*context_, *submitter_, mesh, options, {{0, 0, -20}});
   std::set<std::uint32_t> kinds;
   for (float pixels = 0.01f; pixels < 100; pixels *= 3) {
-    submitter_->run([&](VkCommandBuffer commands) { host.levels->record_reset(commands); });
+    host.reset();
     const std::vector<std::uint32_t> levels = host.draw(view_of(perspective(0.1f, 5000), pixels));
     if (kinds.insert(levels[0]).second) expect_bits(host, levels, options);
   }
@@ -587,82 +556,68 @@ TEST_F(EmbedLevels, ChordErrorsAreThoseOfTheSurface) {
 // fit are refused by name.
 using ::testing::HasSubstr;
 
-class EmbedLevelsHost : public Embedding {};
+using EmbedLevelsHost = Embedding;
 
 TEST_F(EmbedLevelsHost, RecordingOnlyRecords) {
   LevelHost host(*context_, *submitter_, test::icosphere(1), {.levels = {1, 2, 3, 4}},
                  {{0, 0, -4}, {0, 0, -40}, {0, 0, 4}});
   HostCommands commands(*own_);
   Buffer report(*context_, 64, MemoryUse::Download);
-  commands.record([&](VkCommandBuffer buffer) {
-    const std::map<std::string, int> before = PretendedDriver::counts();
+  recorded_calls(commands, [&](VkCommandBuffer buffer) {
     host.levels->record_reset(buffer);
     host.levels->record_evaluate(buffer, view_of(perspective(0.1f, 5000)));
     host.levels->record_levels(buffer, report.handle(), 0);
-    for (const auto& [name, count] : PretendedDriver::counts()) {
-      const auto found = before.find(name);
-      if (found != before.end() && found->second == count) continue;
-      EXPECT_THAT(name, ::testing::StartsWith("vkCmd"));
-    }
   });
   // The same commands again and again.
   std::vector<std::uint32_t> first;
   for (int i = 0; i < 3; ++i) {
     commands.submit();
     commands.wait();
-    if (i == 0) first = words_of(report);
-    EXPECT_EQ(words_of(report), first);
+    const auto levels = fetched<std::uint32_t>(report, 3);
+    if (i == 0) first = levels;
+    EXPECT_EQ(levels, first);
   }
 }
 
 TEST_F(EmbedLevelsHost, WrongOptionsAreRefusedByName) {
   const PolygonMesh mesh = test::icosphere(1);
-  const auto refusal = [](const auto& make) {
-    try {
-      make();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-      return std::string(error.what());
-    }
-    return std::string("nothing thrown");
-  };
-  const auto of_levels = [&](std::vector<int> levels) {
-    return refusal([&] { const System system(mesh, {.levels = std::move(levels)}); });
-  };
-  EXPECT_THAT(of_levels({0, 1}), HasSubstr("ascend from 1 to 5, but 0 stands first"));
-  EXPECT_THAT(of_levels({2, 2}), HasSubstr("but 2 stands behind 2"));
-  EXPECT_THAT(of_levels({3, 6}), HasSubstr("but 6 stands behind 3"));
-  HostTopology none(*context_, mesh), some(*context_, mesh, {.levels = {1, 3}});
+  const std::pair<std::vector<int>, const char*> of_systems[] = {
+      {{0, 1}, "ascend from 1 to 5, but 0 stands first"},
+      {{2, 2}, "but 2 stands behind 2"},
+      {{3, 6}, "but 6 stands behind 3"}};
+  for (const auto& [levels, words] : of_systems)
+    EXPECT_THAT(
+        test::message_of(ErrorCode::InvalidArgument, [&] { System(mesh, {.levels = levels}); }),
+        HasSubstr(words));
+  const HostTopology none = topology_of(mesh), some = topology_of(mesh, {.levels = {1, 3}});
   const Buffer target(*context_, 1 << 16, MemoryUse::Device),
       other(*context_, 64, MemoryUse::Device);
+  const VertexLayout all{target.handle()};
+  const VertexLayout apart{
+      .buffer = target.handle(), .normal_offset = 0, .attributes = {other.handle(), 0, 12}};
   const vulkan::Solve without(*context_, none.device),
       with(*context_, some.device, {.instances = 3});
-  const auto of_options = [&](const TessellationOptions& options) {
-    return refusal([&] { const Tessellation levels(*context_, some.device, with, options); });
-  };
-  EXPECT_THAT(refusal([&] {
-                const Tessellation levels(*context_, none.device, without,
-                                          {.vertices = {target.handle()}});
-              }),
-              HasSubstr("no levels to choose from"));
-  EXPECT_THAT(of_options({}), HasSubstr("have no buffer"));
-  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {3}}),
-              HasSubstr("places are of 1 levels, but the System has 2"));
-  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {2, 2}}),
-              HasSubstr("places for 2 instances, but takes all 3"));
-  EXPECT_THAT(of_options({.vertices = {target.handle()}, .places = {3, 0}}),
-              HasSubstr("places for no instance"));
-  VertexLayout apart{target.handle()};
-  apart.attributes = {other.handle(), 0, 12};
-  apart.normal_offset = 0;
-  EXPECT_THAT(of_options({.vertices = apart}), HasSubstr("in one buffer"));
+  EXPECT_THAT(
+      test::message_of(ErrorCode::InvalidArgument,
+                       [&] { Tessellation(*context_, none.device, without, {.vertices = all}); }),
+      HasSubstr("no levels to choose from"));
+  const std::pair<TessellationOptions, const char*> of_options[] = {
+      {{}, "have no buffer"},
+      {{.vertices = all, .places = {3}}, "places are of 1 levels, but the System has 2"},
+      {{.vertices = all, .places = {2, 2}}, "places for 2 instances, but takes all 3"},
+      {{.vertices = all, .places = {3, 0}}, "places for no instance"},
+      {{.vertices = apart}, "in one buffer"}};
+  for (const auto& [options, words] : of_options)
+    EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
+                                 [&] { Tessellation(*context_, some.device, with, options); }),
+                HasSubstr(words));
 }
 
 // Of a device that binds 128 KiB: what is too large, by how much, and the way out.
 TEST_F(EmbedLevelsHost, TooManyPlacesAreRefusedByLevel) {
   PretendedDriver::pretence().storage_range = 1 << 17;
   with_both_variants([&] {
-    HostTopology topology(*context_, test::icosphere(1), {.levels = {1, 4}}, 24);
+    const HostTopology topology = topology_of(test::icosphere(1), {.levels = {1, 4}}, {24});
     const vulkan::Solve solve(*context_, topology.device, {.instances = 5});
     const Buffer target(*context_, 1 << 21, MemoryUse::Device);
     TessellationOptions options{.vertices = {.buffer = target.handle(), .offset = 8, .stride = 24}};
@@ -671,17 +626,13 @@ TEST_F(EmbedLevelsHost, TooManyPlacesAreRefusedByLevel) {
       return static_cast<std::uint64_t>(8 + 24 * (coarse * counts[0] + fine * counts[1]));
     };
     EXPECT_EQ(topology.device.tessellation_bytes(options, 5), bytes(5, 5));
-    try {
-      const Tessellation levels(*context_, topology.device, solve, options);
-      FAIL() << "nothing thrown";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
-      EXPECT_THAT(error.what(), HasSubstr(": the Tessellation's vertices of level 4 take "));
-      EXPECT_THAT(error.what(),
-                  HasSubstr(" bytes of one binding, but maxStorageBufferRange is 131072; give that "
-                            "level fewer places than 5 (TessellationOptions::places), or vertices "
-                            "a smaller stride"));
-    }
+    const std::string message = test::message_of(
+        ErrorCode::OutOfMemory, [&] { Tessellation(*context_, topology.device, solve, options); });
+    EXPECT_THAT(message, HasSubstr(": the Tessellation's vertices of level 4 take "));
+    EXPECT_THAT(message,
+                HasSubstr(" bytes of one binding, but maxStorageBufferRange is 131072; give that "
+                          "level fewer places than 5 (TessellationOptions::places), or vertices "
+                          "a smaller stride"));
     options.places = {9, 1};  // of which there are five
     EXPECT_EQ(topology.device.tessellation_bytes(options, 5), bytes(5, 1));
     const Tessellation levels(*context_, topology.device, solve, options);
@@ -694,7 +645,7 @@ TEST_F(EmbedLevelsHost, TooManyPlacesAreRefusedByLevel) {
 
 // Of a buffer that the Solve's points are in.
 TEST_F(EmbedLevelsHost, VerticesOverPointsAreRefused) {
-  HostTopology topology(*context_, test::icosphere(1), {.levels = {1, 3}});
+  const HostTopology topology = topology_of(test::icosphere(1), {.levels = {1, 3}});
   const Buffer all(*context_, 1 << 21, MemoryUse::Device);
   const vulkan::Solve solve(*context_, topology.device,
                             {.given = {all.handle(), 1 << 20}, .instances = 2});

@@ -11,6 +11,7 @@
 #include "planish/pipeline/fit.h"
 #include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
+#include "vulkan/pretended_driver.h"
 
 namespace planish::testing {
 
@@ -46,17 +47,15 @@ static FairDecisions decisions_of(const PolygonMesh& pose, const PolygonMesh& re
 std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
                                    const SystemOptions& options) {
   const auto backend = make_cpu_backend();
-  FitOptions fitting;
-  fitting.method = options.method;
-  fitting.weights = options.weights;
-  fitting.sharp = options.sharp;
-  fitting.fair_decisions = options.fair_decisions;
-  fitting.tolerance = 1e-12;
-  EvaluateOptions evaluation;
-  evaluation.level = options.level;
-  evaluation.weights = options.weights;
-  evaluation.sharp = options.sharp;
-  evaluation.rest_positions = rest.positions;
+  FitOptions fitting{.method = options.method,
+                     .weights = options.weights,
+                     .tolerance = 1e-12,
+                     .fair_decisions = options.fair_decisions,
+                     .sharp = options.sharp};
+  const EvaluateOptions evaluation{.level = options.level,
+                                   .weights = options.weights,
+                                   .sharp = options.sharp,
+                                   .rest_positions = rest.positions};
   const PolygonMesh whole = without_holes(mesh);
   FairDecisions decisions;
   if (options.method == InterpolationMethod::Fair && !options.fair_decisions) {
@@ -83,17 +82,23 @@ Difference difference(const std::vector<Vertex>& a, const std::vector<Vertex>& b
   return result;
 }
 
-HostTopology::HostTopology(Context& context, const PolygonMesh& rest, const SystemOptions& options,
-                           std::uint32_t max_vertex_stride)
+void upload_tables(Context& context, Submitter& submitter, const System& system,
+                   const DeviceSystem& tables) {
+  Buffer staging(context, tables.upload_bytes(), MemoryUse::Upload);
+  tables.write_upload(system, staging.mapped().first(tables.upload_bytes()));
+  staging.flush();
+  submitter.run(
+      [&](VkCommandBuffer commands) { tables.record_upload(commands, staging.handle(), 0); });
+}
+
+HostTopology::HostTopology(Context& context, Submitter& submitter, const PolygonMesh& rest,
+                           const SystemOptions& options, const DeviceSystemOptions& tables)
     : system(rest, options),
-      device(context, system, {max_vertex_stride}),
+      device(context, system, tables),
       indices(context, device.index_count() * sizeof(std::uint32_t), MemoryUse::Download),
       staging(context, device.upload_bytes(), MemoryUse::Upload) {
   device.write_upload(system, staging.mapped().first(device.upload_bytes()));
   staging.flush();
-}
-
-void HostTopology::upload(Submitter& submitter) {
   submitter.run([&](VkCommandBuffer commands) {
     device.record_upload(commands, staging.handle(), 0, {indices.handle(), 0});
   });
@@ -102,39 +107,43 @@ void HostTopology::upload(Submitter& submitter) {
 
 namespace {
 
-SolveOptions options_of(const HostFrame& frame, std::uint32_t max_iterations,
-                        std::uint32_t instances) {
-  SolveOptions options;
-  options.max_iterations = max_iterations;
-  options.given = {frame.points.handle(), 0, sizeof(glm::vec3)};
-  options.vertices = {frame.output.handle(),      frame.layout.offset,
-                      frame.layout.stride,        frame.layout.position_offset,
-                      frame.layout.normal_offset, frame.instance_stride()};
-  options.instances = instances;
-  return options;
+VertexLayout vertices_of(const HostFrame& frame) {
+  const Layout& layout = frame.layout;
+  return {.buffer = frame.output.handle(),
+          .offset = layout.offset,
+          .stride = layout.stride,
+          .position_offset = layout.position_offset,
+          .normal_offset = layout.normal_offset,
+          .instance_stride = frame.instance_stride()};
 }
 
 }  // namespace
 
 HostFrame::HostFrame(Context& context, const HostTopology& topology, const Layout& wanted,
-                     std::uint32_t max_iterations, std::uint32_t instances)
+                     std::uint32_t instance_count, std::uint32_t max_iterations)
     : vertex_count(topology.system.vertex_count()),
+      instances(instance_count),
       layout(wanted),
       points(context, instances * topology.system.given_count() * sizeof(glm::vec3),
              MemoryUse::Upload),
       output(context, wanted.offset + instances * instance_stride(), MemoryUse::Download),
-      report(context, instances * sizeof(GpuStatus), MemoryUse::Download),
-      solve(context, topology.device, options_of(*this, max_iterations, instances)) {}
+      report(context, reach_offset() + sizeof(EditReach), MemoryUse::Download),
+      solve(context, topology.device,
+            {.max_iterations = max_iterations,
+             .given = {points.handle()},
+             .vertices = vertices_of(*this),
+             .instances = instances}) {}
 
 std::uint64_t HostFrame::instance_stride() const {
   return std::uint64_t(vertex_count) * layout.stride + layout.gap;
 }
 
+std::uint64_t HostFrame::reach_offset() const { return instances * sizeof(GpuStatus); }
+
+EditReach HostFrame::reach() { return fetched<EditReach>(report, 1, reach_offset()).front(); }
+
 void HostFrame::set_points(const PolygonMesh& pose, std::uint32_t instance) {
-  std::vector<glm::vec3> rounded(pose.positions.begin(), pose.positions.end());
-  const std::size_t bytes = rounded.size() * sizeof(glm::vec3);
-  std::memcpy(points.mapped().data() + instance * bytes, rounded.data(), bytes);
-  points.flush();
+  put(points, points_of(pose), instance * pose.positions.size() * sizeof(glm::vec3));
 }
 
 std::vector<Vertex> HostFrame::vertices(std::uint32_t instance) {
@@ -150,10 +159,7 @@ std::vector<Vertex> HostFrame::vertices(std::uint32_t instance) {
 }
 
 GpuStatus HostFrame::status(std::uint32_t instance) {
-  report.invalidate();
-  GpuStatus result;
-  std::memcpy(&result, report.mapped().data() + instance * sizeof result, sizeof result);
-  return result;
+  return fetched<GpuStatus>(report, 1, instance * sizeof(GpuStatus)).front();
 }
 
 void HostFrame::record(VkCommandBuffer commands, const SolveParameters& parameters) const {
@@ -162,58 +168,75 @@ void HostFrame::record(VkCommandBuffer commands, const SolveParameters& paramete
   solve.record_status(commands, report.handle(), 0);
 }
 
-HostCommands::HostCommands(const OwnDevice& device, VkCommandBufferLevel level)
-    : host_(device.host_device()),
+FramesInFlight::Slot::Slot(Context& context, const OwnDevice& device, const HostTopology& topology,
+                           const Layout& layout, std::uint32_t instances, std::uint32_t most_moves)
+    : frame(context, topology, layout, instances),
+      moves(context, (1 + most_moves) * sizeof(std::uint32_t), MemoryUse::Upload),
+      commands(device) {}
+
+FramesInFlight::FramesInFlight(Context& context, const OwnDevice& device,
+                               const HostTopology& topology, int count, std::uint32_t instances,
+                               std::uint32_t most_moves) {
+  constexpr Layout kLayouts[] = {{}, {20, 32, 16, 0}, {64, 40, 4, 24, 12}};
+  SolveOptions options{.instances = instances};
+  for (int i = 0; i < count; ++i) {
+    const Slot& slot =
+        slots_.emplace_back(context, device, topology, kLayouts[i % 3], instances, most_moves);
+    FrameSlot& of_slot = options.further_slots.emplace_back();
+    of_slot = {{slot.frame.points.handle()}, vertices_of(slot.frame), {}};
+    if (most_moves > 0) of_slot.moved = {slot.moves.handle(), 0, most_moves};
+  }
+  options.given = options.further_slots[0].given;
+  options.vertices = options.further_slots[0].vertices;
+  options.moved = options.further_slots[0].moved;
+  options.further_slots.erase(options.further_slots.begin());
+  solve_.emplace(context, topology.device, options);
+}
+
+FramesInFlight::~FramesInFlight() {
+  for (int i = 0; i < static_cast<int>(slots_.size()); ++i) done(i);
+}
+
+FramesInFlight::Slot& FramesInFlight::done(int number) {
+  Slot& slot = *std::next(slots_.begin(), number % static_cast<int>(slots_.size()));
+  if (slot.is_under_way) slot.commands.wait();
+  slot.is_under_way = false;
+  return slot;
+}
+
+void FramesInFlight::submit(int number, const std::function<void(VkCommandBuffer, Slot&)>& record) {
+  Slot& slot = done(number);
+  slot.commands.record([&](VkCommandBuffer commands) { record(commands, slot); });
+  slot.commands.submit();
+  slot.is_under_way = true;
+}
+
+HostBlocks::HostBlocks(const HostDevice& host, const VkPhysicalDeviceMemoryProperties& memory)
+    : device_(host.device),
+      memory_(memory),
       vk_(DeviceFunctions::load(
-          InstanceFunctions::load(host_.get_instance_proc, host_.instance).vkGetDeviceProcAddr,
-          host_.device)),
-      queue_(device.queue()),
-      level_(level) {
-  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-  pool.queueFamilyIndex = device.capabilities().compute_family;
-  check(vk_.vkCreateCommandPool(host_.device, &pool, nullptr, &pool_), "vkCreateCommandPool");
-  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  allocate.commandPool = pool_;
-  allocate.level = level;
-  allocate.commandBufferCount = 1;
-  check(vk_.vkAllocateCommandBuffers(host_.device, &allocate, &commands_),
-        "vkAllocateCommandBuffers");
-  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  check(vk_.vkCreateFence(host_.device, &fence, nullptr, &fence_), "vkCreateFence");
+          InstanceFunctions::load(host.get_instance_proc, host.instance).vkGetDeviceProcAddr,
+          host.device)) {}
+
+MemoryHooks HostBlocks::hooks() {
+  return {[this](const MemoryRequest& request) { return allocate(request); },
+          [this](const MemoryBlock& block) { free(block); }};
 }
 
-HostCommands::~HostCommands() {
-  vk_.vkDestroyFence(host_.device, fence_, nullptr);
-  vk_.vkDestroyCommandPool(host_.device, pool_, nullptr);
+MemoryBlock HostBlocks::allocate(const MemoryRequest& request) {
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  info.allocationSize = request.requirements.size;
+  info.memoryTypeIndex = mapped_type(memory_, request.requirements.memoryTypeBits);
+  MemoryBlock block;
+  check(vk_.vkAllocateMemory(device_, &info, nullptr, &block.memory), "vkAllocateMemory");
+  check(vk_.vkMapMemory(device_, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped), "vkMapMemory");
+  ++taken[request.use], ++living, ++made;
+  return block;
 }
 
-void HostCommands::record(const std::function<void(VkCommandBuffer)>& work) {
-  check(vk_.vkResetCommandPool(host_.device, pool_, 0), "vkResetCommandPool");
-  const VkCommandBufferInheritanceInfo inheritance{
-      VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO};
-  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-  if (level_ == VK_COMMAND_BUFFER_LEVEL_SECONDARY) begin.pInheritanceInfo = &inheritance;
-  check(vk_.vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer");
-  work(commands_);
-  // The host reads what planish wrote.
-  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  barrier.srcAccessMask = kExitScope.accesses;
-  barrier.dstAccessMask = kHostReadScope.accesses;
-  vk_.vkCmdPipelineBarrier(commands_, kExitScope.stages, kHostReadScope.stages, 0, 1, &barrier, 0,
-                           nullptr, 0, nullptr);
-  check(vk_.vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
-}
-
-void HostCommands::submit() {
-  check(vk_.vkResetFences(host_.device, 1, &fence_), "vkResetFences");
-  VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-  info.commandBufferCount = 1;
-  info.pCommandBuffers = &commands_;
-  check(vk_.vkQueueSubmit(queue_, 1, &info, fence_), "vkQueueSubmit");
-}
-
-void HostCommands::wait() {
-  check(vk_.vkWaitForFences(host_.device, 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+void HostBlocks::free(const MemoryBlock& block) {
+  vk_.vkFreeMemory(device_, block.memory, nullptr);
+  --living;
 }
 
 }  // namespace planish::testing

@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <functional>
+#include <map>
 #include <memory>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "planish/queries/limit_surface.h"
-#include "planish/vulkan/device/own_device.h"
+#include "support/calls.h"
 #include "vulkan/device_cases.h"
 #include "vulkan/embedding.h"
 #include "vulkan/fixture.h"
@@ -37,15 +39,7 @@ class Embedding : public VulkanTest {
   }
 
   vulkan::OwnDeviceOptions device_options() {
-    vulkan::OwnDeviceOptions options;
-    options.wanted = test::wanted_device();
-    options.instance.get_proc = PretendedDriver::get_proc();
-    options.instance.validation = validation_wanted();
-    options.instance.message = [this](std::string_view message) {
-      const std::lock_guard lock(mutex_);
-      messages_.emplace_back(message);
-    };
-    return options;
+    return VulkanTest::device_options(PretendedDriver::get_proc());
   }
 
   void open(const vulkan::ContextOptions& options = {}) {
@@ -72,6 +66,16 @@ class Embedding : public VulkanTest {
     own_.reset();
   }
 
+  HostTopology topology_of(const PolygonMesh& mesh, const vulkan::SystemOptions& options = {},
+                           const vulkan::DeviceSystemOptions& tables = {}) {
+    return {*context_, *submitter_, mesh, options, tables};
+  }
+
+  HostFrame frame_of(const HostTopology& topology, const Layout& layout = {},
+                     std::uint32_t instances = 1) {
+    return {*context_, topology, layout, instances};
+  }
+
   /// Gives the points, runs solve, evaluation and status, and fetches the vertices.
   std::vector<Vertex> run(HostFrame& frame, const PolygonMesh& pose,
                           const vulkan::SolveParameters& parameters) {
@@ -80,16 +84,50 @@ class Embedding : public VulkanTest {
     return frame.vertices();
   }
 
+  /// What recording calls of the driver, which must be vkCmd functions alone.
+  std::map<std::string, int> recorded_calls(HostCommands& commands,
+                                            const std::function<void(VkCommandBuffer)>& record) {
+    std::map<std::string, int> calls;
+    commands.record([&](VkCommandBuffer buffer) {
+      const std::map<std::string, int> before = PretendedDriver::counts();
+      record(buffer);
+      calls = PretendedDriver::counts();
+      for (const auto& [name, count] : before) calls[name] -= count;
+    });
+    std::erase_if(calls, [](const auto& call) { return call.second == 0; });
+    for (const auto& [name, count] : calls) EXPECT_TRUE(name.starts_with("vkCmd")) << name;
+    return calls;
+  }
+
+  /// What is alive, but for one kind that a Context keeps until its own end.
+  static std::map<std::string, int> alive_without(const std::string& kept) {
+    std::map<std::string, int> all = PretendedDriver::alive();
+    all.erase(kept);
+    return all;
+  }
+
+  /// Expects Error{code} with these words of `action`, which leaves nothing behind.
+  template <class Action>
+  void expect_refusal(ErrorCode code, const std::string& words, const Action& action,
+                      const std::string& kept = {}) {
+    const std::map<std::string, int> before = alive_without(kept);
+    const std::string message = test::message_of(code, action);
+    EXPECT_NE(message.find(words), std::string::npos) << message << "\n  without: " << words;
+    EXPECT_EQ(alive_without(kept), before) << message;
+  }
+
   std::unique_ptr<vulkan::OwnDevice> own_;
   std::unique_ptr<vulkan::Context> context_;
   std::unique_ptr<vulkan::Submitter> submitter_;
 };
 
+/// Steps until the error is small enough.
+[[nodiscard]] inline vulkan::SolveParameters stopping(std::uint32_t count, double stop_error) {
+  return {.iterations = count, .stop_error = static_cast<float>(stop_error), .measures_last = true};
+}
+
 [[nodiscard]] inline vulkan::SolveParameters iterations(std::uint32_t count) {
-  vulkan::SolveParameters parameters;
-  parameters.iterations = count;
-  parameters.measures_last = true;
-  return parameters;
+  return {.iterations = count, .measures_last = true};
 }
 
 struct PlaceRecord {
@@ -155,24 +193,18 @@ class PlacesOnDevice : public Embedding {
          const vulkan::SystemOptions& options = {}, const vulkan::PlacesOptions& places = {})
         : system(mesh, options),
           tables(context, system, {.answers_places = true}),
-          staging(context, tables.upload_bytes(), vulkan::MemoryUse::Upload),
           points(context, tables.given_count() * sizeof(glm::vec3), vulkan::MemoryUse::Upload),
           solve(context, tables, {.given = {points.handle()}}),
           list(context, std::max(1u, places.list.count) * sizeof(PlaceRecord),
                vulkan::MemoryUse::Upload),
           results(context, std::max(1u, places.list.count) * sizeof(PlaceResult),
                   vulkan::MemoryUse::Download) {
-      tables.write_upload(system, staging.mapped().first(tables.upload_bytes()));
-      staging.flush();
-      submitter.run(
-          [&](VkCommandBuffer commands) { tables.record_upload(commands, staging.handle(), 0); });
-      const std::vector<glm::vec3> rounded(mesh.positions.begin(), mesh.positions.end());
-      std::memcpy(points.mapped().data(), rounded.data(), rounded.size() * sizeof rounded[0]);
-      points.flush();
+      upload_tables(context, submitter, system, tables);
+      put(points, points_of(mesh));
     }
     vulkan::System system;
     vulkan::DeviceSystem tables;
-    vulkan::Buffer staging, points;
+    vulkan::Buffer points;
     vulkan::Solve solve;
     vulkan::Buffer list, results;
   };
@@ -184,8 +216,7 @@ class PlacesOnDevice : public Embedding {
                                       std::uint32_t step_count = 0) {
     const auto count = static_cast<std::uint32_t>(places.size());
     Case c(*context_, *submitter_, mesh, options, {.list = {.count = count}});
-    std::memcpy(c.list.mapped().data(), places.data(), places.size() * sizeof places[0]);
-    c.list.flush();
+    put(c.list, places);
     const vulkan::Places asked(
         *context_, c.tables, c.solve,
         {.list = {c.list.handle(), 0, 12, count}, .results = {.buffer = c.results.handle()}});
@@ -194,17 +225,7 @@ class PlacesOnDevice : public Embedding {
       c.solve.record_surface(commands);
       asked.record_evaluate(commands);
     });
-    c.results.invalidate();
-    std::vector<PlaceResult> results(places.size());
-    std::memcpy(results.data(), c.results.mapped().data(), results.size() * sizeof results[0]);
-    return results;
-  }
-
-  void open_reading(vulkan::ReadPath path, const vulkan::ContextOptions& given = {}) {
-    vulkan::ContextOptions options = given;
-    options.variant =
-        path == vulkan::ReadPath::Texel ? vulkan::kSoftwareVariant : vulkan::kHardwareVariant;
-    open(options);
+    return fetched<PlaceResult>(c.results, places.size());
   }
 };
 

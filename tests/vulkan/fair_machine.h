@@ -42,15 +42,8 @@ class FairMachine : public VulkanTest {
   [[nodiscard]] virtual vulkan::ContextOptions context_options() const { return {}; }
 
   void make_machine(const vulkan::ContextOptions& context) {
-    vulkan::OwnDeviceOptions options;
-    options.wanted = test::wanted_device();
-    options.instance.validation = validation_wanted();
-    options.instance.message = [this](std::string_view message) {
-      const std::lock_guard lock(mutex_);
-      messages_.emplace_back(message);
-    };
     machine_.reset();
-    machine_ = std::make_unique<vulkan::VulkanMachine>(options, context);
+    machine_ = std::make_unique<vulkan::VulkanMachine>(device_options(), context);
   }
 
   template <class Item>

@@ -8,6 +8,7 @@
 #include "planish/fair/fair_topology.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
+#include "support/calls.h"
 #include "support/random_meshes.h"
 #include "vulkan/fair_machine.h"
 
@@ -30,11 +31,10 @@ constexpr double kPolishedNormals = 1.0;
 
 class FairNetOnDevice : public FairMachine {
  protected:
-  FairNet build(Backend& backend, const test::FairCase& c, std::int32_t polish_steps = 8) {
-    auto* const builder = dynamic_cast<FairBuilder*>(&backend);
-    EXPECT_NE(builder, nullptr);
-    return builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision), c.given,
-                                   {.polish_steps = polish_steps});
+  static FairNet build(Backend& backend, const test::FairCase& c,
+                       const FairOptions& options = {.polish_steps = 8}) {
+    return dynamic_cast<FairBuilder&>(backend).build_fair_net(
+        make_fair_topology(c.mesh, c.subdivision), c.given, options);
   }
 };
 
@@ -79,7 +79,7 @@ TEST_F(FairNetOnDevice, InterpolatesAndEqualsTheCpusSurface) {
     SCOPED_TRACE(mesh.name);
     const test::FairCase c(mesh.mesh, 2);
     for (const std::int32_t steps : {0, 8}) {
-      const FairNet net = build(*backend, c, steps);
+      const FairNet net = build(*backend, c, {.polish_steps = steps});
       const FairNet expected = c.net(steps);
       ASSERT_EQ(net.state.size(), expected.state.size());
       EXPECT_LT(interpolation_error(c, net.state), kInterpolation);
@@ -95,9 +95,7 @@ TEST_F(FairNetOnDevice, InterpolatesAndEqualsTheCpusSurface) {
 // Work groups run in any order, on hardware at once.
 TEST_F(FairNetOnDevice, IsTheSameEveryTime) {
   for (const VulkanReads reads : {VulkanReads::StorageBuffers, VulkanReads::TexelBuffers}) {
-    VulkanBackendOptions options;
-    options.reads = reads;
-    const auto backend = make_backend(options);
+    const auto backend = make_backend({.reads = reads});
     for (const test::NamedMesh& mesh : device_meshes()) {
       const test::FairCase c(mesh.mesh);
       const FairNet first = build(*backend, c);
@@ -109,18 +107,15 @@ TEST_F(FairNetOnDevice, IsTheSameEveryTime) {
 
 TEST_F(FairNetOnDevice, IsTheSameFromEitherKindOfReads) {
   const test::FairCase c(test::with_random_creases(test::random_open_mesh(5), 0.15, 6));
-  VulkanBackendOptions storage, texel;
-  storage.reads = VulkanReads::StorageBuffers;
-  texel.reads = VulkanReads::TexelBuffers;
-  const auto storage_backend = make_backend(storage), texel_backend = make_backend(texel);
-  EXPECT_LT(distance_of_nets(build(*storage_backend, c), build(*texel_backend, c)), 1e-5);
+  const auto storage = make_backend({.reads = VulkanReads::StorageBuffers}),
+             texel = make_backend({.reads = VulkanReads::TexelBuffers});
+  EXPECT_LT(distance_of_nets(build(*storage, c), build(*texel, c)), 1e-5);
 }
 
 TEST_F(FairNetOnDevice, FitBuildsItThere) {
   const auto backend = make_backend();
   const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(5), 0.15, 6);
-  FitOptions options;
-  options.method = InterpolationMethod::Fair;
+  const FitOptions options{.method = InterpolationMethod::Fair};
   const std::uint64_t before = backend->peak_device_bytes();
   const Fit made = fit(mesh, *backend, options);
   EXPECT_GT(backend->peak_device_bytes(), before);
@@ -146,15 +141,12 @@ TEST_F(FairNetOnDevice, CountsWhatItDidLikeTheCpu) {
 
 TEST_F(FairNetOnDevice, KeepsDecisions) {
   const auto backend = make_backend();
-  auto* const builder = dynamic_cast<FairBuilder*>(backend.get());
-  ASSERT_NE(builder, nullptr);
   test::FairCase c(test::jittered(test::icosphere(3), 0.4, 1));
   const FairDecisions rest = c.net(8).decisions;
   ASSERT_GT(std::count(rest.late_halvings.begin(), rest.late_halvings.end(), 0), 0);
   for (dvec3& p : c.given) p = {p.x + 0.1 * p.y * p.y, 0.8 * p.y, p.z};  // another pose
   const FairOptions options{.polish_steps = 8, .decisions = &rest};
-  const FairNet net =
-      builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision), c.given, options);
+  const FairNet net = build(*backend, c, options);
   const FairNet expected = fair_net(c.mesh, c.subdivision, c.given, options);
   EXPECT_EQ(net.decisions.reversed, rest.reversed);
   EXPECT_EQ(net.decisions.halvings, rest.halvings);
@@ -171,51 +163,35 @@ TEST_F(FairNetOnDevice, KeepsDecisions) {
 
 TEST_F(FairNetOnDevice, KeepsPlanes) {
   const auto backend = make_backend();
-  auto* const builder = dynamic_cast<FairBuilder*>(backend.get());
-  ASSERT_NE(builder, nullptr);
   for (const PolygonMesh& mesh :
        {test::rounded_box({1, 0.7, 0.4}, 0.3, 4), test::plane_and_quarter_round(), test::slot(6)}) {
     const test::FairCase c(mesh, 2);
     const std::vector<KeptPlane> planes = kept_planes(c.mesh, c.subdivision);
     EXPECT_GT(planes.size(), 3U);
     const FairOptions options{.polish_steps = 8, .planes = planes};
-    const FairNet net =
-        builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision), c.given, options);
+    const FairNet net = build(*backend, c, options);
     const FairNet expected = fair_net(c.mesh, c.subdivision, c.given, options);
     EXPECT_EQ(net.decisions.planes, planes);
     EXPECT_LT(distance_of_nets(net, expected), 1e-5);
     EXPECT_GT(distance_of_nets(net, c.net(8)), 1e-3);
     const FairOptions decided{.polish_steps = 8, .decisions = &expected.decisions};
-    EXPECT_LT(distance_of_nets(builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision),
-                                                       c.given, decided),
-                               expected),
-              1e-5);
+    EXPECT_LT(distance_of_nets(build(*backend, c, decided), expected), 1e-5);
   }
 }
 
 TEST_F(FairNetOnDevice, IsTheSameFromFewWorkGroups) {
   const test::FairCase c(test::delaunay_sphere(600, 1));
-  const auto backend = make_backend();
-  VulkanBackendOptions few;
-  few.max_work_groups = 3;
-  const auto limited = make_backend(few);
+  const auto backend = make_backend(), limited = make_backend({.max_work_groups = 3});
   const FairNet a = build(*backend, c), b = build(*limited, c);
   EXPECT_LT(distance_of_nets(a, b), 1e-5);  // the sums of the polish run in another order
 }
 
 TEST_F(FairNetOnDevice, NamesTheLimitThatAMeshExceeds) {
   const test::FairCase c(test::delaunay_sphere(600, 1));
-  VulkanBackendOptions low;
-  low.max_storage_bytes = 32768;
-  const auto limited = make_backend(low);
-  try {
-    build(*limited, c);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("maxStorageBufferRange is 32768"));
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("--device cpu"));
-  }
+  const auto limited = make_backend({.max_storage_bytes = 32768});
+  EXPECT_THAT(test::message_of(ErrorCode::OutOfMemory, [&] { build(*limited, c); }),
+              ::testing::AllOf(::testing::HasSubstr("maxStorageBufferRange is 32768"),
+                               ::testing::HasSubstr("--device cpu")));
 }
 
 TEST_F(FairNetOnDevice, SurvivesPointsThatCoincide) {

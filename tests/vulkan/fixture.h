@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/device/own_device.h"
 #include "planish/vulkan/vulkan_backend.h"
 #include "support/environment_variable.h"
 #include "support/vulkan_device.h"
@@ -36,14 +37,24 @@ class VulkanTest : public ::testing::Test {
   std::shared_ptr<vulkan::VulkanMachine> make_machine(VulkanBackendOptions options = {}) {
     options.validation = validation_wanted();
     if (options.device.empty()) options.device = test::wanted_device();
-    options.validation_message = [this](std::string_view message) {
-      const std::lock_guard lock(mutex_);
-      messages_.emplace_back(message);
-    };
+    options.validation_message = device_options().instance.message;
     return vulkan::make_machine(options);
   }
   std::unique_ptr<Backend> make_backend(const VulkanBackendOptions& options = {}) {
     return vulkan::make_backend(make_machine(options));
+  }
+
+  /// Of devices that the tests make for themselves, by the loader's function or one that pretends.
+  vulkan::OwnDeviceOptions device_options(PFN_vkGetInstanceProcAddr get_proc = nullptr) {
+    vulkan::OwnDeviceOptions options;
+    options.wanted = test::wanted_device();
+    options.instance.get_proc = get_proc;
+    options.instance.validation = validation_wanted();
+    options.instance.message = [this](std::string_view message) {
+      const std::lock_guard lock(mutex_);
+      messages_.emplace_back(message);
+    };
+    return options;
   }
 
   // Hazards between submissions are looked for only when the environment says so.

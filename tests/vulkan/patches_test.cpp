@@ -29,7 +29,7 @@ namespace {
 
 using namespace vulkan;
 
-class VulkanPatches : public VulkanTest {};
+using VulkanPatches = VulkanTest;
 
 /// Largest differences, positions in parts of the diagonal, normals in radians.
 struct Off {
@@ -66,9 +66,7 @@ std::vector<test::NamedMesh> meshes_of_all_kinds() {
 TEST_F(VulkanPatches, SurfacesAreTheCpus) {
   const auto cpu = make_cpu_backend();
   for (const VulkanReads reads : {VulkanReads::TexelBuffers, VulkanReads::StorageBuffers}) {
-    VulkanBackendOptions device;
-    device.reads = reads;
-    const auto vulkan = make_backend(device);
+    const auto vulkan = make_backend({.reads = reads});
     for (const test::NamedMesh& mesh : meshes_of_all_kinds())
       for (const Weights weights : {Weights::DooSabin, Weights::Averaged})
         for (int level = 0; level < 5; ++level) {
@@ -86,14 +84,9 @@ TEST_F(VulkanPatches, SlicesChangeNothing) {
   // Kernels of software take 16 chunks a work group, those of hardware one.
   for (const auto& [reads, groups] :
        {std::pair{VulkanReads::TexelBuffers, 4u}, std::pair{VulkanReads::StorageBuffers, 16u}}) {
-    VulkanBackendOptions options;
-    options.reads = reads;
-    const auto whole = make_backend(options);
-    options.max_work_groups = groups;
-    const auto by_groups = make_backend(options);
-    options.max_work_groups = 0;
-    options.max_storage_bytes = 1 << 16;
-    const auto by_range = make_backend(options);
+    const auto whole = make_backend({.reads = reads}),
+               by_groups = make_backend({.max_work_groups = groups, .reads = reads}),
+               by_range = make_backend({.max_storage_bytes = 1 << 16, .reads = reads});
     for (const test::NamedMesh& mesh : meshes_of_all_kinds())
       for (const int level : {0, 2, 3}) {
         const SurfaceMesh expected = evaluate(mesh.mesh, *whole, {.level = level});
@@ -109,9 +102,7 @@ TEST_F(VulkanPatches, SlicesChangeNothing) {
 TEST_F(VulkanPatches, BothSidesOfACutLieAtOnePlace) {
   const PolygonMesh mesh = test::with_random_creases(test::random_closed_mesh(2), 0.3, 2);
   const SurfaceMesh surface = evaluate(mesh, *make_backend(), {.level = 3});
-  SystemOptions options;
-  options.level = 3;
-  const System system(mesh, options);
+  const System system(mesh, {.level = 3});
   const auto copied = system.copied_vertices();
   ASSERT_EQ(copied.size(), surface.positions.size());
   int copies = 0;
@@ -127,9 +118,8 @@ class EmbedPatches : public Embedding {
  protected:
   /// One frame of a System against the CPU's surface of the same points, in units of the model.
   Off frame_against_cpu(const PolygonMesh& mesh, const SystemOptions& options) {
-    HostTopology topology(*context_, mesh, options);
-    topology.upload(*submitter_);
-    HostFrame frame(*context_, topology);
+    const HostTopology topology = topology_of(mesh, options);
+    HostFrame frame = frame_of(topology);
     const std::vector<Vertex> found = run(frame, mesh, iterations(60)),
                               expected = surface_by_cpu(mesh, mesh, options);
     if (found.size() != expected.size()) return {HUGE_VAL, HUGE_VAL};
@@ -151,10 +141,7 @@ TEST_F(EmbedPatches, AllLevelsAndWeights) {
   const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(5), 0.15, 6);
   for (const Weights weights : {Weights::DooSabin, Weights::Averaged})
     for (int level = 0; level < 6; ++level) {
-      SystemOptions options;
-      options.level = level;
-      options.weights = weights;
-      const Off found = frame_against_cpu(mesh, options);
+      const Off found = frame_against_cpu(mesh, {.level = level, .weights = weights});
       EXPECT_LT(found.position, 4e-6) << level;
       // Where derivatives are nearly parallel their last bits, which are the device's, turn it
       // more.
@@ -168,10 +155,7 @@ TEST_F(EmbedPatches, LargeRings) {
   const auto expect_near = [&](const test::NamedMesh& named, double normal) {
     for (const Weights weights : {Weights::DooSabin, Weights::Averaged})
       for (const int level : {0, 2, 3}) {
-        SystemOptions options;
-        options.level = level;
-        options.weights = weights;
-        const Off found = frame_against_cpu(named.mesh, options);
+        const Off found = frame_against_cpu(named.mesh, {.level = level, .weights = weights});
         EXPECT_LT(found.position, 2e-7) << named.name << " " << level;
         EXPECT_LT(found.normal, normal) << named.name << " " << level;
       }
@@ -196,9 +180,8 @@ TEST_F(EmbedPatches, NormalsKeepTheirDigitsFarFromTheOrigin) {
   PolygonMesh mesh = test::icosphere(4);
   for (glm::dvec3& p : mesh.positions) p += glm::dvec3(10, -20, 30);
   mesh.positions = through_floats(mesh.positions);
-  HostTopology topology(*context_, mesh);
-  topology.upload(*submitter_);
-  HostFrame frame(*context_, topology);
+  const HostTopology topology = topology_of(mesh);
+  HostFrame frame = frame_of(topology);
   // Of the given points as a cage, so that no solve blurs what is compared.
   const std::vector<Vertex> found = run(frame, mesh, iterations(0));
   const SurfaceMesh expected = evaluate(mesh, *make_cpu_backend(), {.level = 2});
@@ -224,9 +207,7 @@ TEST_F(EmbedPatches, FirstStepsAreTheCpus) {
       const Placement placement = placement_of(mesh);
       for (glm::dvec3& p : mesh.positions) p = placement.to_unit(p) + glm::dvec3(30);
       mesh.positions = through_floats(mesh.positions);
-      SystemOptions options;
-      options.weights = weights;
-      const System system(mesh, options);
+      const System system(mesh, {.weights = weights});
       const SurfaceRecords& surface = system.surface_records();
       VulkanMachine machine(device_options(), {});
       const PatchLimits limits = patch_limits(machine.context, 24);
@@ -242,16 +223,12 @@ TEST_F(EmbedPatches, FirstStepsAreTheCpus) {
       patch_tables.for_each(patches, upload);
       step_tables.for_each(step, upload);
       const std::vector<glm::dvec3> moved = through_floats(random_points(mesh.vertex_count()));
-      std::vector<glm::vec4> given_texels, moved_texels;
-      for (std::size_t v = 0; v < moved.size(); ++v) {
-        given_texels.emplace_back(glm::vec3(mesh.positions[v]), 0);
-        moved_texels.emplace_back(glm::vec3(moved[v]), 0);
-      }
-      const std::size_t bytes = moved.size() * sizeof(glm::vec4);
-      const Buffer given_buffer(machine.context, bytes, MemoryUse::Device);
-      const Buffer moved_buffer(machine.context, bytes, MemoryUse::Device);
-      upload(given_buffer, std::as_bytes(std::span(given_texels)));
-      upload(moved_buffer, std::as_bytes(std::span(moved_texels)));
+      const auto uploaded = [&](const std::vector<glm::dvec3>& points) {
+        Buffer buffer(machine.context, points.size() * sizeof(glm::vec4), MemoryUse::Device);
+        machine.upload_points(buffer, points);
+        return buffer;
+      };
+      const Buffer given_buffer = uploaded(mesh.positions), moved_buffer = uploaded(moved);
       const GpuFirstStep gpu(machine.context, patch_tables, step_tables, given_buffer,
                              moved_buffer);
       std::optional<GpuRingSums> sums;

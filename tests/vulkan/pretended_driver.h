@@ -263,7 +263,6 @@ class PretendedDriver {
     bool separate_compute = false;
     bool graphics_compute = false;  ///< of separate families, the first computes, too
     std::uint32_t api_version = 0;  ///< 0: the real one
-    VkResult submit_result = VK_SUCCESS;
     /// Submissions until the device is lost for good; negative: it never is.
     int submissions_left = -1;
     /// Which of the calls that return a VkResult fails, counted from 1; 0: none.
