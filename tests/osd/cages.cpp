@@ -247,9 +247,8 @@ using Options = Sdc::Options;
 
 const float kInfinite = Sdc::Crease::SHARPNESS_INFINITE;
 
-Cage named(const std::string& name, Cage cage) {
-  cage.name = name;
-  return cage;
+void add_named(std::vector<Cage>& cages, const std::vector<std::pair<std::string, Cage>>& named) {
+  for (const auto& [name, cage] : named) cages.emplace_back(cage).name = name;
 }
 
 Cage as_loop(Cage cage) {
@@ -308,65 +307,62 @@ void add_boundaries(std::vector<Cage>& cages) {
   const auto corners = Options::VTX_BOUNDARY_EDGE_AND_CORNER;
   for (const auto& [boundary, name] :
        {std::pair{none, "none"}, std::pair{edges, "edges"}, std::pair{corners, "corners"}}) {
-    cages.push_back(
-        named(std::string("grid boundary ") + name, with_boundary(boundary, grid(5, 4))));
-    cages.push_back(named(std::string("loop grid boundary ") + name,
-                          with_boundary(boundary, as_loop(triangle_grid(5, 4)))));
+    add_named(cages, {{std::string("grid boundary ") + name, with_boundary(boundary, grid(5, 4))},
+                      {std::string("loop grid boundary ") + name,
+                       with_boundary(boundary, as_loop(triangle_grid(5, 4)))}});
   }
-  cages.push_back(named("tube", with_boundary(edges, tube(6, 3))));
-  cages.push_back(named("one quad", with_boundary(corners, grid(2, 2))));
-  cages.push_back(named("mobius band", with_boundary(edges, mobius(7))));
-  cages.push_back(named("pages on an edge", with_boundary(edges, fan_of_pages(3))));
-  cages.push_back(named("pages on an edge, corners", with_boundary(corners, fan_of_pages(4))));
+  add_named(cages, {{"tube", with_boundary(edges, tube(6, 3))},
+                    {"one quad", with_boundary(corners, grid(2, 2))},
+                    {"mobius band", with_boundary(edges, mobius(7))},
+                    {"pages on an edge", with_boundary(edges, fan_of_pages(3))},
+                    {"pages on an edge, corners", with_boundary(corners, fan_of_pages(4))}});
 }
 
 void add_sharp(std::vector<Cage>& cages) {
-  cages.push_back(named("cube crease", with_crease_around({kInfinite}, cube())));
-  cages.push_back(named("cube semi-sharp", with_crease_around({2.5f}, cube())));
-  cages.push_back(
-      named("cube mixed sharpness", with_crease_around({0.5f, 1.5f, kInfinite, 3.2f}, cube())));
-  cages.push_back(named("cube dart", with_crease(0, 1, 3, cube())));
-  cages.push_back(named("cube infinite corner", with_corner(0, kInfinite, cube())));
-  cages.push_back(named("cube semi-sharp corner", with_corner(7, 1.7f, cube())));
-  cages.push_back(
-      named("cube corner on crease", with_corner(1, 2.5f, with_crease_around({1.2f}, cube()))));
-  cages.push_back(named("torus crease", with_crease_around({kInfinite}, torus(6, 5))));
-  cages.push_back(named("torus semi-sharp", with_crease(7, 8, 2.2f, torus(6, 5))));
-  cages.push_back(
-      named("loop icosahedron crease", as_loop(with_crease_around({kInfinite}, icosahedron()))));
-  cages.push_back(
-      named("loop icosahedron semi-sharp", as_loop(with_crease_around({1.4f}, icosahedron()))));
-  cages.push_back(named("loop octahedron corner", as_loop(with_corner(4, 2.3f, bipyramid(4)))));
   Cage chaikin = with_crease_around({0.5f, 1.5f, 2.5f, 3.5f}, cube());
   chaikin.options.SetCreasingMethod(Options::CREASE_CHAIKIN);
-  cages.push_back(named("cube chaikin", chaikin));
   Cage grid_crease = with_boundary(Options::VTX_BOUNDARY_EDGE_AND_CORNER, grid(5, 5));
   for (int x = 0; x < 4; ++x) grid_crease.crease(10 + x, 11 + x, 1.5f);
-  cages.push_back(named("grid crease to boundary", grid_crease));
+  const Cage icosahedral = as_loop(icosahedron());
+  add_named(cages,
+            {{"cube crease", with_crease_around({kInfinite}, cube())},
+             {"cube semi-sharp", with_crease_around({2.5f}, cube())},
+             {"cube mixed sharpness", with_crease_around({0.5f, 1.5f, kInfinite, 3.2f}, cube())},
+             {"cube dart", with_crease(0, 1, 3, cube())},
+             {"cube infinite corner", with_corner(0, kInfinite, cube())},
+             {"cube semi-sharp corner", with_corner(7, 1.7f, cube())},
+             {"cube corner on crease", with_corner(1, 2.5f, with_crease_around({1.2f}, cube()))},
+             {"torus crease", with_crease_around({kInfinite}, torus(6, 5))},
+             {"torus semi-sharp", with_crease(7, 8, 2.2f, torus(6, 5))},
+             {"loop icosahedron crease", with_crease_around({kInfinite}, icosahedral)},
+             {"loop icosahedron semi-sharp", with_crease_around({1.4f}, icosahedral)},
+             {"loop octahedron corner", as_loop(with_corner(4, 2.3f, bipyramid(4)))},
+             {"cube chaikin", chaikin},
+             {"grid crease to boundary", grid_crease}});
 }
 
 void add_topologies(std::vector<Cage>& cages) {
-  cages.push_back(named("cube", cube()));
-  cages.push_back(named("tetrahedron", tetrahedron()));
-  cages.push_back(named("octahedron", bipyramid(4)));
-  cages.push_back(named("pyramid of 7", pyramid(7)));
-  cages.push_back(named("prism of 5", prism(5)));
-  cages.push_back(named("prism of 12", prism(12)));
-  cages.push_back(named("regular torus", torus(5, 4)));
-  cages.push_back(named("sphere with poles of 24", sphere(24, 3)));
-  cages.push_back(named("pillow of valence 2", pillow()));
-  cages.push_back(named("cubes at a vertex", bow_tie()));
-  cages.push_back(named("loop tetrahedron", as_loop(tetrahedron())));
-  cages.push_back(named("loop icosahedron", as_loop(icosahedron())));
-  cages.push_back(named("loop regular torus", as_loop(triangle_torus(6, 5))));
-  cages.push_back(named("loop poles of 9", as_loop(bipyramid(9))));
   Cage smooth = bipyramid(4);
   smooth.options.SetTriangleSubdivision(Options::TRI_SUB_SMOOTH);
-  cages.push_back(named("octahedron smooth triangles", smooth));
-  cages.push_back(named("bilinear cube", as_bilinear(cube())));
-  cages.push_back(named("bilinear prism of 5", as_bilinear(prism(5))));
-  cages.push_back(named("torus with holes", with_holes({0, 7}, torus(6, 5))));
-  cages.push_back(named("prism with a hole", with_holes({5}, prism(5))));
+  add_named(cages, {{"cube", cube()},
+                    {"tetrahedron", tetrahedron()},
+                    {"octahedron", bipyramid(4)},
+                    {"pyramid of 7", pyramid(7)},
+                    {"prism of 5", prism(5)},
+                    {"prism of 12", prism(12)},
+                    {"regular torus", torus(5, 4)},
+                    {"sphere with poles of 24", sphere(24, 3)},
+                    {"pillow of valence 2", pillow()},
+                    {"cubes at a vertex", bow_tie()},
+                    {"loop tetrahedron", as_loop(tetrahedron())},
+                    {"loop icosahedron", as_loop(icosahedron())},
+                    {"loop regular torus", as_loop(triangle_torus(6, 5))},
+                    {"loop poles of 9", as_loop(bipyramid(9))},
+                    {"octahedron smooth triangles", smooth},
+                    {"bilinear cube", as_bilinear(cube())},
+                    {"bilinear prism of 5", as_bilinear(prism(5))},
+                    {"torus with holes", with_holes({0, 7}, torus(6, 5))},
+                    {"prism with a hole", with_holes({5}, prism(5))}});
 }
 
 void add_face_varying(std::vector<Cage>& cages) {
@@ -377,14 +373,14 @@ void add_face_varying(std::vector<Cage>& cages) {
         std::pair{Options::FVAR_LINEAR_CORNERS_PLUS2, "corners plus 2"},
         std::pair{Options::FVAR_LINEAR_BOUNDARIES, "boundaries"},
         std::pair{Options::FVAR_LINEAR_ALL, "all"}})
-    cages.push_back(
-        named(std::string("face-varying ") + name, with_face_varying(interpolation, torus(5, 4))));
-  cages.push_back(
-      named("face-varying cube", with_face_varying(Options::FVAR_LINEAR_CORNERS_ONLY, cube())));
-  cages.push_back(named("face-varying loop", with_face_varying(Options::FVAR_LINEAR_CORNERS_PLUS1,
-                                                               as_loop(icosahedron()))));
-  cages.push_back(named("face-varying bilinear",
-                        with_face_varying(Options::FVAR_LINEAR_ALL, as_bilinear(prism(5)))));
+    add_named(cages, {{std::string("face-varying ") + name,
+                       with_face_varying(interpolation, torus(5, 4))}});
+  add_named(cages,
+            {{"face-varying cube", with_face_varying(Options::FVAR_LINEAR_CORNERS_ONLY, cube())},
+             {"face-varying loop",
+              with_face_varying(Options::FVAR_LINEAR_CORNERS_PLUS1, as_loop(icosahedron()))},
+             {"face-varying bilinear",
+              with_face_varying(Options::FVAR_LINEAR_ALL, as_bilinear(prism(5)))}});
 }
 
 }  // namespace
@@ -511,6 +507,36 @@ Refined refine(const Cage& cage, const RefineOptions& options) {
   }
   refined.limits = limit_table(refined);
   return refined;
+}
+
+bool Patch::is_triangle() const {
+  using Far::PatchDescriptor;
+  return type == PatchDescriptor::TRIANGLES || type == PatchDescriptor::LOOP ||
+         type == PatchDescriptor::GREGORY_TRIANGLE;
+}
+
+Osd::PatchCoord Patch::coord(float u, float v) const {
+  if (is_triangle())
+    param.UnnormalizeTriangle(u, v);
+  else
+    param.Unnormalize(u, v);
+  return {handle, u, v};
+}
+
+std::vector<Patch> patches_of(const Far::PatchTable& table) {
+  std::vector<Patch> patches;
+  for (int array = 0; array < table.GetNumPatchArrays(); ++array) {
+    const Far::PatchDescriptor descriptor = table.GetPatchArrayDescriptor(array);
+    for (int local = 0; local < table.GetNumPatches(array); ++local) {
+      Patch& patch = patches.emplace_back();
+      patch.handle.arrayIndex = array;
+      patch.handle.patchIndex = static_cast<int>(patches.size()) - 1;
+      patch.handle.vertIndex = local * descriptor.GetNumControlVertices();
+      patch.param = table.GetPatchParam(patch.handle);
+      patch.type = descriptor.GetType();
+    }
+  }
+  return patches;
 }
 
 }  // namespace planish::testing

@@ -173,7 +173,6 @@ void Conformance::limit_stencils(const std::string& name, const Cage& cage,
 
 namespace {
 
-using Far::PatchDescriptor;
 using osd::VkPatchTable;
 using osd::VkVertexBuffer;
 
@@ -181,34 +180,11 @@ using osd::VkVertexBuffer;
 constexpr float kPlaces[][2] = {{0, 0}, {0.13f, 0.21f}, {0.3f, 0.7f},
                                 {0, 1}, {0.5f, 0.25f},  {1, 1}};
 
-bool is_triangle(int type) {
-  return type == PatchDescriptor::TRIANGLES || type == PatchDescriptor::LOOP ||
-         type == PatchDescriptor::GREGORY_TRIANGLE;
-}
-
 std::vector<Osd::PatchCoord> coords_on(const Far::PatchTable& table) {
   std::vector<Osd::PatchCoord> coords;
-  int patch = 0;
-  for (int array = 0; array < table.GetNumPatchArrays(); ++array) {
-    const int size = table.GetPatchArrayDescriptor(array).GetNumControlVertices();
-    const bool triangle = is_triangle(table.GetPatchArrayDescriptor(array).GetType());
-    for (int local = 0; local < table.GetNumPatches(array); ++local, ++patch) {
-      Far::PatchTable::PatchHandle handle;
-      handle.arrayIndex = array;
-      handle.patchIndex = patch;
-      handle.vertIndex = local * size;
-      const Far::PatchParam param = table.GetPatchParam(handle);
-      for (const auto& [u, v] : kPlaces) {
-        if (triangle && u + v > 1) continue;
-        float s = u, t = v;
-        if (triangle)
-          param.UnnormalizeTriangle(s, t);
-        else
-          param.Unnormalize(s, t);
-        coords.emplace_back(handle, s, t);
-      }
-    }
-  }
+  for (const Patch& patch : patches_of(table))
+    for (const auto& [u, v] : kPlaces)
+      if (!patch.is_triangle() || u + v <= 1) coords.push_back(patch.coord(u, v));
   return coords;
 }
 
@@ -219,7 +195,7 @@ struct CpuPatches {
   const Osd::PatchParam* params;
 };
 
-CpuPatches patches_of(const Osd::CpuPatchTable& table, PatchKind kind) {
+CpuPatches cpu_patches_of(const Osd::CpuPatchTable& table, PatchKind kind) {
   if (kind == PatchKind::Vertex)
     return {table.GetPatchArrayBuffer(), table.GetPatchIndexBuffer(), table.GetPatchParamBuffer()};
   if (kind == PatchKind::Varying)
@@ -270,7 +246,7 @@ void Conformance::patches(const std::string& name, const Cage& cage, const Refin
   const std::unique_ptr<VkPatchTable> device_table(
       VkPatchTable::Create(refined.patches.get(), &context));
   const Osd::CpuPatchTable cpu_table(refined.patches.get());
-  const CpuPatches patches = patches_of(cpu_table, kind);
+  const CpuPatches patches = cpu_patches_of(cpu_table, kind);
   if (!patches.indices) {
     // Uniform tables have no varying patches; Osd::CpuEvaluator crashes where ours refuses.
     EXPECT_EQ(device_table->GetVaryingPatches(), nullptr) << name;

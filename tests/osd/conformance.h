@@ -3,6 +3,7 @@
 #include <opensubdiv/far/patchTableFactory.h>
 #include <opensubdiv/far/stencilTable.h>
 #include <opensubdiv/osd/bufferDescriptor.h>
+#include <opensubdiv/osd/types.h>
 
 #include <array>
 #include <memory>
@@ -106,6 +107,18 @@ struct Refined {
   std::unique_ptr<const OpenSubdiv::Far::LimitStencilTable> limits;
   std::unique_ptr<const OpenSubdiv::Far::PatchTable> patches;
 };
+
+/// One of a table's patches, which are numbered through its arrays.
+struct Patch {
+  OpenSubdiv::Far::PatchTable::PatchHandle handle;
+  OpenSubdiv::Far::PatchParam param;
+  int type;  ///< Far::PatchDescriptor::Type
+
+  [[nodiscard]] bool is_triangle() const;
+  /// Where u, v of the patch are on its face.
+  [[nodiscard]] OpenSubdiv::Osd::PatchCoord coord(float u, float v) const;
+};
+[[nodiscard]] std::vector<Patch> patches_of(const OpenSubdiv::Far::PatchTable& table);
 
 struct RefineOptions {
   int level = 1;

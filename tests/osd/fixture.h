@@ -26,15 +26,7 @@ class OsdTest : public VulkanTest {
   /// By the loader's own function, or by one that pretends.
   void make_device(PFN_vkGetInstanceProcAddr get_proc = nullptr) {
     close();
-    vulkan::OwnDeviceOptions options;
-    options.wanted = test::wanted_device();
-    options.instance.get_proc = get_proc;
-    options.instance.validation = true;
-    options.instance.message = [this](std::string_view message) {
-      const std::lock_guard lock(mutex_);
-      messages_.emplace_back(message);
-    };
-    device_ = std::make_unique<vulkan::OwnDevice>(options);
+    device_ = std::make_unique<vulkan::OwnDevice>(device_options(get_proc));
     make_context({});
   }
 

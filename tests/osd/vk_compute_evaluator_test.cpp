@@ -9,63 +9,17 @@
 
 #include "osd/conformance.h"
 #include "osd/fixture.h"
-#include "planish/core/error.h"
 #include "planish/osd/vk_compute_evaluator.h"
 #include "planish/solve/far_tables.h"
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/device/context.h"
 #include "planish/vulkan/device/driver.h"
+#include "support/calls.h"
+#include "vulkan/host_commands.h"
 #include "vulkan/pretended_driver.h"
 
 namespace planish::testing {
 namespace {
-
-// A host's own command buffer: begun, recorded into by others, submitted, waited for.
-class HostCommands {
- public:
-  HostCommands(const vulkan::Context& context, VkQueue queue, std::uint32_t queue_family)
-      : context_(context), queue_(queue) {
-    const vulkan::DeviceFunctions& vk = context.vk();
-    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool.queueFamilyIndex = queue_family;
-    vulkan::check(vk.vkCreateCommandPool(context.device(), &pool, nullptr, &pool_),
-                  "vkCreateCommandPool");
-    VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    allocate.commandPool = pool_;
-    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    allocate.commandBufferCount = 1;
-    vulkan::check(vk.vkAllocateCommandBuffers(context.device(), &allocate, &commands_),
-                  "vkAllocateCommandBuffers");
-  }
-  ~HostCommands() { context_.vk().vkDestroyCommandPool(context_.device(), pool_, nullptr); }
-  HostCommands(const HostCommands&) = delete;
-  HostCommands& operator=(const HostCommands&) = delete;
-
-  [[nodiscard]] VkCommandBuffer commands() const { return commands_; }
-
-  void begin() {
-    const vulkan::DeviceFunctions& vk = context_.vk();
-    vulkan::check(vk.vkResetCommandPool(context_.device(), pool_, 0), "vkResetCommandPool");
-    VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    vulkan::check(vk.vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
-  }
-
-  void end_submit_wait() {
-    const vulkan::DeviceFunctions& vk = context_.vk();
-    vulkan::check(vk.vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
-    VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-    submit.commandBufferCount = 1;
-    submit.pCommandBuffers = &commands_;
-    vulkan::check(vk.vkQueueSubmit(queue_, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
-    vulkan::check(vk.vkDeviceWaitIdle(context_.device()), "vkDeviceWaitIdle");
-  }
-
- private:
-  const vulkan::Context& context_;
-  VkQueue queue_;
-  VkCommandPool pool_ = VK_NULL_HANDLE;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;
-};
 
 // A buffer that a host made for itself, with memory of its own.
 class HostBuffer {
@@ -220,28 +174,28 @@ TEST_F(OsdStencils, StartAndEndLeaveOtherElementsAlone) {
 
 TEST_F(OsdStencils, ACommandBufferOfTheHostIsOnlyRecordedInto) {
   const Refinement torus;
-  HostCommands host(*context_, device_->queue(), device_->capabilities().compute_family);
+  HostCommands host(*device_);
   const std::vector<float> nothing(torus.expected.size(), 9.0f);
   const auto target = buffer_of(nothing);
   osd::VkDeviceContext recording(*context_);
-  host.begin();
-  recording.SetCommandBuffer(host.commands());
-  // Uploads are recorded too, and their data are free at once.
-  std::unique_ptr<VkVertexBuffer> source(VkVertexBuffer::Create(3, torus.sources, &recording));
-  std::vector<float> points = torus.points;
-  source->UpdateData(points.data(), 0, torus.sources, &recording);
-  points.assign(points.size(), 0.0f);
-  std::unique_ptr<VkStencilTable> table(VkStencilTable::Create(&torus.table, &recording));
-  EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source.get(), torus.desc, target.get(), torus.desc,
-                                               table.get(), nullptr, &recording));
-  // What the commands use may be deleted before they ran.
-  source.reset();
-  table.reset();
+  host.record([&](VkCommandBuffer commands) {
+    recording.SetCommandBuffer(commands);
+    // Uploads are recorded too, and their data are free at once.
+    std::unique_ptr<VkVertexBuffer> source(VkVertexBuffer::Create(3, torus.sources, &recording));
+    std::vector<float> points = torus.points;
+    source->UpdateData(points.data(), 0, torus.sources, &recording);
+    points.assign(points.size(), 0.0f);
+    const std::unique_ptr<VkStencilTable> table(VkStencilTable::Create(&torus.table, &recording));
+    EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source.get(), torus.desc, target.get(), torus.desc,
+                                                 table.get(), nullptr, &recording));
+    // What the commands use may be deleted before they ran, as here.
+  });
   VkComputeEvaluator::Synchronize(&recording);
   EXPECT_EQ(floats_of(*target), nothing);
-  host.end_submit_wait();
+  host.submit();
+  host.wait();
   EXPECT_EQ(floats_of(*target), torus.expected);
-  recording.Release(host.commands());
+  recording.Release(host.handle());
 }
 
 TEST_F(OsdStencils, ThreadsRecordWithContextsOfTheirOwn) {
@@ -255,26 +209,29 @@ TEST_F(OsdStencils, ThreadsRecordWithContextsOfTheirOwn) {
   std::vector<std::unique_ptr<osd::VkDeviceContext>> contexts;
   std::vector<std::unique_ptr<VkVertexBuffer>> targets;
   for (int i = 0; i < kThreads; ++i) {
-    hosts.push_back(std::make_unique<HostCommands>(*context_, device_->queue(),
-                                                   device_->capabilities().compute_family));
+    hosts.push_back(std::make_unique<HostCommands>(*device_));
     contexts.push_back(std::make_unique<osd::VkDeviceContext>(*context_));
     targets.push_back(buffer_of(torus.expected));
   }
   std::vector<std::thread> threads;
   for (int i = 0; i < kThreads; ++i)
     threads.emplace_back([&, i] {
-      hosts[i]->begin();
-      contexts[i]->SetCommandBuffer(hosts[i]->commands());
-      // Strides that no other thread has: kernels are compiled side by side.
-      const BufferDescriptor wide(0, 1, 4 + i);
-      EXPECT_TRUE(VkComputeEvaluator::EvalStencils(padded.get(), wide, targets[i].get(), {0, 1, 3},
-                                                   table.get(), nullptr, contexts[i].get()));
-      EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source.get(), torus.desc, targets[i].get(),
-                                                   torus.desc, table.get(), nullptr,
-                                                   contexts[i].get()));
+      hosts[i]->record([&](VkCommandBuffer commands) {
+        contexts[i]->SetCommandBuffer(commands);
+        // Strides that no other thread has: kernels are compiled side by side.
+        EXPECT_TRUE(VkComputeEvaluator::EvalStencils(padded.get(), {0, 1, 4 + i}, targets[i].get(),
+                                                     {0, 1, 3}, table.get(), nullptr,
+                                                     contexts[i].get()));
+        EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source.get(), torus.desc, targets[i].get(),
+                                                     torus.desc, table.get(), nullptr,
+                                                     contexts[i].get()));
+      });
     });
   for (std::thread& thread : threads) thread.join();
-  for (int i = 0; i < kThreads; ++i) hosts[i]->end_submit_wait();
+  for (const auto& host : hosts) {
+    host->submit();
+    host->wait();
+  }
   for (int i = 0; i < kThreads; ++i) EXPECT_EQ(floats_of(*targets[i]), torus.expected) << i;
 }
 
@@ -333,11 +290,7 @@ TEST_F(OsdStencils, LowLimitsCutDispatchesAndChangeNothing) {
   const Refined refined = refine(cage, {.level = 4});
   for (const vulkan::PipelineVariant& variant :
        {vulkan::kHardwareVariant, vulkan::kSoftwareVariant}) {
-    vulkan::ContextOptions options;
-    options.max_storage_range = 128 << 10;
-    options.max_group_count = 40;
-    options.variant = variant;
-    make_context(options);
+    make_context({.max_storage_range = 128 << 10, .max_group_count = 40, .variant = variant});
     Conformance conformance{*device_context_, {}};
     for (const Layout& layout : all_layouts())
       conformance.stencils("limits", cage, *refined.vertices, layout);
@@ -347,21 +300,19 @@ TEST_F(OsdStencils, LowLimitsCutDispatchesAndChangeNothing) {
 
 TEST_F(OsdStencils, ElementsThatNoBindingSpansAreRefusedByName) {
   const Refinement torus;
-  vulkan::ContextOptions options;
-  options.max_storage_range = 64 << 10;
-  make_context(options);
+  make_context({.max_storage_range = 64 << 10});
   const auto table = upload(torus.table);
   const BufferDescriptor wide{0, 3, 1000};
   const auto source = buffer_of(std::vector<float>(30000, 0.0f)),
              target = buffer_of(torus.expected);
-  try {
-    VkComputeEvaluator::EvalStencils(source.get(), wide, target.get(), torus.desc, table.get(),
-                                     nullptr, device_context_.get());
-    FAIL() << "the source spans 120 kB";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("maxStorageBufferRange is 65536"));
-  }
+  // The source spans 120 kB.
+  EXPECT_THAT(test::message_of(ErrorCode::OutOfMemory,
+                               [&] {
+                                 VkComputeEvaluator::EvalStencils(source.get(), wide, target.get(),
+                                                                  torus.desc, table.get(), nullptr,
+                                                                  device_context_.get());
+                               }),
+              ::testing::HasSubstr("maxStorageBufferRange is 65536"));
 }
 
 TEST_F(OsdStencils, WhatDoesNotFitIsRefused) {
@@ -408,13 +359,9 @@ TEST_F(OsdStencils, StencilsThatReadEachOtherAreRefused) {
   options.generateOffsets = true;
   const std::unique_ptr<const Far::StencilTable> table(
       Far::StencilTableFactory::Create(*refiner, options));
-  try {
-    upload(*table);
-    FAIL() << "stencils of level 2 read those of level 1";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("factorizeIntermediateLevels"));
-  }
+  // Those of level 2 read those of level 1.
+  EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument, [&] { upload(*table); }),
+              ::testing::HasSubstr("factorizeIntermediateLevels"));
 }
 
 TEST_F(OsdStencils, AContextWithoutQueueNeedsACommandBuffer) {
@@ -461,16 +408,8 @@ struct Evaluation {
                                     BufferDescriptor(3 * coarse, 3, 3), table.GetSizes().data(),
                                     table.GetOffsets().data(), table.GetControlIndices().data(),
                                     table.GetWeights().data(), 0, rows);
-    for (int patch = 0, array = 0; array < refined.patches->GetNumPatchArrays(); ++array)
-      for (int i = 0; i < refined.patches->GetNumPatches(array); ++i, ++patch) {
-        Far::PatchTable::PatchHandle handle;
-        handle.arrayIndex = array;
-        handle.patchIndex = patch;
-        handle.vertIndex = 0;
-        float s = 0.25f, t = 0.625f;
-        refined.patches->GetPatchParam(handle).Unnormalize(s, t);
-        coords.emplace_back(handle, s, t);
-      }
+    for (const Patch& patch : patches_of(*refined.patches))
+      coords.push_back(patch.coord(0.25f, 0.625f));
     evaluate();
   }
 
@@ -504,20 +443,14 @@ class OsdPatches : public OsdTest {
   void expect_on_pretended_driver(const Evaluation& from) {
     forget();
     make_device(PretendedDriver::get_proc());
-    upload(from);
-    const BufferDescriptor& d = from.desc;
-    EXPECT_TRUE(VkComputeEvaluator::EvalPatches(
-        source_.get(), d, targets_[0].get(), d, targets_[1].get(), d, targets_[2].get(), d,
-        targets_[3].get(), d, targets_[4].get(), d, targets_[5].get(), d, from.count(),
-        coords_.get(), table_.get(), nullptr, device_context_.get()));
-    expect(from, kForms);
+    expect_evaluated(from, kForms);
     const Far::StencilTable& stencils = *from.refined.vertices;
     const auto first = from.points.begin() + 3 * stencils.GetNumControlVertices();
     const std::unique_ptr<VkStencilTable> table(
         VkStencilTable::Create(&stencils, device_context_.get()));
     const auto target = buffer_of(std::vector<float>(from.points.end() - first, 9.0f));
-    EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source_.get(), d, target.get(), d, table.get(),
-                                                 nullptr, device_context_.get()));
+    EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source_.get(), from.desc, target.get(), from.desc,
+                                                 table.get(), nullptr, device_context_.get()));
     EXPECT_EQ(floats_of(*target), std::vector<float>(first, from.points.end()));
   }
 
@@ -527,6 +460,28 @@ class OsdPatches : public OsdTest {
     coords_ = upload_coords(from.coords);
     for (auto& target : targets_)
       target = buffer_of(std::vector<float>(from.coords.size() * 3, 9.0f));
+  }
+  /// Into the targets of the first one, three or six forms.
+  bool eval(const Evaluation& from, int forms, osd::VkDeviceContext& context) {
+    const BufferDescriptor& d = from.desc;
+    VkVertexBuffer* const to[] = {targets_[0].get(), targets_[1].get(), targets_[2].get(),
+                                  targets_[3].get(), targets_[4].get(), targets_[5].get()};
+    if (forms == 1)
+      return VkComputeEvaluator::EvalPatches(source_.get(), d, to[0], d, from.count(),
+                                             coords_.get(), table_.get(), nullptr, &context);
+    if (forms == 3)
+      return VkComputeEvaluator::EvalPatches(source_.get(), d, to[0], d, to[1], d, to[2], d,
+                                             from.count(), coords_.get(), table_.get(), nullptr,
+                                             &context);
+    return VkComputeEvaluator::EvalPatches(source_.get(), d, to[0], d, to[1], d, to[2], d, to[3], d,
+                                           to[4], d, to[5], d, from.count(), coords_.get(),
+                                           table_.get(), nullptr, &context);
+  }
+  /// As Osd::CpuEvaluator does.
+  void expect_evaluated(const Evaluation& from, int forms) {
+    upload(from);
+    EXPECT_TRUE(eval(from, forms, *device_context_));
+    expect(from, forms);
   }
   std::unique_ptr<VkVertexBuffer> upload_coords(const std::vector<Osd::PatchCoord>& coords) {
     const int count = static_cast<int>(coords.size());
@@ -554,16 +509,10 @@ TEST_F(OsdPatches, AllFormsDoTheSame) {
   const BufferDescriptor& d = prism.desc;
   const std::unique_ptr<VkComputeEvaluator> instance(
       VkComputeEvaluator::Create(d, d, d, d, device_context_.get()));
-  VkVertexBuffer* const to[] = {targets_[0].get(), targets_[1].get(), targets_[2].get(),
-                                targets_[3].get(), targets_[4].get(), targets_[5].get()};
-  EXPECT_TRUE(VkComputeEvaluator::EvalPatches(source_.get(), d, to[0], d, prism.count(),
-                                              coords_.get(), table_.get(), nullptr,
-                                              device_context_.get()));
-  expect(prism, 1);
-  EXPECT_TRUE(VkComputeEvaluator::EvalPatches(
-      source_.get(), d, targets_[0].get(), d, targets_[1].get(), d, targets_[2].get(), d,
-      prism.count(), coords_.get(), table_.get(), nullptr, device_context_.get()));
-  expect(prism, 3);
+  for (const int forms : {1, 3}) {
+    EXPECT_TRUE(eval(prism, forms, *device_context_));
+    expect(prism, forms);
+  }
   EXPECT_TRUE(instance->EvalPatches(source_.get(), d, targets_[0].get(), d, prism.count(),
                                     coords_.get(), table_.get()));
   expect(prism, 1);
@@ -593,43 +542,33 @@ TEST_F(OsdPatches, TablesAreThoseOfOpenSubdiv) {
 TEST_F(OsdPatches, ACommandBufferOfTheHostIsOnlyRecordedInto) {
   const Evaluation prism;
   upload(prism);
-  HostCommands host(*context_, device_->queue(), device_->capabilities().compute_family);
+  HostCommands host(*device_);
   osd::VkDeviceContext recording(*context_);
-  host.begin();
-  recording.SetCommandBuffer(host.commands());
-  const BufferDescriptor& d = prism.desc;
-  EXPECT_TRUE(VkComputeEvaluator::EvalPatches(source_.get(), d, targets_[0].get(), d, prism.count(),
-                                              coords_.get(), table_.get(), nullptr, &recording));
+  host.record([&](VkCommandBuffer commands) {
+    recording.SetCommandBuffer(commands);
+    EXPECT_TRUE(eval(prism, 1, recording));
+  });
   EXPECT_THAT(floats_of(*targets_[0]), ::testing::Each(9.0f));
-  host.end_submit_wait();
+  host.submit();
+  host.wait();
   expect(prism, 1);
-  recording.Release(host.commands());
+  recording.Release(host.handle());
 }
 
 TEST_F(OsdPatches, LowLimitsCutDispatchesAndChangeNothing) {
-  vulkan::ContextOptions options;
-  options.max_storage_range = 64 << 10;
-  options.max_group_count = 3;
-  make_context(options);
+  make_context({.max_storage_range = 64 << 10, .max_group_count = 3});
   Evaluation prism;
   const std::vector<Osd::PatchCoord> once = prism.coords;
   while (prism.coords.size() < 3000)
     prism.coords.insert(prism.coords.end(), once.begin(), once.end());
   prism.evaluate();
-  upload(prism);
-  EXPECT_TRUE(VkComputeEvaluator::EvalPatches(
-      source_.get(), prism.desc, targets_[0].get(), prism.desc, targets_[1].get(), prism.desc,
-      targets_[2].get(), prism.desc, prism.count(), coords_.get(), table_.get(), nullptr,
-      device_context_.get()));
-  expect(prism, 3);
+  expect_evaluated(prism, 3);
 }
 
 // Windows begin at multiples of an alignment: one that begins in the middle shares bytes with the
 // one before.
 TEST_F(OsdPatches, DispatchesWhoseWindowsShareBytesWaitForEachOther) {
-  vulkan::ContextOptions options;
-  options.max_group_count = 1;
-  make_context(options);
+  make_context({.max_group_count = 1});
   Evaluation prism;
   while (prism.coords.size() < 200) prism.coords.push_back(prism.coords[prism.coords.size() / 2]);
   prism.evaluate();
@@ -651,21 +590,13 @@ TEST_F(OsdPatches, CoordinatesWithoutAPatchGiveZero) {
   prism.coords[2].handle.patchIndex = -1;
   prism.coords[3].handle.patchIndex = 1 << 30;
   std::fill(prism.expected[0].begin() + 3, prism.expected[0].end(), 0.0f);
-  upload(prism);
-  EXPECT_TRUE(VkComputeEvaluator::EvalPatches(source_.get(), prism.desc, targets_[0].get(),
-                                              prism.desc, prism.count(), coords_.get(),
-                                              table_.get(), nullptr, device_context_.get()));
-  expect(prism, 1);
+  expect_evaluated(prism, 1);
 }
 
 TEST_F(OsdPatches, LegacyGregoryPatchesGiveWhatTheCpuGives) {
   const Evaluation prism(adaptive_to(2, PatchTableFactory::Options::ENDCAP_LEGACY_GREGORY));
-  upload(prism);
-  EXPECT_TRUE(VkComputeEvaluator::EvalPatches(source_.get(), prism.desc, targets_[0].get(),
-                                              prism.desc, prism.count(), coords_.get(),
-                                              table_.get(), nullptr, device_context_.get()));
   EXPECT_THAT(prism.expected[0], ::testing::Contains(0.0f)) << "none of them is legacy";
-  expect(prism, 1);
+  expect_evaluated(prism, 1);
 }
 
 TEST_F(OsdPatches, WhatDoesNotFitIsRefused) {

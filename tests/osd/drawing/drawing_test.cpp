@@ -37,11 +37,7 @@ struct DrawnVertex {
   glm::vec3 position, du, dv, normal;
 };
 
-}  // namespace
-
 static_assert(sizeof(DrawnVertex) == 60);
-
-namespace {
 
 enum class Spacing {
   Equal,
@@ -54,48 +50,6 @@ struct DrawOptions {
   bool by_screen = false;
   float level = 4;
   glm::mat4 clip_from_object{1};
-};
-
-// A cage, its points evaluated on the device.
-struct DrawnMesh {
-  DrawnMesh(const Cage& cage, const RefineOptions& options, osd::VkDeviceContext& target);
-
-  Refined refined;
-  std::unique_ptr<osd::VkVertexBuffer> points;  // the cage's, then the refined ones
-  std::unique_ptr<osd::VkPatchTable> table;
-};
-
-// Draws patches by planish_osd_patches.glsl and captures what the tessellation makes.
-class PatchDrawing {
- public:
-  // `device` captures.
-  explicit PatchDrawing(const viewer::Device& device);
-
-  [[nodiscard]] osd::VkDeviceContext& target() { return target_; }
-  // Three vertices a triangle.
-  [[nodiscard]] std::vector<DrawnVertex> draw(const DrawnMesh& mesh, const DrawOptions& options);
-
- private:
-  VkPipeline pipeline(const OpenSubdiv::Osd::PatchArray& array, Spacing spacing);
-  // As many patches of an array.
-  void record(VkCommandBuffer commands, const DrawnMesh& mesh,
-              const OpenSubdiv::Osd::PatchArray& array, int first, int count,
-              const DrawOptions& options);
-
-  const viewer::Device& device_;
-  vulkan::Context context_;
-  osd::VkDeviceContext target_;
-  viewer::OwnedRenderPass pass_;
-  viewer::OwnedFramebuffer framebuffer_;
-  viewer::OwnedSetLayout set_layout_;
-  viewer::OwnedPipelineLayout layout_;
-  viewer::OwnedDescriptorPool pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  viewer::Buffer made_, byte_count_;
-  PFN_vkCmdBindTransformFeedbackBuffersEXT bind_;
-  PFN_vkCmdBeginTransformFeedbackEXT begin_;
-  PFN_vkCmdEndTransformFeedbackEXT end_;
-  std::map<std::pair<int, Spacing>, viewer::OwnedGraphicsPipeline> pipelines_;
 };
 
 using OpenSubdiv::Osd::BufferDescriptor;
@@ -179,153 +133,176 @@ OwnedShader make_shader(VkDevice device, const std::string& name) {
   return OwnedShader(device, info, "vkCreateShaderModule");
 }
 
-DrawnMesh::DrawnMesh(const Cage& cage, const RefineOptions& options, osd::VkDeviceContext& target)
-    : refined(refine(cage, options)),
-      table(osd::VkPatchTable::Create(refined.patches.get(), &target)) {
-  const int coarse = static_cast<int>(cage.positions.size());
-  const int rows = refined.vertices->GetNumStencils();
-  points.reset(osd::VkVertexBuffer::Create(3, coarse + rows, &target));
-  points->UpdateData(cage.positions.front().data(), 0, coarse, &target);
-  if (rows > 0) {
-    const std::unique_ptr<osd::VkStencilTable> stencils(
-        osd::VkStencilTable::Create(refined.vertices.get(), &target));
-    EXPECT_TRUE(osd::VkComputeEvaluator::EvalStencils(
-        points.get(), BufferDescriptor(0, 3, 3), points.get(), BufferDescriptor(3 * coarse, 3, 3),
-        stencils.get(), nullptr, &target));
-  }
-  target.Synchronize();
-}
-
-PatchDrawing::PatchDrawing(const Device& device)
-    : device_(device),
-      context_(device.host()),
-      target_(context_, device.queue(), device.family()),
-      pass_(make_empty_pass(device)),
-      framebuffer_(make_empty_framebuffer(device, pass_)),
-      set_layout_(make_set_layout(device, 1, kStages)),
-      layout_(make_patch_layout(device, set_layout_)),
-      pool_(make_pool(device)),
-      made_(device, kMostVertices * sizeof(DrawnVertex),
-            VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_BUFFER_BIT_EXT, Place::Host),
-      byte_count_(device, sizeof(std::uint32_t),
-                  VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_COUNTER_BUFFER_BIT_EXT, Place::Host),
-      bind_(function<PFN_vkCmdBindTransformFeedbackBuffersEXT>(
-          device, "vkCmdBindTransformFeedbackBuffersEXT")),
-      begin_(
-          function<PFN_vkCmdBeginTransformFeedbackEXT>(device, "vkCmdBeginTransformFeedbackEXT")),
-      end_(function<PFN_vkCmdEndTransformFeedbackEXT>(device, "vkCmdEndTransformFeedbackEXT")) {}
-
-VkPipeline PatchDrawing::pipeline(const OpenSubdiv::Osd::PatchArray& array, Spacing spacing) {
-  OwnedGraphicsPipeline& kept = pipelines_[{array.GetPatchType(), spacing}];
-  if (kept != VkPipeline(VK_NULL_HANDLE)) return kept;
-  const std::string which = std::to_string(array.GetPatchType()) + kSpacings[int(spacing)];
-  const std::array shaders{make_shader(device_, "patch.vert"),
-                           make_shader(device_, "patch_" + which + ".tesc"),
-                           make_shader(device_, "patch_" + which + ".tese")};
-  constexpr std::array kKinds{VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT,
-                              VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT};
-  std::array<VkPipelineShaderStageCreateInfo, 3> stages{};
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    stages[i].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    stages[i].stage = kKinds[i];
-    stages[i].module = shaders[i];
-    stages[i].pName = "main";
-  }
-  const VkVertexInputBindingDescription binding{0, 3 * sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX};
-  const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
-  VkPipelineVertexInputStateCreateInfo input{
-      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-  input.vertexBindingDescriptionCount = input.vertexAttributeDescriptionCount = 1;
-  input.pVertexBindingDescriptions = &binding;
-  input.pVertexAttributeDescriptions = &attribute;
-  VkPipelineInputAssemblyStateCreateInfo assembly{
-      VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-  assembly.topology = VK_PRIMITIVE_TOPOLOGY_PATCH_LIST;
-  VkPipelineTessellationStateCreateInfo tessellation{
-      VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO};
-  tessellation.patchControlPoints = static_cast<std::uint32_t>(array.GetStride());
-  VkPipelineRasterizationStateCreateInfo raster{
-      VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-  raster.rasterizerDiscardEnable = VK_TRUE;
-  raster.lineWidth = 1;
-  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
-  info.stageCount = stages.size();
-  info.pStages = stages.data();
-  info.pVertexInputState = &input;
-  info.pInputAssemblyState = &assembly;
-  info.pTessellationState = &tessellation;
-  info.pRasterizationState = &raster;
-  info.layout = layout_;
-  info.renderPass = pass_;
-  kept = OwnedGraphicsPipeline(device_, info, "vkCreateGraphicsPipelines");
-  return kept;
-}
-
-std::vector<DrawnVertex> PatchDrawing::draw(const DrawnMesh& mesh, const DrawOptions& options) {
-  vulkan::check(vkResetDescriptorPool(device_, pool_, 0), "vkResetDescriptorPool");
-  const VkDescriptorBufferInfo params{mesh.table->GetPatchParamBuffer(), 0, VK_WHOLE_SIZE};
-  set_ = make_set(device_, pool_, set_layout_, {&params, 1});
-  std::vector<DrawnVertex> vertices;
-  for (const OpenSubdiv::Osd::PatchArray& array : mesh.table->GetPatchArrays()) {
-    const int most = kPrimitiveIdRun / array.GetStride();
-    for (int first = 0; first < array.GetNumPatches(); first += most) {
-      const int count = std::min(most, array.GetNumPatches() - first);
-      device_.run(
-          [&](VkCommandBuffer commands) { record(commands, mesh, array, first, count, options); });
-      std::uint32_t bytes = 0;
-      std::memcpy(&bytes, byte_count_.mapped().data(), sizeof bytes);
-      EXPECT_LT(bytes, made_.bytes());  // or some may be missing
-      const auto* const made = reinterpret_cast<const DrawnVertex*>(made_.mapped().data());
-      vertices.insert(vertices.end(), made, made + bytes / sizeof(DrawnVertex));
+// A cage, its points evaluated on the device.
+struct DrawnMesh {
+  DrawnMesh(const Cage& cage, const RefineOptions& options, osd::VkDeviceContext& target)
+      : refined(refine(cage, options)),
+        table(osd::VkPatchTable::Create(refined.patches.get(), &target)) {
+    const int coarse = static_cast<int>(cage.positions.size());
+    const int rows = refined.vertices->GetNumStencils();
+    points.reset(osd::VkVertexBuffer::Create(3, coarse + rows, &target));
+    points->UpdateData(cage.positions.front().data(), 0, coarse, &target);
+    if (rows > 0) {
+      const std::unique_ptr<osd::VkStencilTable> stencils(
+          osd::VkStencilTable::Create(refined.vertices.get(), &target));
+      EXPECT_TRUE(osd::VkComputeEvaluator::EvalStencils(
+          points.get(), BufferDescriptor(0, 3, 3), points.get(), BufferDescriptor(3 * coarse, 3, 3),
+          stencils.get(), nullptr, &target));
     }
+    target.Synchronize();
   }
-  return vertices;
-}
 
-void PatchDrawing::record(VkCommandBuffer commands, const DrawnMesh& mesh,
-                          const OpenSubdiv::Osd::PatchArray& array, int first, int count,
-                          const DrawOptions& options) {
-  const VkBuffer points = mesh.points->BindVBO(), made = made_, byte_count = byte_count_;
-  const VkDeviceSize start = 0, bytes = made_.bytes();
-  barrier(commands, vulkan::kExitScope, kVertexInput);
-  VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-  begin.renderPass = pass_;
-  begin.framebuffer = framebuffer_;
-  begin.renderArea.extent = {1, 1};
-  vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(array, options.spacing));
-  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0,
-                          nullptr);
-  const View view{options.clip_from_object, options.level, options.by_screen,
-                  array.GetPrimitiveIdBase() + first};
-  vkCmdPushConstants(commands, layout_, kStages, 0, sizeof view, &view);
-  vkCmdBindVertexBuffers(commands, 0, 1, &points, &start);
-  vkCmdBindIndexBuffer(commands, mesh.table->GetPatchIndexBuffer(), 0, VK_INDEX_TYPE_UINT32);
-  bind_(commands, 0, 1, &made, &start, &bytes);
-  begin_(commands, 0, 0, nullptr, nullptr);
-  const auto points_of = [&](int patches) {
-    return static_cast<std::uint32_t>(patches * array.GetStride());
-  };
-  vkCmdDrawIndexed(commands, points_of(count), 1,
-                   static_cast<std::uint32_t>(array.GetIndexBase()) + points_of(first), 0, 0);
-  end_(commands, 0, 1, &byte_count, &start);
-  vkCmdEndRenderPass(commands);
-  barrier(commands, kCapture, kHost);
-}
-
-struct Patch {
-  OpenSubdiv::Far::PatchTable::PatchHandle handle;
-  OpenSubdiv::Far::PatchParam param;
-  int type;
+  Refined refined;
+  std::unique_ptr<osd::VkVertexBuffer> points;  // the cage's, then the refined ones
+  std::unique_ptr<osd::VkPatchTable> table;
 };
-bool is_drawn_triangle(int type);
 
-}  // namespace
+// Draws patches by planish_osd_patches.glsl and captures what the tessellation makes.
+class PatchDrawing {
+ public:
+  // `device` captures.
+  explicit PatchDrawing(const Device& device)
+      : device_(device),
+        context_(device.host()),
+        target_(context_, device.queue(), device.family()),
+        pass_(make_empty_pass(device)),
+        framebuffer_(make_empty_framebuffer(device, pass_)),
+        set_layout_(make_set_layout(device, 1, kStages)),
+        layout_(make_patch_layout(device, set_layout_)),
+        pool_(make_pool(device)),
+        made_(device, kMostVertices * sizeof(DrawnVertex),
+              VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_BUFFER_BIT_EXT, Place::Host),
+        byte_count_(device, sizeof(std::uint32_t),
+                    VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_COUNTER_BUFFER_BIT_EXT, Place::Host),
+        bind_(function<PFN_vkCmdBindTransformFeedbackBuffersEXT>(
+            device, "vkCmdBindTransformFeedbackBuffersEXT")),
+        begin_(
+            function<PFN_vkCmdBeginTransformFeedbackEXT>(device, "vkCmdBeginTransformFeedbackEXT")),
+        end_(function<PFN_vkCmdEndTransformFeedbackEXT>(device, "vkCmdEndTransformFeedbackEXT")) {}
+
+  [[nodiscard]] osd::VkDeviceContext& target() { return target_; }
+  // Three vertices a triangle.
+  [[nodiscard]] std::vector<DrawnVertex> draw(const DrawnMesh& mesh, const DrawOptions& options) {
+    vulkan::check(vkResetDescriptorPool(device_, pool_, 0), "vkResetDescriptorPool");
+    const VkDescriptorBufferInfo params{mesh.table->GetPatchParamBuffer(), 0, VK_WHOLE_SIZE};
+    set_ = make_set(device_, pool_, set_layout_, {&params, 1});
+    std::vector<DrawnVertex> vertices;
+    for (const OpenSubdiv::Osd::PatchArray& array : mesh.table->GetPatchArrays()) {
+      const int most = kPrimitiveIdRun / array.GetStride();
+      for (int first = 0; first < array.GetNumPatches(); first += most) {
+        const int count = std::min(most, array.GetNumPatches() - first);
+        device_.run([&](VkCommandBuffer commands) {
+          record(commands, mesh, array, first, count, options);
+        });
+        std::uint32_t bytes = 0;
+        std::memcpy(&bytes, byte_count_.mapped().data(), sizeof bytes);
+        EXPECT_LT(bytes, made_.bytes());  // or some may be missing
+        const auto* const made = reinterpret_cast<const DrawnVertex*>(made_.mapped().data());
+        vertices.insert(vertices.end(), made, made + bytes / sizeof(DrawnVertex));
+      }
+    }
+    return vertices;
+  }
+
+ private:
+  VkPipeline pipeline(const OpenSubdiv::Osd::PatchArray& array, Spacing spacing) {
+    OwnedGraphicsPipeline& kept = pipelines_[{array.GetPatchType(), spacing}];
+    if (kept != VkPipeline(VK_NULL_HANDLE)) return kept;
+    const std::string which = std::to_string(array.GetPatchType()) + kSpacings[int(spacing)];
+    const std::array shaders{make_shader(device_, "patch.vert"),
+                             make_shader(device_, "patch_" + which + ".tesc"),
+                             make_shader(device_, "patch_" + which + ".tese")};
+    constexpr std::array kKinds{VK_SHADER_STAGE_VERTEX_BIT,
+                                VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT,
+                                VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT};
+    std::array<VkPipelineShaderStageCreateInfo, 3> stages{};
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+      stages[i].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+      stages[i].stage = kKinds[i];
+      stages[i].module = shaders[i];
+      stages[i].pName = "main";
+    }
+    const VkVertexInputBindingDescription binding{0, 3 * sizeof(float),
+                                                  VK_VERTEX_INPUT_RATE_VERTEX};
+    const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
+    VkPipelineVertexInputStateCreateInfo input{
+        VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    input.vertexBindingDescriptionCount = input.vertexAttributeDescriptionCount = 1;
+    input.pVertexBindingDescriptions = &binding;
+    input.pVertexAttributeDescriptions = &attribute;
+    VkPipelineInputAssemblyStateCreateInfo assembly{
+        VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_PATCH_LIST;
+    VkPipelineTessellationStateCreateInfo tessellation{
+        VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO};
+    tessellation.patchControlPoints = static_cast<std::uint32_t>(array.GetStride());
+    VkPipelineRasterizationStateCreateInfo raster{
+        VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+    raster.rasterizerDiscardEnable = VK_TRUE;
+    raster.lineWidth = 1;
+    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+    info.stageCount = stages.size();
+    info.pStages = stages.data();
+    info.pVertexInputState = &input;
+    info.pInputAssemblyState = &assembly;
+    info.pTessellationState = &tessellation;
+    info.pRasterizationState = &raster;
+    info.layout = layout_;
+    info.renderPass = pass_;
+    kept = OwnedGraphicsPipeline(device_, info, "vkCreateGraphicsPipelines");
+    return kept;
+  }
+
+  // As many patches of an array.
+  void record(VkCommandBuffer commands, const DrawnMesh& mesh,
+              const OpenSubdiv::Osd::PatchArray& array, int first, int count,
+              const DrawOptions& options) {
+    const VkBuffer points = mesh.points->BindVBO(), made = made_, byte_count = byte_count_;
+    const VkDeviceSize start = 0, bytes = made_.bytes();
+    barrier(commands, vulkan::kExitScope, kVertexInput);
+    VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+    begin.renderPass = pass_;
+    begin.framebuffer = framebuffer_;
+    begin.renderArea.extent = {1, 1};
+    vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(array, options.spacing));
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0,
+                            nullptr);
+    const View view{options.clip_from_object, options.level, options.by_screen,
+                    array.GetPrimitiveIdBase() + first};
+    vkCmdPushConstants(commands, layout_, kStages, 0, sizeof view, &view);
+    vkCmdBindVertexBuffers(commands, 0, 1, &points, &start);
+    vkCmdBindIndexBuffer(commands, mesh.table->GetPatchIndexBuffer(), 0, VK_INDEX_TYPE_UINT32);
+    bind_(commands, 0, 1, &made, &start, &bytes);
+    begin_(commands, 0, 0, nullptr, nullptr);
+    const auto points_of = [&](int patches) {
+      return static_cast<std::uint32_t>(patches * array.GetStride());
+    };
+    vkCmdDrawIndexed(commands, points_of(count), 1,
+                     static_cast<std::uint32_t>(array.GetIndexBase()) + points_of(first), 0, 0);
+    end_(commands, 0, 1, &byte_count, &start);
+    vkCmdEndRenderPass(commands);
+    barrier(commands, kCapture, kHost);
+  }
+
+  const viewer::Device& device_;
+  vulkan::Context context_;
+  osd::VkDeviceContext target_;
+  viewer::OwnedRenderPass pass_;
+  viewer::OwnedFramebuffer framebuffer_;
+  viewer::OwnedSetLayout set_layout_;
+  viewer::OwnedPipelineLayout layout_;
+  viewer::OwnedDescriptorPool pool_;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  viewer::Buffer made_, byte_count_;
+  PFN_vkCmdBindTransformFeedbackBuffersEXT bind_;
+  PFN_vkCmdBeginTransformFeedbackEXT begin_;
+  PFN_vkCmdEndTransformFeedbackEXT end_;
+  std::map<std::pair<int, Spacing>, viewer::OwnedGraphicsPipeline> pipelines_;
+};
 
 using namespace OpenSubdiv;
 using Far::PatchDescriptor;
-
-namespace {
 
 // Corners of triangles on edges that no other triangle of the patch shares. Where a level is
 // hardly above 1, the tessellator rounds inner points onto the border, too.
@@ -361,7 +338,7 @@ std::vector<Side> sides_of(const std::vector<Patch>& patches,
   for (const DrawnVertex& made : border_of(vertices)) {
     const auto number = static_cast<int>(made.patch);
     const Patch& patch = patches[number];
-    const bool triangle = is_drawn_triangle(patch.type);
+    const bool triangle = patch.is_triangle();
     const float far = triangle ? 1 - made.u - made.v : 1 - made.u;
     const auto add = [&](int side, int transition, float t) {
       const bool halves = (patch.param.GetTransition() & transition) != 0;
@@ -387,28 +364,6 @@ float distance_to(const Side& side, const glm::vec3& p) {
     least = std::min(least, glm::distance(p, a->second + t * along));
   }
   return least;
-}
-
-bool is_drawn_triangle(int type) {
-  return type == PatchDescriptor::TRIANGLES || type == PatchDescriptor::LOOP ||
-         type == PatchDescriptor::GREGORY_TRIANGLE;
-}
-
-std::vector<Patch> drawn_patches_of(const Far::PatchTable& table) {
-  std::vector<Patch> patches;
-  for (int array = 0; array < table.GetNumPatchArrays(); ++array) {
-    const PatchDescriptor descriptor = table.GetPatchArrayDescriptor(array);
-    for (int local = 0; local < table.GetNumPatches(array); ++local) {
-      Patch patch{};
-      patch.handle.arrayIndex = array;
-      patch.handle.patchIndex = static_cast<int>(patches.size());
-      patch.handle.vertIndex = local * descriptor.GetNumControlVertices();
-      patch.param = table.GetPatchParam(patch.handle);
-      patch.type = descriptor.GetType();
-      patches.push_back(patch);
-    }
-  }
-  return patches;
 }
 
 // Edges of triangles whose ends are not, bit by bit, those of an opposite one; how many.
@@ -510,16 +465,11 @@ struct Expected {
   Expected(const DrawnMesh& mesh, const std::vector<DrawnVertex>& vertices,
            osd::VkDeviceContext& target)
       : positions(vertices.size()), du(vertices.size()), dv(vertices.size()) {
-    const std::vector<Patch> patches = drawn_patches_of(*mesh.refined.patches);
+    const std::vector<Patch> patches = patches_of(*mesh.refined.patches);
     std::vector<Osd::PatchCoord> coords;
     for (const DrawnVertex& vertex : vertices) {
       const Patch& patch = patches.at(static_cast<std::size_t>(vertex.patch));
-      float s = vertex.u, t = vertex.v;
-      if (is_drawn_triangle(patch.type))
-        patch.param.UnnormalizeTriangle(s, t);
-      else
-        patch.param.Unnormalize(s, t);
-      coords.emplace_back(patch.handle, s, t);
+      coords.push_back(patch.coord(vertex.u, vertex.v));
     }
     std::vector<float> points(std::size_t(3) * mesh.points->GetNumVertices());
     mesh.points->ReadData(points.data(), 0, mesh.points->GetNumVertices(), &target);
@@ -538,11 +488,11 @@ struct Seen {
   int transitions = 0, boundaries = 0, rotated = 0;
 
   void add(const Far::PatchTable& table) {
-    for (const Patch& patch : drawn_patches_of(table)) {
+    for (const Patch& patch : patches_of(table)) {
       types.insert(patch.type);
       transitions += patch.param.GetTransition() != 0;
       boundaries += patch.param.GetBoundary() != 0;
-      rotated += is_drawn_triangle(patch.type) && patch.param.IsTriangleRotated();
+      rotated += patch.is_triangle() && patch.param.IsTriangleRotated();
     }
   }
 };
@@ -551,7 +501,7 @@ void expect_as_evaluated(PatchDrawing& drawing, const DrawnMesh& mesh, float ext
   DrawOptions options;
   options.level = 5;
   const std::vector<DrawnVertex> vertices = drawing.draw(mesh, options);
-  const std::vector<Patch> patches = drawn_patches_of(*mesh.refined.patches);
+  const std::vector<Patch> patches = patches_of(*mesh.refined.patches);
   std::set<float> drawn;
   const Expected expected(mesh, vertices, drawing.target());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -608,7 +558,7 @@ TEST_F(OsdDrawing, SingleCreasePatchesAreThoseOfTheCpuEvaluator) {
     options.patches.useSingleCreasePatch = true;
     const DrawnMesh mesh(cage, options, drawing_->target());
     expect_as_evaluated(*drawing_, mesh, extent_of(cage));
-    for (const Patch& patch : drawn_patches_of(*mesh.refined.patches))
+    for (const Patch& patch : patches_of(*mesh.refined.patches))
       sharp += mesh.refined.patches->GetSingleCreasePatchSharpnessValue(patch.handle) > 0;
   }
   EXPECT_GT(sharp, 10);
@@ -642,7 +592,7 @@ TEST_F(OsdDrawing, NeighboursMeet) {
     if (!is_closed(cage)) continue;
     SCOPED_TRACE(cage.name);
     const DrawnMesh mesh(cage, refined_to(3, cage), drawing_->target());
-    const std::vector<Patch> patches = drawn_patches_of(*mesh.refined.patches);
+    const std::vector<Patch> patches = patches_of(*mesh.refined.patches);
     seen.add(*mesh.refined.patches);
     const float extent = extent_of(cage);
     const auto expect_no_gap = [&](const DrawOptions& options) {
