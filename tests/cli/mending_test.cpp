@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
@@ -18,20 +19,12 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
+using nlohmann::json;
+
 class Mending : public FolderTest {
  protected:
-  // What a fit that writes no surface but this cage says.
-  nlohmann::json report_of(const std::string& input, std::vector<std::string> flags) {
-    std::vector<std::string> arguments{"fit", input,      "--cage",      path("cage.obj"),
-                                       "-f",  "--report", path("r.json")};
-    arguments.insert(arguments.end(), flags.begin(), flags.end());
-    const ProcessResult result = run_planish(arguments);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    summary_ = result.err;
-    return read_json("r.json");
-  }
-
-  std::string summary_;
+  // The report of a fit that writes no surface but this cage.
+  json report(const std::string& flags) { return report_of("fit --cage cage.obj " + flags); }
 };
 
 // The cube's quads, each with corners of its own, a little apart from the others'.
@@ -62,122 +55,84 @@ std::string torn_cube_obj(double apart = 1e-5) {
 }
 
 TEST_F(Mending, WeldsATornMeshWhereAsked) {
-  const std::string torn = write("torn.obj", torn_cube_obj());
-  nlohmann::json report = report_of(torn, {});
-  EXPECT_EQ(report["input"]["components"], 6);
-  EXPECT_EQ(report["input"]["welded"], 0);
-  EXPECT_EQ(report["solve"]["weld"], nullptr);
-  report = report_of(torn, {"--weld", "1e-3"});
-  EXPECT_EQ(report["input"]["components"], 1);
-  EXPECT_EQ(report["input"]["boundary_loops"], 0);
-  EXPECT_EQ(report["input"]["file_vertices"], 24);
-  EXPECT_EQ(report["input"]["vertices"], 8);
-  EXPECT_EQ(report["input"]["welded"], 16);
-  EXPECT_EQ(report["solve"]["weld"], 1e-3);
-  EXPECT_THAT(summary_, HasSubstr("16 vertices"));
+  write("torn.obj", torn_cube_obj());
+  const json torn = report("torn.obj");
+  expect_values(torn, {{"/input/components", 6}, {"/input/welded", 0}, {"/solve/weld", nullptr}});
+  const json welded = report("torn.obj --weld 1e-3");
+  expect_values(welded, {{"/input/components", 1},
+                         {"/input/boundary_loops", 0},
+                         {"/input/file_vertices", 24},
+                         {"/input/vertices", 8},
+                         {"/input/welded", 16},
+                         {"/solve/weld", 1e-3}});
+  EXPECT_THAT(said_, HasSubstr("16 vertices"));
   // The cage says how.
-  EXPECT_EQ(run_planish({"verify", path("cage.obj"), torn}).exit_code, 0);
-  EXPECT_EQ(run_planish({"verify", path("cage.obj"), torn, "--weld", "0"}).exit_code, 4);
-  report = report_of(torn, {"--weld", "1e-3", "--interpolation", "fair"});
-  EXPECT_EQ(report["input"]["welded"], 16);
-  EXPECT_EQ(run_planish({"verify", path("cage.obj"), torn}).exit_code, 0);
+  run("verify cage.obj torn.obj");
+  run("verify cage.obj torn.obj --weld 0", 4);
+  EXPECT_EQ(report("torn.obj --weld 1e-3 --interpolation fair")["input"]["welded"], 16);
+  run("verify cage.obj torn.obj");
 }
 
 TEST_F(Mending, PartsThatAreInsideOutAreTold) {
-  const auto cube = [&](bool is_turned) {
-    std::string text;
-    for (int i = 0; i < 8; ++i) {
-      for (int k = 0; k < 3; ++k)
-        text += k == 0 ? "v " : " ", text += (i >> k & 1) != 0 ? "1" : "0";
-      text += "\n";
-    }
-    for (std::vector<int> face : {std::vector{1, 3, 4, 2},
-                                  {5, 6, 8, 7},
-                                  {1, 2, 6, 5},
-                                  {3, 7, 8, 4},
-                                  {1, 5, 7, 3},
-                                  {2, 4, 8, 6}}) {
-      if (is_turned) std::ranges::reverse(face);
-      text += "f";
-      for (const int v : face) text += " " + std::to_string(v);
-      text += "\n";
-    }
-    return text;
-  };
-  EXPECT_TRUE(report_of(write("cube.obj", cube(false)), {})["warnings"].empty());
-  const std::string turned = write("turned.obj", cube(true));
-  const nlohmann::json report = report_of(turned, {});
-  ASSERT_EQ(report["warnings"].size(), 1u);
-  EXPECT_EQ(report["warnings"][0]["code"], "inside-out");
-  EXPECT_EQ(report["warnings"][0]["first"], 0);
-  EXPECT_THAT(summary_, HasSubstr(turned + ": closed parts whose faces look inward: 1, first at "
-                                           "face 0; renderers that draw front faces alone show "
-                                           "them from inside; turn the faces over"));
+  write("cube.obj", cube_obj());
+  EXPECT_TRUE(report("cube.obj")["warnings"].empty());
+  std::string turned;
+  for (const std::string& line : lines_of(cube_obj())) {
+    std::vector<std::string> words = words_of(line);
+    if (words[0] == "f") std::reverse(words.begin() + 1, words.end());
+    for (const std::string& word : words) turned += word + " ";
+    turned += "\n";
+  }
+  write("turned.obj", turned);
+  const json warnings = report("turned.obj")["warnings"];
+  ASSERT_EQ(warnings.size(), 1u);
+  expect_values(warnings, {{"/0/code", "inside-out"}, {"/0/first", 0}});
+  EXPECT_THAT(said_, HasSubstr("turned.obj: closed parts whose faces look inward: 1, first at face "
+                               "0; renderers that draw front faces alone show them from inside; "
+                               "turn the faces over"));
 }
 
 TEST_F(Mending, TornVerticesAreTold) {
-  const std::string torn = write("torn.obj", torn_cube_obj(0));
+  write("torn.obj", torn_cube_obj(0));
   const std::string wanted =
       "16 vertices at open edges lie exactly where another one does; --weld 0 makes them one";
-  nlohmann::json report = report_of(torn, {});
-  EXPECT_THAT(summary_, HasSubstr(torn + ": " + wanted));
-  ASSERT_EQ(report["warnings"].size(), 1u);
-  EXPECT_EQ(report["warnings"][0]["code"], "torn-vertices");
-  EXPECT_EQ(report["warnings"][0]["count"], 16);
-  EXPECT_THAT(run_planish({"inspect", torn}).out, HasSubstr(wanted));
-  EXPECT_EQ(nlohmann::json::parse(run_planish({"inspect", torn, "--json"}).out)["torn_vertices"],
-            16);
-  report = report_of(torn, {"--weld", "0"});
-  EXPECT_EQ(report["input"]["boundary_loops"], 0);
-  EXPECT_TRUE(report["warnings"].empty());
+  const json warnings = report("torn.obj")["warnings"];
+  EXPECT_THAT(said_, HasSubstr("torn.obj: " + wanted));
+  ASSERT_EQ(warnings.size(), 1u);
+  expect_values(warnings, {{"/0/code", "torn-vertices"}, {"/0/count", 16}});
+  EXPECT_THAT(run("inspect torn.obj").out, HasSubstr(wanted));
+  EXPECT_EQ(printed("inspect torn.obj --json")["torn_vertices"], 16);
+  const json welded = report("torn.obj --weld 0");
+  EXPECT_EQ(welded["input"]["boundary_loops"], 0);
+  EXPECT_TRUE(welded["warnings"].empty());
   // Nearly there: what a file's rounded numbers leave of one place.
-  const std::string near = write("near.obj", torn_cube_obj(2e-6));
-  report = report_of(near, {});
-  EXPECT_THAT(summary_, HasSubstr("16 vertices at open edges lie within 1e-05 of the diagonal of "
-                                  "another one; --weld 1e-05 makes them one"));
-  EXPECT_EQ(report["warnings"][0]["count"], 16);
-  report = report_of(near, {"--weld", "1e-05"});
-  EXPECT_EQ(report["input"]["components"], 1);
-  EXPECT_TRUE(report["warnings"].empty());
+  write("near.obj", torn_cube_obj(2e-6));
+  EXPECT_EQ(report("near.obj")["warnings"][0]["count"], 16);
+  EXPECT_THAT(said_, HasSubstr("16 vertices at open edges lie within 1e-05 of the diagonal of "
+                               "another one; --weld 1e-05 makes them one"));
+  const json near = report("near.obj --weld 1e-05");
+  EXPECT_EQ(near["input"]["components"], 1);
+  EXPECT_TRUE(near["warnings"].empty());
   // Those of other meshes are not: farther apart, or sheets that meet at a vertex.
-  EXPECT_TRUE(report_of(write("apart.obj", torn_cube_obj(1e-3)), {})["warnings"].empty());
-  EXPECT_THAT(summary_, Not(HasSubstr("--weld")));
-  const std::string tips = write("tips.obj",
-                                 "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
-                                 "v 2 2 0\nv 1 2 0\nf 1 2 3 4\nf 5 6 7 8\n");
-  EXPECT_TRUE(report_of(tips, {})["warnings"].empty());
-  EXPECT_THAT(run_planish({"inspect", tips}).out, Not(HasSubstr("torn")));
+  write("apart.obj", torn_cube_obj(1e-3));
+  write("tips.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\n"
+        "f 1 2 3 4\nf 5 6 7 8\n");
+  for (const char* input : {"apart.obj", "tips.obj"}) {
+    EXPECT_TRUE(report(input)["warnings"].empty()) << input;
+    EXPECT_THAT(said_, Not(HasSubstr("--weld")));
+  }
+  EXPECT_THAT(run("inspect tips.obj").out, Not(HasSubstr("torn")));
 }
 
-TEST_F(Mending, WeldsEveryFormatAndSceneFilesToo) {
-  const std::string torn = write("torn.obj", torn_cube_obj());
-  for (const char* name : {"torn.ply", "torn.off", "torn.stl", "torn.glb"}) {
-    ASSERT_EQ(run_planish({"fit", torn, "-o", path(name), "--levels", "0"}).exit_code, 0);
-    const nlohmann::json report = report_of(path(name), {"--weld", "1e-3"});
-    EXPECT_EQ(report["input"]["vertices"], 8) << name;
-    EXPECT_EQ(report["input"]["components"], 1) << name;
-    EXPECT_GE(report["input"]["welded"], 16) << name;
-  }
-  write("scene.json", R"({"version":1,"defaults":{"weld":0.001},"jobs":[
-      {"input":"torn.obj","outputs":[{"path":"out.obj"}],"report":"s.json"}]})");
-  ASSERT_EQ(run_planish({"run", path("scene.json")}).exit_code, 0);
-  EXPECT_EQ(read_json("s.json")["input"]["welded"], 16);
-}
-
-TEST_F(Mending, RefusesOtherReaches) {
-  const std::string cube = write("cube.obj", cube_obj());
-  for (const char* value : {"-1e-6", "nan", "0.1", "1e-13", "inf", "little"}) {
-    const ProcessResult result =
-        run_planish({"fit", cube, "-o", path("out.glb"), "--weld=" + std::string(value)});
-    EXPECT_EQ(result.exit_code, 2) << value;
-    EXPECT_THAT(result.err, HasSubstr("--weld: ")) << value;
-  }
-  for (const char* value : {"-1e-6", "0.1", "\"little\"", "null"}) {
-    write("scene.json", R"({"version":1,"jobs":[{"input":"cube.obj","solve":{"weld":)" +
-                            std::string(value) + "}}]}");
-    const ProcessResult result = run_planish({"run", path("scene.json")});
-    EXPECT_EQ(result.exit_code, 2) << value;
-    EXPECT_THAT(result.err, HasSubstr("jobs[0].solve.weld: ")) << value;
+TEST_F(Mending, WeldsEveryFormat) {
+  write("torn.obj", torn_cube_obj());
+  for (const std::string name : {"torn.ply", "torn.off", "torn.stl", "torn.glb"}) {
+    run("fit torn.obj --levels 0 -o " + name);
+    const json input = report(name + " --weld 1e-3")["input"];
+    EXPECT_EQ(input["vertices"], 8) << name;
+    EXPECT_EQ(input["components"], 1) << name;
+    EXPECT_GE(input["welded"], 16) << name;
   }
 }
 
@@ -213,22 +168,20 @@ std::string sheets_obj(double apart) {
 }
 
 TEST_F(Mending, SaysHowFarSeparatedSheetsAreApart) {
-  const std::string sheets = write("sheets.obj", sheets_obj(0));
-  for (const std::vector<std::string>& flags : {std::vector<std::string>{},
-                                                {"--interpolation", "fair"},
-                                                {"--creases", "ignore"},
-                                                {"--creases", "auto", "--interpolation", "fair"}}) {
-    const nlohmann::json report = report_of(sheets, flags);
-    EXPECT_EQ(report["input"]["separated_edges"], 4);
-    ASSERT_TRUE(report["surface"]["sheet_gap"].is_number());
-    EXPECT_LT(report["surface"]["sheet_gap"], 1e-6);
-    EXPECT_THAT(summary_, HasSubstr("sheets      separated along 4 edges"));
-    EXPECT_EQ(run_planish({"verify", path("cage.obj"), sheets}).exit_code, 0);
+  write("sheets.obj", sheets_obj(0));
+  for (const std::string flags :
+       {"", " --interpolation fair", " --creases ignore", " --creases auto --interpolation fair"}) {
+    const json fitted = report("sheets.obj" + flags);
+    EXPECT_EQ(fitted["input"]["separated_edges"], 4);
+    ASSERT_TRUE(fitted["surface"]["sheet_gap"].is_number());
+    EXPECT_LT(fitted["surface"]["sheet_gap"], 1e-6);
+    EXPECT_THAT(said_, HasSubstr("sheets      separated along 4 edges"));
+    run("verify cage.obj sheets.obj");
   }
-  const nlohmann::json report = report_of(write("apart.obj", sheets_obj(1e-7)), {"--weld", "1e-5"});
-  EXPECT_EQ(report["input"]["welded"], 10);
-  EXPECT_EQ(report["input"]["separated_edges"], 4);
-  EXPECT_LT(report["surface"]["sheet_gap"], 1e-6);
+  write("apart.obj", sheets_obj(1e-7));
+  const json welded = report("apart.obj --weld 1e-5");
+  expect_values(welded, {{"/input/welded", 10}, {"/input/separated_edges", 4}});
+  EXPECT_LT(welded["surface"]["sheet_gap"], 1e-6);
 }
 
 // A part of the diagonal, whatever the unit: of two quads, said to be sheets of one edge, that lie
@@ -255,14 +208,12 @@ TEST(SheetGapOfAJob, DoesNotGrowWithTheMesh) {
 }
 
 TEST_F(Mending, HasNoGapWhereNoSheetsMeet) {
-  const std::string torus = write("torus.obj", torus_obj(8));
-  nlohmann::json report = report_of(torus, {});
-  EXPECT_EQ(report["input"]["separated_edges"], 0);
-  EXPECT_EQ(report["surface"]["sheet_gap"], nullptr);
-  const std::string sheets = write("sheets.obj", sheets_obj(0));
-  report = report_of(sheets, {"--scheme", "catmull-clark"});
-  EXPECT_EQ(report["input"]["separated_edges"], 4);
-  EXPECT_EQ(report["surface"]["sheet_gap"], nullptr) << "measured with doo-sabin only";
+  write("torus.obj", torus_obj(8));
+  write("sheets.obj", sheets_obj(0));
+  const json torus = report("torus.obj"), other = report("sheets.obj --scheme catmull-clark");
+  expect_values(torus, {{"/input/separated_edges", 0}, {"/surface/sheet_gap", nullptr}});
+  EXPECT_EQ(other["input"]["separated_edges"], 4);
+  EXPECT_EQ(other["surface"]["sheet_gap"], nullptr) << "measured with doo-sabin only";
 }
 
 }  // namespace

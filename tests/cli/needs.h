@@ -14,15 +14,6 @@
 
 namespace planish::test {
 
-class Forecasts : public FolderTest {
- protected:
-  [[nodiscard]] ProcessResult fit(std::vector<std::string> arguments, bool measured = false) const {
-    arguments.insert(arguments.begin(), {"fit", "--device", "cpu"});
-    return run_planish(arguments,
-                       {.input = {}, .environment = {}, .folder = path(""), .measured = measured});
-  }
-};
-
 // "at most about 340.0 MiB".
 inline double forecast_memory(const std::string& text) {
   std::smatch found;
@@ -41,33 +32,28 @@ inline std::pair<double, double> forecast_seconds(const std::string& text) {
   return {0, -1};
 }
 
-class Needs : public Forecasts {
+class Needs : public FolderTest {
  protected:
   void SetUp() override {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "sanitizers hold memory of their own";
 #endif
   }
-  // What is said holds, and is not far off; seconds by their order of magnitude. `is_near`: memory
-  // is not far off, either.
-  void expect_enough(std::vector<std::string> arguments, bool is_near = true) {
-    std::string name;
-    for (const std::string& argument : arguments) name += argument + " ";
-    arguments.emplace_back("-f");
-    std::vector<std::string> dry = arguments;
-    dry.emplace_back("--dry-run");
-    const std::string text = fit(dry).out;
-    const ProcessResult run = fit(arguments, true);
-    ASSERT_EQ(run.exit_code, 0) << name << run.err;
+  // What is said of a fit holds, and is not far off; seconds by their order of magnitude.
+  // `is_near`: memory is not far off, either.
+  void expect_enough(const std::string& flags, bool is_near = true) {
+    const std::string line = "fit " + flags + " -f", text = run(line + " --dry-run").out;
+    SCOPED_TRACE(line + "\n" + text);
+    const ProcessResult done = run(line, 0, {.measured = true});
     constexpr double kStart = 20 << 20;  // what any run takes
-    EXPECT_LE(run.peak_bytes, forecast_memory(text)) << name << text;
+    EXPECT_LE(done.peak_bytes, forecast_memory(text));
     if (is_near) {
-      EXPECT_GE(2.5 * run.peak_bytes + kStart, forecast_memory(text)) << name << text;
+      EXPECT_GE(2.5 * done.peak_bytes + kStart, forecast_memory(text));
     }
     const auto [least, most] = forecast_seconds(text);
     const double threads = std::max(1u, std::thread::hardware_concurrency());
-    EXPECT_LE(run.cpu_seconds / threads, 3 * most) << name << text;
-    EXPECT_GE(3 * run.cpu_seconds, least) << name << text;
+    EXPECT_LE(done.cpu_seconds / threads, 3 * most);
+    EXPECT_GE(3 * done.cpu_seconds, least);
   }
 };
 

@@ -2,13 +2,11 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <regex>
-#include <sstream>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -23,16 +21,13 @@
 namespace planish::command {
 namespace {
 
-TEST(Text, NumbersGetSeparators) {
+TEST(Text, NumbersSizesAndDurationsAreShort) {
   EXPECT_EQ(with_separators(0), "0");
   EXPECT_EQ(with_separators(999), "999");
   EXPECT_EQ(with_separators(1000), "1,000");
   EXPECT_EQ(with_separators(1234567), "1,234,567");
   EXPECT_EQ(with_separators(-123), "-123");
   EXPECT_EQ(with_separators(-1234), "-1,234");
-}
-
-TEST(Text, SizesAndDurationsAreShort) {
   EXPECT_EQ(byte_size(1023), "1023 B");
   EXPECT_EQ(byte_size(1024), "1.0 KiB");
   EXPECT_EQ(byte_size(5ull << 30), "5.0 GiB");
@@ -40,9 +35,6 @@ TEST(Text, SizesAndDurationsAreShort) {
   EXPECT_EQ(duration(12.4), "12 ms");
   EXPECT_EQ(duration(1234), "1.23 s");
   EXPECT_EQ(short_number(4.123e-7), "4.12e-07");
-}
-
-TEST(Text, CountsHaveTheirPlural) {
   EXPECT_EQ(counted(1, "face"), "1 face");
   EXPECT_EQ(counted(0, "face"), "0 faces");
   EXPECT_EQ(counted(1200, "face"), "1,200 faces");
@@ -58,16 +50,12 @@ TEST(Text, PlainUtf8KeepsLettersAndDropsTheRest) {
   EXPECT_EQ(plain_utf8("\xF4\x90\x80\x80"), "????");  // beyond Unicode
 }
 
-constexpr std::array<std::string_view, 4> kWords{"weights", "tolerance", "levels", "report"};
-
-TEST(Nearest, FindsSlips) {
+TEST(Nearest, FindsSlipsAndLeavesOtherWordsAlone) {
+  constexpr std::array<std::string_view, 4> kWords{"weights", "tolerance", "levels", "report"};
   EXPECT_EQ(nearest("wieghts", kWords), "weights");      // swapped
   EXPECT_EQ(nearest("tolerence", kWords), "tolerance");  // replaced
   EXPECT_EQ(nearest("level", kWords), "levels");         // missing
   EXPECT_EQ(nearest("reeport", kWords), "report");       // doubled
-}
-
-TEST(Nearest, LeavesOtherWordsAlone) {
   EXPECT_EQ(nearest("banana", kWords), std::nullopt);
   EXPECT_EQ(nearest(std::string(100000, 'x'), kWords), std::nullopt);
   EXPECT_EQ(did_you_mean("banana", kWords), "");
@@ -173,22 +161,15 @@ TEST(Progress, TheBarIsDrawnInPlaceAndTakenAway) {
   EXPECT_EQ(text, "\r\033[K2/3 goblet  [######..................]  25%  solve, 3 s left\r\033[K");
 }
 
-TEST(Progress, AutoDrawsNoBarOutsideATerminal) {
-  EXPECT_EQ(output_of(ProgressMode::Auto,
-                      [](JobProgress& progress, double& now) {
-                        now += 1;
-                        progress.update("solve", 0.5);
-                      }),
-            "");
-}
-
-TEST(Progress, NoneSaysNothing) {
-  EXPECT_EQ(output_of(ProgressMode::None,
-                      [](JobProgress& progress, double& now) {
-                        now += 100;
-                        progress.update("solve", 0.5);
-                      }),
-            "");
+TEST(Progress, AutoOutsideATerminalAndNoneSayNothing) {
+  for (const auto& [mode, seconds] :
+       {std::pair{ProgressMode::Auto, 1.0}, {ProgressMode::None, 100.0}})
+    EXPECT_EQ(output_of(mode,
+                        [wait = seconds](JobProgress& progress, double& now) {
+                          now += wait;
+                          progress.update("solve", 0.5);
+                        }),
+              "");
 }
 
 }  // namespace
@@ -201,9 +182,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
-using testing::StartsWith;
 
 // No byte that a terminal obeys, but line ends.
 bool is_plain(const std::string& text) {
@@ -213,10 +192,6 @@ bool is_plain(const std::string& text) {
   }
   return text.find("\xE2\x80\xAE") == std::string::npos &&
          text.find("\xE2\x80\x8B") == std::string::npos;
-}
-
-std::ptrdiff_t line_count(const std::string& text) {
-  return std::count(text.begin(), text.end(), '\n');
 }
 
 const std::vector<std::string> kHostile{"\x1b[31mred",
@@ -232,8 +207,9 @@ const std::vector<std::string> kHostile{"\x1b[31mred",
 
 class Messages : public FolderTest {
  protected:
-  PlanishProcess::Options here(bool terminal = false) const {
-    return {.input = {}, .terminal = terminal, .environment = {"TERM=xterm"}, .folder = path("")};
+  // Names may hold spaces and worse.
+  [[nodiscard]] ProcessResult run_here(const std::vector<std::string>& arguments) const {
+    return run_planish(arguments, {.folder = path("")});
   }
 };
 
@@ -241,7 +217,6 @@ TEST_F(Messages, HostileNamesOfFilesAreShownNotObeyed) {
   write("good.obj", cube_obj());
   for (const std::string& name : kHostile) {
     const std::string file = name + ".obj";
-    const auto quiet = run_planish({"fit", "-q", "good.obj", "none.obj", "-o", "good.glb"}, here());
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"fit", file, "-o", "x.glb"},
           {"fit", "good.obj", "-o", name + "/x.glb"},
@@ -253,14 +228,14 @@ TEST_F(Messages, HostileNamesOfFilesAreShownNotObeyed) {
           {"run", file},
           {"inspect", file},
           {name}}) {
-      const ProcessResult result = run_planish(arguments, here());
+      const ProcessResult result = run_here(arguments);
       EXPECT_NE(result.exit_code, 0);
       EXPECT_TRUE(is_plain(result.err)) << result.err;
-      EXPECT_THAT(result.out, IsEmpty());
+      EXPECT_EQ(result.out, "");
     }
     // No line is broken by the name: the friendly name gives as many.
     const auto lines = [&](const std::string& input) {
-      return line_count(run_planish({"fit", input, "-o", "x.glb"}, here()).err);
+      return lines_of(run_here({"fit", input, "-o", "x.glb"}).err).size();
     };
     EXPECT_EQ(lines(file), lines("friendly.obj")) << name;
   }
@@ -269,117 +244,106 @@ TEST_F(Messages, HostileNamesOfFilesAreShownNotObeyed) {
 TEST_F(Messages, HostileNamesThatWorkAreShownInSummaries) {
   const std::string name = "a\x1b[31m\nb.obj";
   write(name, cube_obj());
-  const ProcessResult fit = run_planish({"fit", name, "-o", "o\x1b[2J.glb", "--dry-run"}, here());
-  EXPECT_EQ(fit.exit_code, 0) << fit.err;
-  EXPECT_TRUE(is_plain(fit.out)) << fit.out;
-  EXPECT_THAT(fit.out, HasSubstr("a\\x1b[31m\\nb.obj"));
-  const ProcessResult done = run_planish({"fit", name, "-o", "o\x1b[2J.glb"}, here());
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  EXPECT_TRUE(is_plain(done.err)) << done.err;
-  EXPECT_TRUE(is_plain(run_planish({"inspect", name}, here()).out));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"fit", name, "-o", "o\x1b[2J.glb", "--dry-run"},
+        {"fit", name, "-o", "o\x1b[2J.glb"},
+        {"inspect", name}}) {
+    const ProcessResult result = run_here(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(is_plain(result.out + result.err)) << result.out << result.err;
+    EXPECT_THAT(result.out + result.err, HasSubstr("a\\x1b[31m\\nb.obj"));
+  }
 }
 
 TEST_F(Messages, NamesOfASceneAreShownNotObeyed) {
   write("cube.obj", cube_obj());
   write("s.json", R"({"version":1,"jobs":[{"name":"\u001b[31mred\nline\u202e","input":"cube.obj",)"
                   R"("outputs":[{"path":"x.glb"}]},{"name":"\u001b[0m","input":"none.obj"}]})");
-  const ProcessResult result = run_planish({"run", "s.json"}, here());
-  EXPECT_EQ(result.exit_code, 8);
-  EXPECT_TRUE(is_plain(result.out)) << result.out;
-  EXPECT_TRUE(is_plain(result.err)) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("\\x1b[31mred\\nline\\u202e"));
+  const std::string table = run("run s.json", 8).out;
+  EXPECT_TRUE(is_plain(table)) << table;
+  EXPECT_TRUE(is_plain(said_)) << said_;
+  EXPECT_THAT(table, HasSubstr("\\x1b[31mred\\nline\\u202e"));
 }
 
 TEST_F(Messages, ErrorsObeyColor) {
-  const std::vector<std::string> wrong{"fit", "none.obj", "-o", "x.glb", "--color"};
-  const auto with = [&](const char* color, bool terminal) {
-    std::vector<std::string> arguments = wrong;
-    arguments.emplace_back(color);
-    const ProcessResult result = run_planish(arguments, here(terminal));
-    return result.out + result.err;
+  struct Row {
+    std::string line;
+    bool terminal;
+    std::vector<std::string> environment;
+    bool is_colored;
   };
-  EXPECT_THAT(with("always", false), HasSubstr("\033[1;31merror"));
-  EXPECT_THAT(with("never", true), Not(HasSubstr("\033")));
-  EXPECT_THAT(with("auto", true), HasSubstr("\033[1;31merror"));
-  EXPECT_THAT(with("auto", false), Not(HasSubstr("\033")));
-  // What is set to nothing is not set (no-color.org).
-  for (const auto& [setting, is_colored] : {std::pair{"NO_COLOR=", true}, {"NO_COLOR=1", false}}) {
-    std::vector<std::string> arguments = wrong;
-    arguments.emplace_back("auto");
-    PlanishProcess::Options options = here(true);
-    options.environment.emplace_back(setting);
-    const ProcessResult result = run_planish(arguments, options);
-    EXPECT_EQ((result.out + result.err).find("\033[1;31merror") != std::string::npos, is_colored)
-        << setting;
+  const std::string wrong = "fit none.obj -o x.glb --color ";
+  for (const Row& row : std::vector<Row>{
+           {wrong + "always", false, {}, true},
+           {wrong + "never", true, {}, false},
+           {wrong + "auto", true, {}, true},
+           {wrong + "auto", false, {}, false},
+           // What is set to nothing is not set (no-color.org).
+           {wrong + "auto", true, {"NO_COLOR="}, true},
+           {wrong + "auto", true, {"NO_COLOR=1"}, false},
+           {"fti --color=always", false, {}, true},
+       }) {
+    SCOPED_TRACE(row.line);
+    std::vector<std::string> environment = row.environment;
+    environment.emplace_back("TERM=xterm");
+    const std::string text = run(row.line, row.line.starts_with("fti") ? 2 : 3,
+                                 {.terminal = row.terminal, .environment = environment})
+                                 .out +
+                             said_;
+    EXPECT_EQ(text.find("\033[1;31merror") != std::string::npos, row.is_colored);
+    EXPECT_EQ(text.find('\033') != std::string::npos, row.is_colored);
   }
-  const ProcessResult early = run_planish({"fti", "--color=always"}, here());
-  EXPECT_THAT(early.err, HasSubstr("\033[1;31merror"));
 }
 
 TEST_F(Messages, BytesDoNotGoToATerminal) {
   write("cube.obj", cube_obj());
-  const ProcessResult result = run_planish({"fit", "cube.obj", "-o", "-"}, here(true));
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.out, AllOf(HasSubstr("not written to a terminal"), Not(HasSubstr("glTF"))));
-  const ProcessResult report = run_planish({"fit", "cube.obj", "--report", "-", "-q"}, here(true));
-  EXPECT_EQ(report.exit_code, 0);
-  EXPECT_THAT(report.out, HasSubstr("planish.report/1"));
+  const PlanishProcess::Options shown{.terminal = true, .environment = {"TERM=xterm"}};
+  EXPECT_THAT(run("fit cube.obj -o -", 2, shown).out,
+              AllOf(HasSubstr("not written to a terminal"), Not(HasSubstr("glTF"))));
+  EXPECT_THAT(run("fit cube.obj --report - -q", 0, shown).out, HasSubstr("planish.report/1"));
 }
 
 TEST_F(Messages, AReaderThatLeavesEndsTheCommandSilently) {
   write("cube.obj", cube_obj());
-  PlanishProcess::Options options = here();
-  options.closed_stdout = true;
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"fit", "cube.obj", "-o", "-", "-q"}, {"--help"}, {"devices"}}) {
-    const ProcessResult result = run_planish(arguments, options);
-    EXPECT_EQ(result.signal, SIGPIPE) << arguments.front();
-    EXPECT_THAT(result.err, IsEmpty());
+  for (const char* line : {"fit cube.obj -o - --cage c.obj -q", "--help", "devices"}) {
+    const ProcessResult result = run(line, -1, {.closed_stdout = true});
+    EXPECT_EQ(result.signal, SIGPIPE) << line;
+    EXPECT_EQ(said_, "");
   }
   EXPECT_EQ(names(), std::vector<std::string>{"cube.obj"});
 }
 
 TEST_F(Messages, AllThatIsWrongIsSaidAtOnceTheInputFirst) {
   write("old.glb", "precious");
-  const ProcessResult result = run_planish(
-      {"fit", "GOBLET.OBJ", "-o", "old.glb", "--cage", "missing/c.obj", "--report", "r.html"},
-      here());
-  const std::size_t input = result.err.find("GOBLET.OBJ: cannot read: No such file");
-  const std::size_t output = result.err.find("old.glb exists; --force overwrites it");
-  ASSERT_NE(input, std::string::npos) << result.err;
-  ASSERT_NE(output, std::string::npos) << result.err;
-  EXPECT_LT(input, output);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("no folder"), HasSubstr("ends in .json")));
-  EXPECT_EQ(line_count(result.err), 4);
-  EXPECT_EQ(result.exit_code, 2);  // the lowest of theirs
+  // The status is the lowest of theirs.
+  run("fit GOBLET.OBJ -o old.glb --cage missing/c.obj --report r.html", 2);
+  EXPECT_THAT(said_, testing::ContainsRegex("GOBLET.OBJ: cannot read(.|\n)*old.glb exists"));
+  EXPECT_THAT(said_, AllOf(HasSubstr("no folder"), HasSubstr("ends in .json")));
+  EXPECT_EQ(lines_of(said_).size(), 4u);
 }
 
 TEST_F(Messages, WithJsonProgressEveryLineIsAnObject) {
   write("cube.obj", cube_obj());
   write("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n");  // gives a warning
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"fit", "two.obj", "-o", "x.glb", "--progress", "json"},
-        {"fit", "none.obj", "-o", "y.glb", "--progress=json"},
-        {"fit", "cube.obj", "two.obj", "-o", "out/", "--progress", "json"}}) {
-    const ProcessResult result = run_planish(arguments, here());
-    std::istringstream lines(result.err);
-    int count = 0;
-    for (std::string line; std::getline(lines, line); ++count)
-      EXPECT_TRUE(nlohmann::json::parse(line, nullptr, false).is_object()) << line;
-    EXPECT_GT(count, 0);
+  for (const auto& [line, exit_code] : {std::pair{"fit two.obj -o x.glb --progress json", 0},
+                                        {"fit none.obj -o y.glb --progress=json", 3},
+                                        {"fit cube.obj two.obj -o out/ --progress json", 0}}) {
+    run(line, exit_code);
+    EXPECT_NE(said_, "");
+    for (const std::string& said : lines_of(said_))
+      EXPECT_TRUE(nlohmann::json::parse(said, nullptr, false).is_object()) << said;
   }
 }
 
 // The name that begins a message, and stands in it once.
 void expect_named(const std::string& text, const std::string& name) {
-  std::istringstream lines(text);
   int count = 0;
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : lines_of(text)) {
     const bool is_message =
         line.starts_with("planish: warning: ") || line.starts_with("planish: error: ");
     if (!is_message || line.ends_with("jobs failed")) continue;
     const std::string said = line.substr(line.find(": ", line.find(": ") + 2) + 2);
-    EXPECT_THAT(said, StartsWith(name + ":")) << text;
+    EXPECT_THAT(said, testing::StartsWith(name + ":")) << text;
     EXPECT_EQ(said.find(name, 1), std::string::npos) << text;
     EXPECT_THAT(said, Not(HasSubstr("-: "))) << text;
     ++count;
@@ -389,33 +353,27 @@ void expect_named(const std::string& text, const std::string& name) {
 
 // One name a file in all that is said of it, whoever notices: its path, or stdin.
 TEST_F(Messages, AFileHasOneName) {
-  const std::string unused = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n";
-  const std::string twice = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 1 2\n";
-  const std::string broken = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
-  std::filesystem::create_directory(path("data"));
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   write("other.obj", cube_obj());
-  for (const std::string& content : {unused, twice, broken}) {
-    write("data/mesh.obj", content);
-    for (const std::string& name : {std::string("data/mesh.obj"), std::string("-")}) {
-      PlanishProcess::Options options = here();
-      options.input = content;
-      std::vector<std::string> one{"fit",
-                                   name,
-                                   "-o",
-                                   "x.glb",
-                                   "-f",
-                                   "--input-format",
-                                   "obj",
-                                   "--max-iterations",
-                                   "1",
-                                   "--interpolation",
-                                   "progressive",
-                                   "--repair",
-                                   content == twice ? "safe" : "none"};
+  struct Row {
+    std::string content, repair;
+    int of_one, of_two;  // exit statuses
+  };
+  for (const Row& row : {Row{triangle + "v 5 5 5\nf 1 2 3\n", "none", 5, 0},
+                         {triangle + "f 1 2 3\nf 3 1 2\n", "safe", 5, 0},
+                         {triangle + "f 1 2 9\n", "none", 3, 8}}) {
+    write("data/mesh.obj", row.content);
+    for (const std::string name : {"data/mesh.obj", "-"}) {
       const std::string said = name == "-" ? "stdin" : name;
-      expect_named(run_planish(one, options).err, said);
-      one = {"fit", name, "other.obj", "-o", "out/", "-f", "--input-format", "obj"};
-      expect_named(run_planish(one, options).err, said);
+      run("fit " + name +
+              " -o x.glb -f --input-format obj --max-iterations 1 --interpolation "
+              "progressive --repair " +
+              row.repair,
+          row.of_one, {.input = row.content});
+      expect_named(said_, said);
+      run("fit " + name + " other.obj -o out/ -f --input-format obj", row.of_two,
+          {.input = row.content});
+      expect_named(said_, said);
     }
   }
 }
@@ -432,26 +390,20 @@ TEST_F(Messages, OneThingIsNotSeveral) {
   write("facet.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\nendfacet\n");
   write("point.xyz", "0 0 0\n");
   write("two.xyz", "1\n0 0 0\n1 1 1\n");
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"fit", "one.obj", "-o", "a.glb", "-v", "--page", "a.html"},
-        {"fit", "one.obj", "-o", "b.glb", "--levels", "0", "--cage", "b.obj", "--dry-run"},
-        {"fit", "one.obj", "-o", "c.glb", "--interpolation", "fair", "-v"},
-        {"fit", "one.obj", "-o", "d.glb", "--max-iterations", "1", "--tolerance", "1e-15"},
-        {"fit", "edge.obj", "-o", "e.glb", "--repair", "none"},
-        {"fit", "corner.obj", "-o", "e.glb", "--repair", "none"},
-        {"fit", "short.off", "-o", "f.glb"},
-        {"fit", "facet.stl", "-o", "g.glb"},
-        {"fit", "point.xyz", "-o", "h.glb", "--dry-run"},
-        {"fit", "point.xyz", "-o", "h.glb"},
-        {"fit", "two.xyz", "-o", "i.glb"},
-        {"reconstruct", "point.xyz", "-o", "j.obj"},
-        {"inspect", "one.obj"},
-        {"verify", "one.obj", "one.obj"}}) {
-    const ProcessResult result = run_planish(arguments, here());
+  for (const char* line :
+       {"fit one.obj -o a.glb -v --page a.html",
+        "fit one.obj -o b.glb --levels 0 --cage b.obj --dry-run",
+        "fit one.obj -o c.glb --interpolation fair -v",
+        "fit one.obj -o d.glb --max-iterations 1 --tolerance 1e-15",
+        "fit edge.obj -o e.glb --repair none", "fit corner.obj -o e.glb --repair none",
+        "fit short.off -o f.glb", "fit facet.stl -o g.glb", "fit point.xyz -o h.glb --dry-run",
+        "fit point.xyz -o h.glb", "fit two.xyz -o i.glb", "reconstruct point.xyz -o j.obj",
+        "inspect one.obj", "verify one.obj one.obj"}) {
+    const ProcessResult result = run_here(words_of(line));
     std::string said = result.out + result.err;
     if (exists("a.html")) said += read("a.html").substr(0, read("a.html").find("<script"));
     std::smatch found;
-    EXPECT_FALSE(std::regex_search(said, found, wrong)) << arguments[1] << ": " << found.str();
+    EXPECT_FALSE(std::regex_search(said, found, wrong)) << line << ": " << found.str();
     std::filesystem::remove(path("a.html"));
   }
 }
@@ -474,16 +426,13 @@ TEST(Faults, TheCodeIsTheLowestAndNothingIsSaidTwice) {
   }
 }
 
-using testing::ElementsAre;
-
 class Interrupt : public FolderTest {
  protected:
-  // Stops a fit that has seconds of work before it and is known to be at the step.
-  ProcessResult stop_by(int signal, const std::string& step = "stencils") {
-    const std::string input = write("torus.obj", torus_obj(150));
-    PlanishProcess process({"fit", input, "-o", path("a.obj"), "--cage", path("c.obj"), "--report",
-                            path("r.json"), "--levels", "4", "--progress", "json"},
-                           {});
+  // Sends the signal to a command that has seconds of work before it and is known to be at the
+  // step.
+  ProcessResult stop_by(int signal, const std::string& line, const std::string& step = "stencils") {
+    write("torus.obj", torus_obj(150));
+    PlanishProcess process(words_of(line + " --progress json"), {.folder = path("")});
     EXPECT_TRUE(process.wait_for_message("\"" + step + "\""));
     const auto signalled = std::chrono::steady_clock::now();
     ::kill(process.id(), signal);
@@ -492,55 +441,41 @@ class Interrupt : public FolderTest {
     return result;
   }
 
+  const std::string fit_ = "fit torus.obj -o a.obj --cage c.obj --report r.json --levels 4";
   double took_ = 0;  ///< seconds from the signal to the end
 };
 
-TEST_F(Interrupt, SigintExits130AndLeavesNothingBehind) {
-  const ProcessResult result = stop_by(SIGINT);
-  EXPECT_EQ(result.exit_code, 130);
-  EXPECT_THAT(result.err, HasSubstr("interrupted; no partial file is left"));
-  EXPECT_THAT(names(), ElementsAre("torus.obj"));
-}
-
-TEST_F(Interrupt, SigtermExits143AndLeavesNothingBehind) {
-  EXPECT_EQ(stop_by(SIGTERM).exit_code, 143);
-  EXPECT_THAT(names(), ElementsAre("torus.obj"));
-}
-
-TEST_F(Interrupt, EndsSoonWhereverTheWorkIs) {
+TEST_F(Interrupt, EndsSoonWhereverTheWorkIsAndLeavesNothingBehind) {
   for (const char* step : {"read", "stencils", "solve", "measure", "write"}) {
-    const ProcessResult result = stop_by(SIGINT, step);
+    const ProcessResult result = stop_by(SIGINT, fit_, step);
     EXPECT_EQ(result.exit_code, 130) << step;
+    EXPECT_THAT(result.err, HasSubstr("interrupted; no partial file is left"));
     // 0.2 s, and room for a machine that does other things as well.
     EXPECT_LT(took_, 1.0) << step;
-    EXPECT_THAT(names(), ElementsAre("torus.obj")) << step;
+    EXPECT_EQ(names(), std::vector<std::string>{"torus.obj"}) << step;
   }
+  EXPECT_EQ(stop_by(SIGTERM, fit_).exit_code, 143);
+  EXPECT_EQ(names(), std::vector<std::string>{"torus.obj"});
 }
 
 TEST_F(Interrupt, EndsARunOfSeveralJobs) {
-  write("torus.obj", torus_obj(150));
-  const std::string scene =
-      write("scene.json",
-            R"({"version":1,"defaults":{"device":"cpu"},"jobs":[)"
-            R"({"name":"a","input":"torus.obj","outputs":[{"path":"a.obj","levels":[4]}]},)"
-            R"({"name":"b","input":"torus.obj","outputs":[{"path":"b.obj","levels":[4]}]}]})");
-  PlanishProcess process({"run", scene, "--progress", "json"}, {});
-  EXPECT_TRUE(process.wait_for_message("\"stencils\""));
-  ::kill(process.id(), SIGINT);
-  const ProcessResult result = process.finish();
+  write("scene.json",
+        R"({"version":1,"jobs":[)"
+        R"({"name":"a","input":"torus.obj","outputs":[{"path":"a.obj","levels":[4]}]},)"
+        R"({"name":"b","input":"torus.obj","outputs":[{"path":"b.obj","levels":[4]}]}]})");
+  const ProcessResult result = stop_by(SIGINT, "run scene.json");
   EXPECT_EQ(result.exit_code, 130);
   EXPECT_EQ(result.out, "");  // no table of jobs that failed
   EXPECT_THAT(result.err, HasSubstr("interrupted; no partial file is left"));
-  EXPECT_THAT(names(), ElementsAre("scene.json", "torus.obj"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"scene.json", "torus.obj"}));
 }
 
 TEST_F(Interrupt, TheSecondSignalKills) {
-  const std::string input = write("torus.obj", torus_obj(150));
+  write("torus.obj", torus_obj(150));
   int killed_by = 0;
   // The first may not yet be taken when the second comes, or the work may have ended.
   for (int attempt = 0; attempt < 60 && killed_by == 0; ++attempt) {
-    PlanishProcess process(
-        {"fit", input, "-o", path("a.obj"), "--levels", "4", "--progress", "json"}, {});
+    PlanishProcess process(words_of(fit_ + " --progress json"), {.folder = path("")});
     EXPECT_TRUE(process.wait_for_message("\"stencils\""));
     ::kill(process.id(), SIGINT);
     std::this_thread::sleep_for(std::chrono::microseconds(20 * attempt));

@@ -1,7 +1,5 @@
 #include "cli/test_files.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -9,22 +7,13 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "cli/json_schema.h"
+
 namespace planish::test {
 namespace fs = std::filesystem;
 
-FolderTest::FolderTest() {
-  std::string name = (fs::temp_directory_path() / "planish_cli_XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  folder_ = name;
-}
-
-FolderTest::~FolderTest() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
-
 std::string FolderTest::write(const std::string& name, const std::string& content) const {
-  const fs::path file = folder_ / name;
+  const fs::path file = folder_.path() / name;
   fs::create_directories(file.parent_path());
   std::ofstream stream(file, std::ios::binary);
   stream << content;
@@ -33,7 +22,7 @@ std::string FolderTest::write(const std::string& name, const std::string& conten
 }
 
 std::string FolderTest::read(const std::string& name) const {
-  std::ifstream stream(folder_ / name, std::ios::binary);
+  std::ifstream stream(folder_.path() / name, std::ios::binary);
   std::ostringstream content;
   content << stream.rdbuf();
   return content.str();
@@ -45,14 +34,71 @@ nlohmann::json FolderTest::read_json(const std::string& name) const {
 
 std::vector<std::string> FolderTest::names() const {
   std::vector<std::string> result;
-  for (const auto& entry : fs::directory_iterator(folder_)) {
+  for (const auto& entry : fs::directory_iterator(folder_.path())) {
     result.push_back(entry.path().filename().string());
   }
   std::ranges::sort(result);
   return result;
 }
 
-bool FolderTest::exists(const std::string& name) const { return fs::exists(folder_ / name); }
+bool FolderTest::exists(const std::string& name) const { return fs::exists(folder_.path() / name); }
+
+ProcessResult FolderTest::run(const std::string& line, int exit_code,
+                              PlanishProcess::Options options) {
+  std::vector<std::string> words = words_of(line);
+  for (std::string& word : words)
+    if (word == "''") word.clear();
+  options.folder = path("");
+  ProcessResult result = run_planish(words, options);
+  EXPECT_EQ(result.exit_code, exit_code) << line << '\n' << result.err;
+  said_ = result.err;
+  return result;
+}
+
+nlohmann::json FolderTest::printed(const std::string& line, int exit_code) {
+  return nlohmann::json::parse(run(line, exit_code).out);
+}
+
+nlohmann::json FolderTest::report_of(const std::string& line, int exit_code) {
+  run(line + " --report r.json -f", exit_code);
+  nlohmann::json report = read_json("r.json");
+  EXPECT_EQ(report_problems(report), std::vector<std::string>()) << line;
+  return report;
+}
+
+bool FolderTest::has_vulkan() {
+  return run_planish({"fit", "-", "-o", "-", "--device", "vulkan"}, {.input = cube_obj()})
+             .exit_code != 6;
+}
+
+std::vector<std::string> report_problems(const nlohmann::json& report, const std::string& form) {
+  std::ifstream file(PLANISH_REPORT_SCHEMA);
+  const auto schema = nlohmann::json::parse(file);
+  return form.empty() ? schema_problems(report, schema)
+                      : schema_problems(report, {{"$ref", "#/$defs/" + form}}, schema);
+}
+
+void expect_values(const nlohmann::json& found, const nlohmann::json& wanted) {
+  for (const auto& [place, value] : wanted.items()) {
+    const nlohmann::json::json_pointer pointer(place);
+    EXPECT_EQ(found.contains(pointer) ? found[pointer] : nlohmann::json("not there"), value)
+        << place;
+  }
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
 
 std::string cube_obj() {
   return "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"

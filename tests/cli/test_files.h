@@ -2,22 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "cli/planish_process.h"
 #include "planish/core/json.h"
+#include "support/files.h"
 
 namespace planish::test {
 
 /// A test with an empty folder of its own, which vanishes with it.
 class FolderTest : public testing::Test {
  protected:
-  FolderTest();
-  ~FolderTest() override;
-
   [[nodiscard]] std::string path(const std::string& name) const {
-    return (folder_ / name).string();
+    return (folder_.path() / name).string();
   }
   /// Writes a file into the folder and returns its path.
   std::string write(const std::string& name, const std::string& content) const;
@@ -27,9 +25,33 @@ class FolderTest : public testing::Test {
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] bool exists(const std::string& name) const;
 
+  /// Runs the command in the folder with the words of `line`, '' for an empty one. It has to end
+  /// with that exit status. What it writes to stderr stays in `said_`.
+  ProcessResult run(const std::string& line, int exit_code = 0,
+                    PlanishProcess::Options options = {});
+  /// What it prints.
+  [[nodiscard]] nlohmann::json printed(const std::string& line, int exit_code = 0);
+  /// The report of a fit, which it leaves in r.json, as its schema wants it.
+  nlohmann::json report_of(const std::string& line, int exit_code = 0);
+
+  /// Whether there is a device for Vulkan.
+  [[nodiscard]] static bool has_vulkan();
+
+  std::string said_;
+
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
+
+/// What the published schema does not allow of a report, or of that form of one.
+[[nodiscard]] std::vector<std::string> report_problems(const nlohmann::json& report,
+                                                       const std::string& form = "");
+
+/// Wants each value at its place: {{"/input/vertices", 8}, {"/exit_code", 0}}.
+void expect_values(const nlohmann::json& found, const nlohmann::json& wanted);
+
+[[nodiscard]] std::vector<std::string> words_of(const std::string& text);
+[[nodiscard]] std::vector<std::string> lines_of(const std::string& text);
 
 /// Closed: the unit cube's corners, 8 vertices, 6 quads.
 [[nodiscard]] std::string cube_obj();

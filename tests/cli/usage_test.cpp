@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <sstream>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
@@ -15,224 +14,61 @@ namespace planish::test {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::StartsWith;
-
-// A usage error: exit 2, a message with `part` on stderr, nothing on stdout.
-void expect_usage_error(const std::vector<std::string>& arguments, const std::string& part) {
-  const ProcessResult result = run_planish(arguments);
-  EXPECT_EQ(result.exit_code, 2) << part;
-  EXPECT_THAT(result.err, AllOf(StartsWith("planish: error: "), HasSubstr(part)));
-  EXPECT_THAT(result.out, IsEmpty());
-}
+using testing::Not;
 
 constexpr std::array kCommands{"fit", "run", "reconstruct", "verify", "inspect", "devices"};
 
-TEST(Usage, HelpGoesToStdoutWithExamples) {
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--help"}, {"-h"}, {"help"}}) {
-    const ProcessResult result = run_planish(arguments);
-    EXPECT_EQ(result.exit_code, 0);
-    for (const char* command : kCommands) {
-      EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + command + " "));
-    }
-    EXPECT_THAT(result.out, HasSubstr("Examples:"));
-    EXPECT_THAT(result.err, IsEmpty());
+using Usage = FolderTest;
+
+TEST_F(Usage, HelpGoesToStdoutWithExamples) {
+  for (const char* line : {"--help", "-h", "help"}) {
+    const std::string text = run(line).out;
+    for (const char* command : kCommands)
+      EXPECT_THAT(text, HasSubstr(std::string("\n  ") + command + " "));
+    EXPECT_THAT(text, HasSubstr("Examples:"));
+    EXPECT_EQ(said_, "");
+  }
+  for (const std::string command : kCommands) {
+    const std::string text = run(command + " --help").out;
+    EXPECT_THAT(text, AllOf(HasSubstr("Usage: planish " + command), HasSubstr("Examples:")));
+    EXPECT_EQ(run("help " + command).out, text);
   }
 }
 
-TEST(Usage, EveryCommandHasHelpWithExamples) {
-  for (const char* command : kCommands) {
-    const ProcessResult result = run_planish({command, "--help"});
-    EXPECT_EQ(result.exit_code, 0);
-    EXPECT_THAT(result.out,
-                AllOf(HasSubstr(std::string("Usage: planish ") + command), HasSubstr("Examples:")));
-    EXPECT_EQ(run_planish({"help", command}).out, result.out);
-  }
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-TEST(Usage, ShortHelpIsOneScreenOfEightyColumns) {
-  for (const char* command : {"fit", "run", "verify", "inspect", "devices", "completion"}) {
-    const auto lines = lines_of(run_planish({command, "-h"}).out);
+TEST_F(Usage, ShortHelpIsOneScreenOfEightyColumns) {
+  for (const std::string command : {"fit", "run", "verify", "inspect", "devices", "completion"}) {
+    const auto lines = lines_of(run(command + " -h").out);
     EXPECT_LE(lines.size(), 40u) << command;
     EXPECT_GE(lines.size(), 5u) << command;
     for (const std::string& line : lines) EXPECT_LE(line.size(), 80u) << line;
   }
-  EXPECT_LE(lines_of(run_planish({"fit", "-h"}).out).size(), 40u);
 }
 
-TEST(Usage, LongHelpHasEveryFlagByTopicInEightyColumns) {
-  const std::string text = run_planish({"fit", "--help"}).out;
+TEST_F(Usage, LongHelpHasEveryFlagByTopicInEightyColumns) {
+  const std::string text = run("fit --help").out;
   for (const char* part : {"\nFiles:\n", "\nSurface:\n", "\nPoints", "\nMessages", "--polish",
                            "--min-angle", "Exit codes:"})
     EXPECT_THAT(text, HasSubstr(part));
   for (const std::string& line : lines_of(text)) EXPECT_LE(line.size(), 80u) << line;
 }
 
-TEST(Usage, VersionTellsCommitAndParts) {
-  const ProcessResult result = run_planish({"--version"});
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.out,
-              testing::ContainsRegex("^planish [0-9]+\\.[0-9]+\\.[0-9]+ \\([0-9a-z]+\\)"));
-  EXPECT_THAT(result.out,
-              AllOf(HasSubstr("OpenSubdiv 3."), HasSubstr("Vulkan"), HasSubstr("CGAL")));
-  for (const char* reflex : {"version", "-V"})
-    EXPECT_EQ(run_planish({reflex}).out, result.out) << reflex;
+TEST_F(Usage, VersionTellsCommitAndParts) {
+  const std::string text = run("--version").out;
+  EXPECT_THAT(text, testing::ContainsRegex("^planish [0-9]+\\.[0-9]+\\.[0-9]+ \\([0-9a-z]+\\)"));
+  EXPECT_THAT(text, AllOf(HasSubstr("OpenSubdiv 3."), HasSubstr("Vulkan"), HasSubstr("CGAL")));
+  EXPECT_EQ(run("version").out, text);
+  EXPECT_EQ(run("-V").out, text);
 }
 
-TEST(Usage, NothingAtAllIsAnsweredWithTheCommandsAndOneExample) {
-  const ProcessResult result = run_planish({});
-  EXPECT_EQ(result.exit_code, 2);
+TEST_F(Usage, NothingAtAllIsAnsweredWithTheCommandsAndOneExample) {
+  EXPECT_EQ(run("", 2).out, "");
   for (const char* command : kCommands)
-    EXPECT_THAT(result.err, HasSubstr(std::string("\n  ") + command + " "));
-  EXPECT_THAT(result.err, HasSubstr("planish fit goblet.obj -o goblet.glb"));
-  EXPECT_THAT(result.out, IsEmpty());
-}
-
-TEST(Usage, AFileInThePlaceOfACommandIsAnsweredWithTheLineToType) {
-  expect_usage_error({"dir/goblet.obj"}, "did you mean: planish fit dir/goblet.obj -o goblet.glb");
-  expect_usage_error({"table.json"}, "did you mean: planish run table.json");
-  expect_usage_error({"run", "a.obj"}, "did you mean: planish fit a.obj -o a.glb");
-}
-
-TEST(Usage, WhatAnUnsetVariableLeavesEmptyIsRefused) {
-  expect_usage_error({"fit", ""}, "an argument is empty; is a variable not set?");
-  expect_usage_error({"fit", "a.obj", "-o", "a.glb", "--report", ""},
-                     "--report: what follows is empty; is a variable not set?");
-  for (const char* command : {"reconstruct", "inspect", "run"})
-    expect_usage_error({command, ""}, "an argument is empty");
-  expect_usage_error({"query", "a.obj", "--points", ""}, "--points: what follows is empty");
-}
-
-// It would be refused: the input is not written over.
-TEST(Usage, TheInputIsNotProposedAsOutput) {
-  expect_usage_error({"fit", "a.glb"}, "did you mean: planish fit a.glb -o a_surface.glb");
-  expect_usage_error({"dir/a.glb"}, "did you mean: planish fit dir/a.glb -o a.glb");
-}
-
-TEST(Usage, AnArgumentMayBeCalledAsACommandIs) {
-  const ProcessResult result = run_planish({"inspect", "fit"});
-  EXPECT_EQ(result.exit_code, 3);
-  EXPECT_THAT(result.err, HasSubstr("fit: cannot read: No such file"));
-}
-
-TEST(Usage, AFlagCutShortIsCompleted) {
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--tol", "1"}, "did you mean --tolerance?");
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "-x"}, "-x is no flag of planish fit");
-}
-
-TEST(Usage, NumbersThatAreNoneSayWhatIsWanted) {
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--tolerance", "abc"},
-                     "--tolerance: \"abc\" is no number; a fraction of the bounding-box diagonal");
-  expect_usage_error(
-      {"fit", "a.obj", "-o", "b.glb", "--creases", "40"},
-      "--creases: \"40\" is not one of choose, use, ignore, normals, auto:DEGREES; did you mean "
-      "auto:40?");
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--creases", "ignroe"},
-                     "did you mean ignore?");
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "-j", "0"}, "--jobs: 0 is out of range");
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--color", "sometimes"},
-                     "--color: \"sometimes\" is not one of auto, always, never");
-}
-
-TEST(Usage, ReportsEndInJson) {
-  expect_usage_error({"fit", "a.obj", "--report", "r.html"},
-                     "--report: r.html: a report is JSON, and its name ends in .json");
-}
-
-TEST(Usage, ASlipInACommandNamesTheNearest) {
-  expect_usage_error({"fti", "a.obj"}, "\"fti\" is no command; did you mean fit?");
-}
-
-TEST(Usage, ASlipInAFlagNamesTheNearest) {
-  expect_usage_error({"fit", "--wieghts", "averaged", "a.obj", "-o", "b.glb"},
-                     "--wieghts is no flag of planish fit; did you mean --weights?");
-  expect_usage_error({"verify", "a.obj", "b.obj", "--tolerence=1"}, "did you mean --tolerance?");
-}
-
-TEST(Usage, ASlipInAValueNamesTheNearest) {
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--solver", "chebishev"},
-                     "--solver: \"chebishev\" is not one of chebyshev, plain, cg; did you mean "
-                     "chebyshev?");
-}
-
-TEST(Usage, NumbersOutOfRangeAreRefused) {
-  const std::vector<std::string> fit{"fit", "a.obj", "-o", "b.glb"};
-  const auto with = [&](const char* flag, const char* value) {
-    std::vector<std::string> arguments = fit;
-    arguments.insert(arguments.end(), {flag, value});
-    return arguments;
-  };
-  expect_usage_error(with("--tolerance", "0"), "--tolerance: 0 is out of range");
-  expect_usage_error(with("--tolerance", "nan"), "--tolerance: \"nan\" is no number");
-  expect_usage_error(with("--tolerance", "1,5"), "--tolerance");
-  expect_usage_error(with("--max-iterations", "-1"), "--max-iterations: -1 is out of range");
-  expect_usage_error(with("--max-iterations", "many"), "--max-iterations");
-  expect_usage_error(with("--creases", "auto:181"), "--creases: \"181\" is no angle of 0 to 180");
-  expect_usage_error(with("--creases", "auto:"), "--creases: \"\" is no angle");
-  expect_usage_error(with("--repair", "saef"), "--repair: \"saef\" is not one of safe, none");
-  expect_usage_error(with("--interpolation", "fare"),
-                     "--interpolation: \"fare\" is not one of auto, progressive, fair; did you "
-                     "mean fair?");
-  expect_usage_error(with("--polish", "-1"), "--polish: -1 is out of range");
-  expect_usage_error(with("--polish", "1001"), "--polish: 1001 is out of range");
-  expect_usage_error(with("--levels", "7"), "--levels: 7 is out of range; levels are 0 to 6");
-  expect_usage_error(with("--levels", "2,2"), "--levels: level 2 is named twice");
-  expect_usage_error(with("--levels", "2;3"), "--levels: \"2;3\" is no list of levels");
-  expect_usage_error(with("--levels", "2,"), "is no list of levels");
-}
-
-TEST(Usage, OtherSchemesHaveNeitherWeightsNorTheFairMethod) {
-  for (const std::string scheme : {"catmull-clark", "loop"}) {
-    const auto with = [&](std::vector<std::string> flags) {
-      flags.insert(flags.begin(), {"fit", "a.obj", "-o", "b.glb", "--scheme", scheme});
-      return flags;
-    };
-    expect_usage_error(
-        with({"--interpolation", "fair"}),
-        "--interpolation: fair builds control points of Doo-Sabin's level 1, which " + scheme +
-            " does not have; take progressive, or --scheme doo-sabin");
-    expect_usage_error(with({"--weights", "averaged"}),
-                       "--weights: averaged belongs to --scheme doo-sabin");
-    expect_usage_error(with({"--preset", "paper"}),
-                       "--weights: averaged belongs to --scheme doo-sabin; leave it and --preset "
-                       "paper out with --scheme " +
-                           scheme);
-  }
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--scheme", "lop"},
-                     "--scheme: \"lop\" is not one of doo-sabin, catmull-clark, loop; did you mean "
-                     "loop?");
-}
-
-TEST(Usage, PrecisionIsForTheCpu) {
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--device", "vulkan", "--precision", "double"},
-                     "--precision");
-}
-
-TEST(Usage, QuietAndVerboseContradict) {
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "-q", "-v"}, "contradict");
-}
-
-TEST(Usage, MissingArgumentsPointToTheHelp) {
-  expect_usage_error({"fit"}, "planish fit --help");
-  expect_usage_error({"fit", "a.obj"},
-                     "nothing to write; did you mean: planish fit a.obj -o a.glb");
-  expect_usage_error({"fit", "a.obj", "b.glb"}, "b.glb: no such input; did you mean -o b.glb?");
-  expect_usage_error({"fit", "--", "a.obj", "-o", "b.glb"},
-                     "-o stands after --, where flags end; put flags before it");
-  expect_usage_error({"verify", "a.obj"}, "planish verify --help");
-}
-
-TEST(Usage, TheFormatOfStdinIsAWordThatIsKnown) {
-  expect_usage_error({"fit", "-", "--input-format", "objj", "-o", "b.glb"}, "did you mean obj?");
+    EXPECT_THAT(said_, HasSubstr(std::string("\n  ") + command + " "));
+  EXPECT_THAT(said_, HasSubstr("planish fit goblet.obj -o goblet.glb"));
 }
 
 // Completions in the shells themselves, and manuals as man reads them. What is not installed is
@@ -241,8 +77,6 @@ TEST(Usage, TheFormatOfStdinIsAWordThatIsKnown) {
 using command::HelpOption;
 using command::HelpPage;
 using command::HelpTopic;
-using testing::Contains;
-using testing::Not;
 
 // What a line of shell prints, on both streams.
 std::string output_of_line(const std::string& line, int& status) {
@@ -256,13 +90,6 @@ std::string output_of_line(const std::string& line, int& status) {
   return text;
 }
 
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
 class Shells : public FolderTest {
  protected:
   // False, having said why, where the program is not there.
@@ -274,10 +101,10 @@ class Shells : public FolderTest {
       ADD_FAILURE() << program << " is not installed, and PLANISH_REQUIRE_SHELLS is set";
     return false;
   }
-  std::string script(const std::string& shell) const {
-    return write("planish." + shell, run_planish({"completion", shell}).out);
+  std::string script(const std::string& shell) {
+    return write("planish." + shell, run("completion " + shell).out);
   }
-  std::vector<std::string> bash(const std::string& words, int place) const {
+  std::vector<std::string> bash(const std::string& words, int place) {
     int status = 0;
     const std::string text = output_of_line(
         "bash --norc -c '. " + script("bash") + "; COMP_WORDS=(" + words +
@@ -288,33 +115,32 @@ class Shells : public FolderTest {
   }
 };
 
+// Words as bash splits them, and as it does where = is no break; files are bash's own.
 TEST_F(Shells, BashCompletesCommandsFlagsAndWords) {
-  EXPECT_THAT(bash("planish in", 1), testing::ElementsAre("inspect"));
-  EXPECT_THAT(bash("planish fit --sol", 2), testing::ElementsAre("--solver"));
-  EXPECT_THAT(bash("planish fit --solver c", 3), testing::ElementsAre("chebyshev", "cg"));
-  EXPECT_THAT(bash("planish fit --cage c", 3), IsEmpty());  // files are bash's own
-  EXPECT_THAT(bash("planish verify --sol", 2), IsEmpty());
+  struct Row {
+    const char* words;
+    int place;
+    std::vector<std::string> completions;
+  };
+  for (const Row& row : std::vector<Row>{
+           {"planish in", 1, {"inspect"}},
+           {"planish fit --sol", 2, {"--solver"}},
+           {"planish fit --solver c", 3, {"chebyshev", "cg"}},
+           {"planish fit --cage c", 3, {}},
+           {"planish verify --sol", 2, {}},
+           {"planish fit --preset ", 3, {"paper"}},
+           {"planish fit --solver = c", 4, {"chebyshev", "cg"}},
+           {"planish fit --solver =", 3, {"chebyshev", "plain", "cg"}},
+           {"planish fit --solver=c", 2, {"--solver=chebyshev", "--solver=cg"}},
+           {"planish fit --cage = c", 4, {}},
+           // The last of a list.
+           {"planish fit --attributes c", 3, {"curvature"}},
+           {"planish fit --attributes error,cur", 3, {"error,curvature"}},
+           {"planish fit --attributes = error,fold,d", 4, {"error,fold,deviation"}},
+           {"planish fit --attributes=error,d", 2, {"--attributes=error,deviation"}},
+       })
+    EXPECT_EQ(bash(row.words, row.place), row.completions) << row.words;
   EXPECT_THAT(bash("planish completion ", 2), Contains("fish"));
-  EXPECT_THAT(bash("planish fit --preset ", 3), testing::ElementsAre("paper"));
-}
-
-// As bash splits it, and as it does where = is no break.
-TEST_F(Shells, BashCompletesValuesBehindAnEqualsSign) {
-  EXPECT_THAT(bash("planish fit --solver = c", 4), testing::ElementsAre("chebyshev", "cg"));
-  EXPECT_THAT(bash("planish fit --solver =", 3), testing::ElementsAre("chebyshev", "plain", "cg"));
-  EXPECT_THAT(bash("planish fit --solver=c", 2),
-              testing::ElementsAre("--solver=chebyshev", "--solver=cg"));
-  EXPECT_THAT(bash("planish fit --cage = c", 4), IsEmpty());
-}
-
-TEST_F(Shells, BashCompletesTheLastOfAList) {
-  EXPECT_THAT(bash("planish fit --attributes c", 3), testing::ElementsAre("curvature"));
-  EXPECT_THAT(bash("planish fit --attributes error,cur", 3),
-              testing::ElementsAre("error,curvature"));
-  EXPECT_THAT(bash("planish fit --attributes = error,fold,d", 4),
-              testing::ElementsAre("error,fold,deviation"));
-  EXPECT_THAT(bash("planish fit --attributes=error,d", 2),
-              testing::ElementsAre("--attributes=error,deviation"));
 }
 
 TEST_F(Shells, FishCompletesCommandsFlagsAndWords) {
@@ -325,14 +151,16 @@ TEST_F(Shells, FishCompletesCommandsFlagsAndWords) {
                               "; complete -C \"" + line + "\"'",
                           status);
   };
-  EXPECT_THAT(fish("planish in"), HasSubstr("inspect\t"));
-  EXPECT_THAT(fish("planish fit --sol"), HasSubstr("--solver\t"));
-  EXPECT_THAT(fish("planish fit --solver c"), HasSubstr("chebyshev"));
+  for (const auto& [line, completion] : std::vector<std::pair<const char*, const char*>>{
+           {"planish in", "inspect\t"},
+           {"planish fit --sol", "--solver\t"},
+           {"planish fit --solver c", "chebyshev"},
+           {"planish fit --preset ", "paper"},
+           {"planish fit --solver=c", "--solver=chebyshev"},
+           {"planish fit --attributes error,cur", "error,curvature"},
+           {"planish fit --attributes=error,cur", "error,curvature"}})
+    EXPECT_THAT(fish(line), HasSubstr(completion)) << line;
   EXPECT_THAT(fish("planish verify --sol"), Not(HasSubstr("--solver")));
-  EXPECT_THAT(fish("planish fit --preset "), HasSubstr("paper"));
-  EXPECT_THAT(fish("planish fit --solver=c"), HasSubstr("--solver=chebyshev"));
-  EXPECT_THAT(fish("planish fit --attributes error,cur"), HasSubstr("error,curvature"));
-  EXPECT_THAT(fish("planish fit --attributes=error,cur"), HasSubstr("error,curvature"));
 }
 
 TEST_F(Shells, ZshCompletesCommandsFlagsAndWords) {
@@ -350,28 +178,24 @@ TEST_F(Shells, ZshCompletesCommandsFlagsAndWords) {
                               line + "' '" + wanted + "'",
                           status);
   };
-  EXPECT_THAT(zsh("planish insp", "inspect"), HasSubstr("found"));
-  EXPECT_THAT(zsh("planish fit --solv", "--solver"), HasSubstr("found"));
-  EXPECT_THAT(zsh("planish fit --solver cheb", "chebyshev"), HasSubstr("found"));
-  EXPECT_THAT(zsh("planish fit --solver=cheb", "--solver=chebyshev"), HasSubstr("found"));
-  EXPECT_THAT(zsh("planish fit --preset pa", "paper"), HasSubstr("found"));
-  EXPECT_THAT(zsh("planish fit --attributes error,cur", "error,curvature"), HasSubstr("found"));
+  for (const auto& [line, completion] : std::vector<std::pair<const char*, const char*>>{
+           {"planish insp", "inspect"},
+           {"planish fit --solv", "--solver"},
+           {"planish fit --solver cheb", "chebyshev"},
+           {"planish fit --solver=cheb", "--solver=chebyshev"},
+           {"planish fit --preset pa", "paper"},
+           {"planish fit --attributes error,cur", "error,curvature"}})
+    EXPECT_THAT(zsh(line, completion), HasSubstr("found")) << line;
   int status = 0;
   EXPECT_EQ(output_of_line("zsh -n " + script("zsh"), status), "");
   EXPECT_EQ(status, 0);
 }
 
-TEST(Completion, AnUnknownShellIsAnError) {
-  const ProcessResult result = run_planish({"completion", "bsh"});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("did you mean bash?"));
-}
-
 // Every flag of every command stands in all scripts: they come from the tree that parses.
-TEST(Completion, HasEveryFlag) {
+TEST_F(Shells, AreToldEveryFlag) {
   const HelpPage help = command::all_help();
   for (const char* shell : {"bash", "zsh", "fish"}) {
-    const std::string text = run_planish({"completion", shell}).out;
+    const std::string text = run(std::string("completion ") + shell).out;
     for (const HelpPage& page : help.commands) {
       EXPECT_THAT(text, HasSubstr(page.name));
       for (const HelpTopic& topic : page.topics)
@@ -390,9 +214,7 @@ TEST_F(Shells, ManReadsEveryManualWithoutAWarning) {
   std::vector<HelpPage> pages = help.commands;
   pages.push_back(help);
   for (const HelpPage& page : pages) {
-    std::vector<std::string> arguments{"manual"};
-    if (!page.name.empty()) arguments.push_back(page.name);
-    const std::string file = write("page.1", run_planish(arguments).out);
+    const std::string file = write("page.1", run("manual " + page.name).out);
     int status = 0;
     const std::string warnings = output_of_line(
         "LC_ALL=C.UTF-8 man --warnings -E UTF-8 -l -Tutf8 -Z " + file + " >/dev/null", status);
@@ -416,8 +238,9 @@ TEST_F(Shells, EveryCommandHasAManual) {
 }
 
 TEST_F(Shells, AManualIsTheSameFromRunToRun) {
-  EXPECT_EQ(run_planish({"manual", "fit"}).out, run_planish({"manual", "fit"}).out);
-  EXPECT_THAT(run_planish({"manual", "fit"}).out, testing::StartsWith(".TH PLANISH-FIT 1"));
+  const std::string text = run("manual fit").out;
+  EXPECT_THAT(text, testing::StartsWith(".TH PLANISH-FIT 1"));
+  EXPECT_EQ(run("manual fit").out, text);
 }
 
 }  // namespace
