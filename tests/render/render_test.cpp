@@ -17,6 +17,7 @@
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/job/page/render.h"
 #include "support/calls.h"
+#include "support/files.h"
 
 namespace planish::render {
 namespace {
@@ -42,6 +43,13 @@ RenderMesh sphere() {
     }
   }
   return mesh;
+}
+
+PictureOptions small_picture() {
+  PictureOptions options;
+  options.width = 80;
+  options.height = 60;
+  return options;
 }
 
 TEST(Frame, PointsFillTheImageUpToTheMargin) {
@@ -167,9 +175,7 @@ TEST(Picture, ValuesAreColouredOnASymmetricScale) {
   RenderMesh mesh = sphere();
   for (const glm::vec3& p : mesh.positions) mesh.values.push_back(20 * p.x);
   EXPECT_NEAR(usual_magnitude(mesh.values), 18.5f, 1.5f);
-  PictureOptions options;
-  options.width = 80;
-  options.height = 60;
+  PictureOptions options = small_picture();
   options.look = Look::Values;
   options.scale = 20;
   options.view = {0, 0};
@@ -183,9 +189,7 @@ TEST(Picture, ValuesAreColouredOnASymmetricScale) {
 }
 
 TEST(Picture, SphereIsLitFromTheUpperLeftOnALightGround) {
-  PictureOptions options;
-  options.width = 80;
-  options.height = 60;
+  const PictureOptions options = small_picture();
   const auto pixels = draw_picture(sphere(), options);
   ASSERT_EQ(pixels.size(), 3u * 80 * 60);
   const auto at = [&](int x, int y) { return static_cast<int>(pixels[3 * (y * 80 + x)]); };
@@ -196,9 +200,7 @@ TEST(Picture, SphereIsLitFromTheUpperLeftOnALightGround) {
 }
 
 TEST(Picture, LightDoesNotDependOnWhereTheMeshIs) {
-  PictureOptions options;
-  options.width = 80;
-  options.height = 60;
+  const PictureOptions options = small_picture();
   RenderMesh moved = sphere();
   for (glm::vec3& p : moved.positions) p += glm::vec3(4, -8, 2);
   const auto here = draw_picture(sphere(), options), there = draw_picture(moved, options);
@@ -210,9 +212,7 @@ TEST(Picture, LightDoesNotDependOnWhereTheMeshIs) {
 
 // Faces that look inward are seen from behind right up to the outline.
 TEST(Picture, ASphereInsideOutLooksLikeASphere) {
-  PictureOptions options;
-  options.width = 80;
-  options.height = 60;
+  const PictureOptions options = small_picture();
   RenderMesh inside_out = sphere();
   for (glm::vec3& n : inside_out.normals) n = -n;
   for (std::size_t i = 0; i < inside_out.indices.size(); i += 3)
@@ -233,10 +233,9 @@ TEST(RenderMesh, HasTheTrianglesOfAllPrimitives) {
   surface.face_vertices = {0, 1, 2, 3, 1, 4, 5, 2};
   surface.groups = {{"", "red"}, {"", "green"}};  // a primitive each
   surface.face_groups = {0, 1};
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "two.glb";
-  (void)write_gltf(path, surface, {});
-  const RenderMesh mesh = read_glb(path);
-  std::filesystem::remove(path);
+  const test::TemporaryFolder folder;
+  (void)write_gltf(folder.path() / "two.glb", surface, {});
+  const RenderMesh mesh = read_glb(folder.path() / "two.glb");
   ASSERT_EQ(mesh.indices.size(), 12u);
   float area = 0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -258,43 +257,34 @@ TEST(Curvature, IsTheDiagonalOverTheRadiusOnASphere) {
 
 using test::values;
 
-class RenderScene : public ::testing::Test {
- protected:
-  void TearDown() override { std::filesystem::remove(path_); }
-
-  // Of the unit square with slanted normals.
-  RenderMesh read(const std::string& scenes_and_nodes) {
-    const float n = std::sqrt(0.5f);
-    const std::string chunk =
-        test::square_chunk() + values<float>({n, 0, n, n, 0, n, n, 0, n, n, 0, n});
-    const std::string square =
-        R"({"primitives":[{"attributes":{"POSITION":0,"NORMAL":2},"indices":1}]})";
-    const std::string json =
-        R"({"asset":{"version":"2.0"},)" + scenes_and_nodes + R"(,"meshes":[)" + square + "," +
-        square +
-        R"(],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
-        R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},)"
-        R"({"bufferView":2,"componentType":5126,"count":4,"type":"VEC3"}],)"
-        R"("bufferViews":[{"buffer":0,"byteLength":48},)"
-        R"({"buffer":0,"byteOffset":48,"byteLength":12},)"
-        R"({"buffer":0,"byteOffset":60,"byteLength":48}],"buffers":[{"byteLength":108}]})";
-    std::ofstream(path_, std::ios::binary) << test::glb_of(json, chunk);
-    return read_glb(path_);
-  }
-
-  std::filesystem::path path_ =
-      std::filesystem::temp_directory_path() /
-      ("planish_render_" +
-       std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".glb");
-};
+// Of the unit square with slanted normals.
+RenderMesh read_squares(const std::string& scenes_and_nodes) {
+  const float n = std::sqrt(0.5f);
+  const std::string chunk =
+      test::square_chunk() + values<float>({n, 0, n, n, 0, n, n, 0, n, n, 0, n});
+  const std::string square =
+      R"({"primitives":[{"attributes":{"POSITION":0,"NORMAL":2},"indices":1}]})";
+  const std::string json =
+      R"({"asset":{"version":"2.0"},)" + scenes_and_nodes + R"(,"meshes":[)" + square + "," +
+      square +
+      R"(],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+      R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},)"
+      R"({"bufferView":2,"componentType":5126,"count":4,"type":"VEC3"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":48},)"
+      R"({"buffer":0,"byteOffset":48,"byteLength":12},)"
+      R"({"buffer":0,"byteOffset":60,"byteLength":48}],"buffers":[{"byteLength":108}]})";
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() / "a.glb", std::ios::binary) << test::glb_of(json, chunk);
+  return read_glb(folder.path() / "a.glb");
+}
 
 void expect_near(const glm::vec3& found, const glm::vec3& expected) {
   EXPECT_LT(glm::distance(found, expected), 1e-5f) << found.x << ' ' << found.y << ' ' << found.z;
 }
 
 // A quarter turn about x takes (x, y, z) to (x, -z, y); the scale mirrors.
-TEST_F(RenderScene, MeshesStandWhereNodesPlaceThem) {
-  const RenderMesh mesh = read(
+TEST(RenderScene, MeshesStandWhereNodesPlaceThem) {
+  const RenderMesh mesh = read_squares(
       R"("scene":1,"scenes":[{"nodes":[2]},{"nodes":[0]}],"nodes":[)"
       R"({"mesh":0,"translation":[1000000,0,0],"children":[1]},)"
       R"({"mesh":1,"translation":[10,0,0],"rotation":[0.70710678,0,0,0.70710678],"scale":[-2,3,4]},)"
@@ -312,10 +302,11 @@ TEST_F(RenderScene, MeshesStandWhereNodesPlaceThem) {
   expect_near(mesh.normals[6], glm::normalize(glm::vec3(-2, -1, 0)));
 }
 
-TEST_F(RenderScene, ScenesWithoutTrianglesAreRefused) {
+TEST(RenderScene, ScenesWithoutTrianglesAreRefused) {
   EXPECT_THAT(
-      test::message_of(ErrorCode::UnreadableInput,
-                       [&] { read(R"("scene":0,"scenes":[{"nodes":[]}],"nodes":[{"mesh":0}])"); }),
+      test::message_of(
+          ErrorCode::UnreadableInput,
+          [&] { (void)read_squares(R"("scene":0,"scenes":[{"nodes":[]}],"nodes":[{"mesh":0}])"); }),
       ::testing::HasSubstr("places no triangles"));
 }
 
