@@ -3,9 +3,11 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
@@ -67,6 +69,34 @@ using FaceList = std::vector<std::vector<std::int32_t>>;
 /// with three faces, which repair() separates. Its first kBentEdges + 1 vertices are the line.
 inline constexpr int kBentEdges = 6;
 [[nodiscard]] PolygonMesh bent_sheets();
+
+/// A grid of quads with (columns + 1) x (rows + 1) texture coordinates; `at` gives the points of
+/// (u, v) in 0 to 1, one for those that fall together where it closes.
+inline PolygonMesh mapped_grid(
+    int columns, int rows, bool closes_u, bool closes_v,
+    const std::function<glm::dvec3(double, double)>& at,
+    const std::function<glm::dvec2(double, double)>& uv_at = [](double u, double v) {
+      return glm::dvec2(u, v);
+    }) {
+  PolygonMesh mesh;
+  const int across = columns + (closes_u ? 0 : 1), up = rows + (closes_v ? 0 : 1);
+  for (int j = 0; j < up; ++j)
+    for (int i = 0; i < across; ++i)
+      mesh.positions.push_back(at(double(i) / columns, double(j) / rows));
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i)
+      mesh.uvs.push_back(uv_at(double(i) / columns, double(j) / rows));
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      std::vector<std::int32_t> face;
+      for (const auto& [di, dj] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+        face.push_back((j + dj) % up * across + (i + di) % across);
+        mesh.face_uvs.push_back((j + dj) * (columns + 1) + i + di);
+      }
+      mesh.add_face(face);
+    }
+  return mesh;
+}
 
 /// Index of the vertex nearest to `point`.
 [[nodiscard]] std::int32_t vertex_at(const PolygonMesh& mesh, const glm::dvec3& point);

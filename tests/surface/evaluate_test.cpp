@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "planish/core/error.h"
 #include "planish/solve/backend.h"
@@ -15,6 +18,7 @@
 #include "planish/surface/level_faces.h"
 #include "planish/surface/memory_need.h"
 #include "planish/surface/quality_sum.h"
+#include "support/calls.h"
 #include "support/meshes.h"
 
 namespace planish {
@@ -64,18 +68,25 @@ TEST(Evaluate, LeavesUnusedVerticesOut) {
   EXPECT_EQ(limit_positions(cage, Weights::DooSabin, {})[0], glm::dvec3(100, 0, 0));
 }
 
+// With the warning that some normals are not the surface's own, and of how many.
+std::pair<SurfaceMesh, std::int64_t> evaluated_with_warning(const PolygonMesh& cage,
+                                                            EvaluateOptions options) {
+  std::vector<Warning> warnings;
+  options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };
+  SurfaceMesh surface = evaluate(cage, *make_cpu_backend(), options);
+  EXPECT_EQ(warnings.size(), 1u);
+  if (warnings.empty()) return {surface, 0};
+  EXPECT_EQ(warnings[0].code, "degenerate-normals");
+  return {surface, warnings[0].count};
+}
+
 TEST(Evaluate, ReplacesNormalsWhereTangentsAreParallel) {
   // All vertices on one line: no normal anywhere.
   PolygonMesh cage = test::cube();
   for (auto& p : cage.positions) p = glm::dvec3(p.x, 2, 3);
-  std::vector<Warning> warnings;
-  EvaluateOptions options{.level = 1};
-  options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };
-  const SurfaceMesh surface = evaluate(cage, *make_cpu_backend(), options);
+  const auto [surface, count] = evaluated_with_warning(cage, {.level = 1});
   for (const auto& normal : surface.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0].code, "degenerate-normals");
-  EXPECT_EQ(warnings[0].count, static_cast<std::int64_t>(surface.normals.size()));
+  EXPECT_EQ(count, std::ssize(surface.normals));
 }
 
 // Bicubic about its middle: there both tangents run along x (a B-spline's derivative is half the
@@ -85,12 +96,8 @@ TEST(Evaluate, CatmullClarkTakesFacetsNormalsWhereTangentsAreParallel) {
     const double v = y - 2;
     return glm::dvec3(x + 0.5 * v, v * v, v * (v * v - 1) / 6);
   });
-  std::vector<Warning> warnings;
-  EvaluateOptions options{.level = 0, .scheme = Scheme::CatmullClark};
-  options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };
-  const SurfaceMesh surface = evaluate(cage, *make_cpu_backend(), options);
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0].code, "degenerate-normals");
+  const SurfaceMesh surface =
+      evaluated_with_warning(cage, {.level = 0, .scheme = Scheme::CatmullClark}).first;
   constexpr std::size_t kMiddle = 2 + 5 * 2;
   EXPECT_LT(glm::distance(surface.normals[kMiddle], glm::vec3(0, -1, 0)), 1e-6f);
 }
@@ -114,34 +121,20 @@ TEST(Evaluate, SplitsNormalsAlongCreasesOnly) {
 }
 
 TEST(Evaluate, RefusesLevelsOutOfRange) {
-  for (const int level : {-1, 7}) {
-    try {
-      (void)evaluated(test::cube(), level);
-      FAIL();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-    }
-  }
+  for (const int level : {-1, 7})
+    EXPECT_NE(
+        test::message_of(ErrorCode::InvalidArgument, [&] { (void)evaluated(test::cube(), level); }),
+        "no error");
 }
 
 TEST(Evaluate, RefusesWhatDoesNotFitIntoMemoryBeforeTakingIt) {
-  try {
-    (void)evaluate(test::torus(64, 32, 1, 0.4), *make_cpu_backend(),
-                   {.level = 6, .memory_limit_bytes = 1u << 28});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
-    EXPECT_NE(std::string(error.what()).find("8,388,608 faces"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(test::message_of(ErrorCode::OutOfMemory,
+                               [] {
+                                 (void)evaluate(test::torus(64, 32, 1, 0.4), *make_cpu_backend(),
+                                                {.level = 6, .memory_limit_bytes = 1u << 28});
+                               }),
+              testing::HasSubstr("8,388,608 faces"));
 }
-
-TEST(Evaluate, RefusesBrokenMeshes) {
-  PolygonMesh cage = test::cube();
-  cage.face_vertices[3] = 77;
-  EXPECT_THROW((void)evaluated(cage, 1), Error);
-}
-
-PolygonMesh mixed_mesh() { return test::prism(5); }
 
 // The surface's vertex on level 0 that a corner of the mesh should be, by place.
 void expect_mesh_faces(const PolygonMesh& mesh, const SurfaceMesh& surface) {
@@ -161,14 +154,14 @@ void expect_mesh_faces(const PolygonMesh& mesh, const SurfaceMesh& surface) {
 
 TEST(LevelFaces, LevelZeroAreTheMeshsFaces) {
   for (int level = 1; level <= 3; ++level) {
-    for (const PolygonMesh& mesh : {mixed_mesh(), test::cube(), test::plate_with_hole(5)}) {
+    for (const PolygonMesh& mesh : {test::prism(5), test::cube(), test::plate_with_hole(5)}) {
       expect_mesh_faces(mesh, evaluate(mesh, *make_cpu_backend(), {.level = level}));
     }
   }
 }
 
 TEST(LevelFaces, HolesAreLeftOut) {
-  PolygonMesh mesh = mixed_mesh();
+  PolygonMesh mesh = test::prism(5);
   mesh.hole_faces = {1, 3};
   const SurfaceMesh surface = evaluate(mesh, *make_cpu_backend(), {.level = 2});
   expect_mesh_faces(mesh, surface);
@@ -234,8 +227,7 @@ PolygonMesh two_charts() {
   PolygonMesh mesh = test::flat_grid(2, 1);
   mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {5, 5}, {6, 5}, {6, 6}, {5, 6}};
   mesh.face_uvs = {0, 1, 2, 3, 4, 5, 6, 7};
-  mesh.colors = {{0, 0, 0, 1}, {0.5, 0, 0, 1}, {1, 0, 0, 1},
-                 {0, 1, 0, 1}, {0.5, 1, 0, 1}, {1, 1, 0, 1}};
+  for (const glm::dvec3& p : mesh.positions) mesh.colors.emplace_back(p.x / 2, p.y, 0, 1);
   mesh.groups = {{"left", "red"}, {"right", "blue"}};
   mesh.face_groups = {0, 1};
   return mesh;
@@ -265,25 +257,6 @@ TEST(Attributes, TextureCoordinatesKeepTheirSeams) {
         }
       }
     }
-  }
-}
-
-// Vertices of several normals are several rows, each with the colour of its vertex. With all edges
-// sharp the cube's faces stay flat, so that a colour that is its place at the corners is so
-// everywhere.
-TEST(Attributes, FurtherRowsHaveTheColourOfTheirVertex) {
-  PolygonMesh mesh = test::cube();
-  for (const glm::dvec3& p : mesh.positions) mesh.colors.emplace_back(0.5 * p + 0.5, 1);
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-    for (int i = 0; i < 4; ++i)
-      mesh.creases.push_back({mesh.face(f)[i], mesh.face(f)[(i + 1) % 4]});
-  const SurfaceMesh surface =
-      evaluate(mesh, *make_cpu_backend(), {.level = 1, .scheme = Scheme::CatmullClark});
-  ASSERT_EQ(surface.positions.size(), 6u * 9u);  // nothing is shared between faces
-  for (std::size_t row = 0; row < surface.positions.size(); ++row) {
-    const glm::dvec3 wanted = 0.5 * surface.positions[row] + 0.5;
-    for (int axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(surface.colors[row][axis], wanted[axis], 1e-6) << row;
   }
 }
 
@@ -413,18 +386,11 @@ TEST(MemoryNeed, GrowsFourfoldWithEachLevel) {
   EXPECT_NEAR((bytes(5) - bytes(4)) / (bytes(4) - bytes(3)), 4.0, 0.01);
 }
 
-TEST(MemoryNeed, IsComparedWithTheLimit) {
-  EXPECT_NO_THROW(require_memory(torus_levels(100, 2), LastLevel::Full, {}, 1ull << 30));
-  EXPECT_THROW(require_memory(torus_levels(100, 5), LastLevel::Full, {}, 1ull << 30), Error);
-}
-
 TEST(MemoryNeed, IndicesStayWithin32Bits) {
-  try {
-    require_memory(torus_levels(1000, 6), LastLevel::Full, {}, ~0ull);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("32-bit"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(
+      test::message_of(ErrorCode::OutOfMemory,
+                       [] { require_memory(torus_levels(1000, 6), LastLevel::Full, {}, ~0ull); }),
+      testing::HasSubstr("32-bit"));
 }
 
 // The largest resident size since the last call, in bytes.

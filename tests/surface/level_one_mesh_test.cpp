@@ -18,6 +18,7 @@
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one_mesh.h"
+#include "support/calls.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -68,20 +69,14 @@ std::vector<NamedMesh> net_meshes() {
   return meshes;
 }
 
-}  // namespace
-}  // namespace planish::test
-
-namespace planish {
-namespace {
-
 TEST(LevelOne, OfAnOrdinaryCageGivesTheSameBits) {
   const auto backend = make_cpu_backend();
-  for (const auto& [name, mesh] : test::net_meshes()) {
+  for (const auto& [name, mesh] : net_meshes()) {
     for (const BoundaryRule boundary : {BoundaryRule::Edge, BoundaryRule::EdgeAndCorner}) {
       for (int level = 0; level <= 2; ++level) {
         EvaluateOptions options{.level = level, .weights = Weights::Averaged};
         options.sharp.boundary = boundary;
-        const LevelOne level_one = test::first_step(mesh, options.sharp, options.weights);
+        const LevelOne level_one = first_step(mesh, options.sharp, options.weights);
         const SurfaceMesh expected = evaluate(mesh, *backend, options);
         const SurfaceMesh surface = evaluate(mesh, level_one, *backend, options);
         EXPECT_EQ(surface.positions, expected.positions) << name << " level " << level;
@@ -93,7 +88,7 @@ TEST(LevelOne, OfAnOrdinaryCageGivesTheSameBits) {
 }
 
 TEST(LevelOne, CarriesWhatRidesOnTheMesh) {
-  PolygonMesh mesh = test::torus(8, 6, 1.0, 0.4);
+  PolygonMesh mesh = torus(8, 6, 1.0, 0.4);
   mesh.positions.insert(mesh.positions.begin(), glm::dvec3(9, 9, 9));  // unused
   for (auto& v : mesh.face_vertices) ++v;
   mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -106,7 +101,7 @@ TEST(LevelOne, CarriesWhatRidesOnTheMesh) {
   mesh.hole_faces = {2};
   const auto backend = make_cpu_backend();
   const SurfaceMesh expected = evaluate(mesh, *backend, {.level = 2});
-  const SurfaceMesh surface = evaluate(mesh, test::first_step(mesh), *backend, {.level = 2});
+  const SurfaceMesh surface = evaluate(mesh, first_step(mesh), *backend, {.level = 2});
   EXPECT_EQ(surface.positions, expected.positions);
   EXPECT_EQ(surface.base_vertices, expected.base_vertices);
   EXPECT_EQ(surface.face_uvs, expected.face_uvs);
@@ -116,25 +111,18 @@ TEST(LevelOne, CarriesWhatRidesOnTheMesh) {
 }
 
 TEST(LevelOne, AStateOfAnotherSizeIsRefused) {
-  LevelOne level_one = test::first_step(test::cube());
+  LevelOne level_one = first_step(cube());
   level_one.state.pop_back();
-  for (const auto& use :
-       {std::function<void()>(
-            [&] { (void)evaluate(test::cube(), level_one, *make_cpu_backend()); }),
-        std::function<void()>([&] { (void)level_one_mesh(test::cube(), level_one, {}); })}) {
-    try {
-      use();
-      FAIL();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-      EXPECT_THAT(error.what(), testing::HasSubstr("24 control points, and 23"));
-    }
-  }
+  for (const std::function<void()>& use :
+       {std::function<void()>([&] { (void)evaluate(cube(), level_one, *make_cpu_backend()); }),
+        std::function<void()>([&] { (void)level_one_mesh(cube(), level_one, {}); })})
+    EXPECT_THAT(message_of(ErrorCode::InvalidArgument, use),
+                testing::HasSubstr("24 control points, and 23"));
 }
 
 TEST(LevelOne, LimitPositionsAreThoseOfTheSurface) {
-  for (const auto& [name, mesh] : test::net_meshes()) {
-    const auto limits = limit_positions(mesh, test::first_step(mesh), {});
+  for (const auto& [name, mesh] : net_meshes()) {
+    const auto limits = limit_positions(mesh, first_step(mesh), {});
     const auto expected = limit_positions(mesh, Weights::DooSabin, {});
     for (std::size_t v = 0; v < limits.size(); ++v) {
       EXPECT_LT(glm::length(limits[v] - expected[v]), 1e-14) << name << " vertex " << v;
@@ -142,24 +130,13 @@ TEST(LevelOne, LimitPositionsAreThoseOfTheSurface) {
   }
 }
 
-TEST(LevelOneMesh, IsUsable) {
-  for (const auto& [name, mesh] : test::net_meshes()) {
-    const PolygonMesh net = level_one_mesh(mesh, test::first_step(mesh), {});
-    const auto problems = check(net);
-    EXPECT_TRUE(problems.empty()) << name << ": " << problems.front().message;
-    std::vector<bool> used(net.positions.size());
-    for (const std::int32_t v : net.face_vertices) used[v] = true;
-    EXPECT_EQ(std::accumulate(used.begin(), used.end(), 0u), net.positions.size()) << name;
-  }
-}
-
 // On closed smooth meshes it is a cage: of the same surface, whose vertices (the limit points at
 // the middles of its faces) are those of the first quad split.
 TEST(LevelOneMesh, OfAClosedSmoothMeshIsADooSabinCage) {
   const auto backend = make_cpu_backend();
-  for (const auto& [name, mesh] : test::smooth_net_meshes()) {
+  for (const auto& [name, mesh] : smooth_net_meshes()) {
     // Any interpolating net will do; this one is no Doo-Sabin step of a cage.
-    LevelOne level_one = test::first_step(mesh);
+    LevelOne level_one = first_step(mesh);
     for (std::size_t i = 0; i < level_one.state.size(); ++i) {
       level_one.state[i] *= 1.0 + 0.05 * static_cast<double>(i % 7);
     }
@@ -178,9 +155,9 @@ TEST(LevelOneMesh, OfAClosedSmoothMeshIsADooSabinCage) {
 }
 
 TEST(LevelOneMesh, ASharpEdgeHasAQuadOnEachSide) {
-  PolygonMesh mesh = test::cube();
+  PolygonMesh mesh = cube();
   mesh.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
-  const PolygonMesh net = level_one_mesh(mesh, test::first_step(mesh), {});
+  const PolygonMesh net = level_one_mesh(mesh, first_step(mesh), {});
   // 4 smooth vertices and 4 with two sectors, 6 faces, 8 smooth edges and 4 with two quads.
   EXPECT_EQ(net.face_count(), 4 + 8 + 6 + 8 + 8);
   EXPECT_EQ(net.vertex_count(), 24 + 8);
@@ -192,14 +169,14 @@ TEST(LevelOneMesh, ASharpEdgeHasAQuadOnEachSide) {
 }
 
 TEST(LevelOneMesh, CarriesColoursAndGroups) {
-  PolygonMesh mesh = test::flat_grid(2, 1);
+  PolygonMesh mesh = flat_grid(2, 1);
   mesh.groups = {{"left", "red"}, {"right", "blue"}};
   mesh.face_groups = {0, 1};
   for (const glm::dvec3& p : mesh.positions) mesh.colors.emplace_back(p.x / 2, p.y, 0, 1);
   mesh.attributes = {{"x", {}, 1}};
   for (const glm::dvec3& p : mesh.positions)
     mesh.attributes[0].values.push_back(static_cast<float>(p.x));
-  const LevelOne level_one = test::first_step(mesh);
+  const LevelOne level_one = first_step(mesh);
   const PolygonMesh net = level_one_mesh(mesh, level_one, {});
   ASSERT_EQ(net.colors.size(), net.positions.size());
   ASSERT_EQ(net.attributes[0].count(), net.positions.size());
@@ -264,11 +241,11 @@ double crease_length(const PolygonMesh& mesh) {
   return length;
 }
 
-TEST(LevelOneMesh, HolesCutPolygonsAndLeaveNoGap) {
-  for (const auto& [name, whole] : test::net_meshes()) {
-    for (std::uint32_t seed = 1; seed <= 3; ++seed) {
-      const PolygonMesh mesh = with_holes(whole, seed);
-      const LevelOne level_one = test::first_step(mesh);
+TEST(LevelOneMesh, IsUsableAndHolesCutPolygonsAndLeaveNoGap) {
+  for (const auto& [name, whole] : net_meshes()) {
+    for (const PolygonMesh& mesh :
+         {whole, with_holes(whole, 1), with_holes(whole, 2), with_holes(whole, 3)}) {
+      const LevelOne level_one = first_step(mesh);
       const PolygonMesh net = level_one_mesh(mesh, level_one, {});
       const auto problems = check(net);
       EXPECT_TRUE(problems.empty()) << name << ": " << problems.front().message;
@@ -293,9 +270,9 @@ TEST(LevelOneMesh, HolesCutPolygonsAndLeaveNoGap) {
 // The net of a flat grid is flat and reaches as far, so that tagged parts have the holes' area.
 TEST(LevelOneMesh, HolesKeepTheirArea) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
-    const PolygonMesh mesh = with_holes(test::flat_grid(7, 5), seed);
+    const PolygonMesh mesh = with_holes(flat_grid(7, 5), seed);
     const SharpFeatureOptions sharp{.boundary = BoundaryRule::EdgeAndCorner};
-    const PolygonMesh net = level_one_mesh(mesh, test::first_step(mesh, sharp), sharp);
+    const PolygonMesh net = level_one_mesh(mesh, first_step(mesh, sharp), sharp);
     EXPECT_NEAR(area_of(net, true), static_cast<double>(mesh.hole_faces.size()), 1e-12);
     EXPECT_NEAR(area_of(net, false), 35.0 - static_cast<double>(mesh.hole_faces.size()), 1e-12);
   }
@@ -303,13 +280,13 @@ TEST(LevelOneMesh, HolesKeepTheirArea) {
 
 TEST(LevelOneMesh, TheCageGivesTheStateBack) {
   const auto backend = make_cpu_backend();
-  for (const auto& [name, whole] : test::net_meshes()) {
+  for (const auto& [name, whole] : net_meshes()) {
     PolygonMesh mesh = with_holes(whole, 4);
     mesh.positions.insert(mesh.positions.begin(), glm::dvec3(9, 9, 9));  // unused
     for (auto& v : mesh.face_vertices) ++v;
     for (CreaseEdge& crease : mesh.creases) ++crease.v0, ++crease.v1;
     for (CornerVertex& corner : mesh.corners) ++corner.vertex;
-    const LevelOne level_one = test::first_step(mesh);
+    const LevelOne level_one = first_step(mesh);
     const LevelOne again = level_one_of_cage(mesh, level_one_mesh(mesh, level_one, {}), {});
     const SurfaceMesh expected = evaluate(mesh, level_one, *backend, {.level = 1});
     const SurfaceMesh surface = evaluate(mesh, again, *backend, {.level = 1});
@@ -322,23 +299,16 @@ TEST(LevelOneMesh, TheCageGivesTheStateBack) {
 }
 
 TEST(LevelOneMesh, AForeignCageIsRefused) {
-  const auto message = [](const PolygonMesh& mesh, const PolygonMesh& cage) -> std::string {
-    try {
-      (void)level_one_of_cage(mesh, cage, {});
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-      return error.what();
-    }
-    return "none";
+  const auto message = [](const PolygonMesh& mesh, const PolygonMesh& cage) {
+    return message_of(ErrorCode::InvalidArgument, [&] { (void)level_one_of_cage(mesh, cage, {}); });
   };
-  const PolygonMesh cube = test::cube();
-  PolygonMesh cage = level_one_mesh(cube, test::first_step(cube), {});
-  EXPECT_EQ(message(cube, cage), "none");
+  const PolygonMesh box = cube();
+  PolygonMesh cage = level_one_mesh(box, first_step(box), {});
+  EXPECT_EQ(message(box, cage), "no error");
   std::swap(cage.face_vertices[0], cage.face_vertices[1]);
-  EXPECT_THAT(message(cube, cage), testing::HasSubstr("face 0 has other corners"));
-  EXPECT_THAT(message(test::prism(5), cage),
-              testing::HasSubstr("30 control points, and 24 are given"));
-  EXPECT_THAT(message(test::tetrahedron(), cage), testing::HasSubstr("26 faces for 14"));
+  EXPECT_THAT(message(box, cage), testing::HasSubstr("face 0 has other corners"));
+  EXPECT_THAT(message(prism(5), cage), testing::HasSubstr("30 control points, and 24 are given"));
+  EXPECT_THAT(message(tetrahedron(), cage), testing::HasSubstr("26 faces for 14"));
 }
 
 // One coordinate a vertex.
@@ -350,39 +320,12 @@ PolygonMesh with_vertex_uvs(PolygonMesh mesh) {
   return mesh;
 }
 
-// A torus cut open along two circles: a seam of each, coordinates linear in the place.
-PolygonMesh unrolled_torus(int around, int across) {
-  PolygonMesh mesh = test::torus(around, across, 1.0, 0.4);
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    // Corners by angle, the cell's own first.
-    glm::dvec2 low(2.0);
-    std::vector<glm::dvec2> uvs;
-    for (const std::int32_t v : mesh.face(f)) {
-      const glm::dvec3& p = mesh.positions[v];
-      const double tube = std::atan2(p.z, std::hypot(p.x, p.y) - 1.0);
-      uvs.emplace_back(std::atan2(p.y, p.x) / (2 * M_PI), tube / (2 * M_PI));
-      for (int i = 0; i < 2; ++i) uvs.back()[i] -= std::floor(uvs.back()[i] + 1e-9);
-    }
-    for (int i = 0; i < 2; ++i) {
-      const auto [least, most] = std::minmax_element(
-          uvs.begin(), uvs.end(), [&](const auto& a, const auto& b) { return a[i] < b[i]; });
-      if ((*most)[i] - (*least)[i] < 0.5) continue;
-      for (glm::dvec2& uv : uvs) uv[i] += uv[i] < 0.5 ? 1.0 : 0.0;
-    }
-    for (const glm::dvec2& uv : uvs) {
-      mesh.face_uvs.push_back(static_cast<std::int32_t>(mesh.uvs.size()));
-      mesh.uvs.push_back(uv);
-    }
-  }
-  return mesh;
-}
-
 PolygonMesh net_of(const PolygonMesh& mesh, const SharpFeatureOptions& sharp = {}) {
-  return level_one_mesh(mesh, test::first_step(mesh, sharp), sharp);
+  return level_one_mesh(mesh, first_step(mesh, sharp), sharp);
 }
 
 TEST(LevelOneUvs, AreLinearWhereTheGridIs) {
-  PolygonMesh mesh = test::flat_grid(6, 4);
+  PolygonMesh mesh = flat_grid(6, 4);
   for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(2 * p.x + p.y, 1 - p.x);
   mesh.face_uvs = mesh.face_vertices;
   mesh.hole_faces = {0, 8, 9, 14};
@@ -395,23 +338,31 @@ TEST(LevelOneUvs, AreLinearWhereTheGridIs) {
   }
 }
 
+// Of a face's corners.
+glm::dvec2 mean_uv(const PolygonMesh& mesh, std::int32_t face) {
+  glm::dvec2 sum(0.0);
+  for (std::int32_t c = mesh.face_offsets[face]; c < mesh.face_offsets[face + 1]; ++c)
+    sum += mesh.uvs[mesh.face_uvs[c]];
+  return sum / static_cast<double>(mesh.face_size(face));
+}
+
 // The middles of the polygons around vertices, which interpolate them.
 TEST(LevelOneUvs, GivenVerticesKeepTheirs) {
-  for (const auto& [name, plain] : test::smooth_net_meshes()) {
+  for (const auto& [name, plain] : smooth_net_meshes()) {
     const PolygonMesh mesh = with_vertex_uvs(plain);
     const PolygonMesh net = net_of(mesh);
-    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-      glm::dvec2 mean(0.0);
-      for (std::int32_t c = net.face_offsets[v]; c < net.face_offsets[v + 1]; ++c)
-        mean += net.uvs[net.face_uvs[c]] / static_cast<double>(net.face_size(v));
-      EXPECT_LT(glm::distance(mean, mesh.uvs[v]), 1e-12) << name;
-    }
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+      EXPECT_LT(glm::distance(mean_uv(net, v), mesh.uvs[v]), 1e-12) << name;
   }
 }
 
 TEST(LevelOneUvs, ChartsGoOnAcrossTheirSeams) {
   constexpr int kAround = 8, kAcross = 6;
-  const PolygonMesh mesh = unrolled_torus(kAround, kAcross);
+  // A torus cut open along two circles: a seam of each.
+  const PolygonMesh mesh = mapped_grid(kAround, kAcross, true, true, [](double u, double v) {
+    const double a = 2 * M_PI * u, b = 2 * M_PI * v, radius = 1 + 0.4 * std::cos(b);
+    return glm::dvec3(radius * std::cos(a), radius * std::sin(a), 0.4 * std::sin(b));
+  });
   const PolygonMesh net = net_of(mesh);
   ASSERT_EQ(net.face_uvs.size(), net.face_vertices.size());
   // Without the seams every polygon is half a cell wide; across one it still is.
@@ -426,23 +377,17 @@ TEST(LevelOneUvs, ChartsGoOnAcrossTheirSeams) {
   }
   // At the vertex where four charts meet the polygon's mean is the coordinate of one of them.
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    glm::dvec2 mean(0.0);
-    for (std::int32_t c = net.face_offsets[v]; c < net.face_offsets[v + 1]; ++c) {
-      mean += net.uvs[net.face_uvs[c]] / 4.0;
-    }
     double nearest = 1;
-    for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c) {
-      if (mesh.face_vertices[c] == v) {
-        nearest = std::min(nearest, glm::distance(mean, mesh.uvs[mesh.face_uvs[c]]));
-      }
-    }
+    for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c)
+      if (mesh.face_vertices[c] == v)
+        nearest = std::min(nearest, glm::distance(mean_uv(net, v), mesh.uvs[mesh.face_uvs[c]]));
     EXPECT_LT(nearest, 1e-12) << v;
   }
 }
 
 // Every given face has a polygon within it, whose corners are near the face's in its own chart.
 TEST(LevelOneUvs, CreasesHolesAndCornersStayInTheirCharts) {
-  for (const auto& [name, plain] : test::net_meshes()) {
+  for (const auto& [name, plain] : net_meshes()) {
     PolygonMesh mesh = plain;
     // Each face a chart of its own, far from the others.
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -466,7 +411,7 @@ TEST(LevelOneUvs, CreasesHolesAndCornersStayInTheirCharts) {
 }
 
 TEST(LevelOneUvs, WhereOneLacksThePolygonHasNone) {
-  PolygonMesh mesh = with_vertex_uvs(test::cube());
+  PolygonMesh mesh = with_vertex_uvs(cube());
   mesh.face_uvs[0] = -1;
   const PolygonMesh net = net_of(mesh);
   for (std::int32_t f = 0; f < net.face_count(); ++f) {
@@ -479,4 +424,4 @@ TEST(LevelOneUvs, WhereOneLacksThePolygonHasNone) {
 }
 
 }  // namespace
-}  // namespace planish
+}  // namespace planish::test

@@ -94,16 +94,33 @@ TEST(SurfaceBlocks, PiecesAreThoseOfTheWhole) {
   }
 }
 
+const glm::dvec3 kOrigin(0.5, -1, 2);
+
 // What the pass sees, in order.
 struct Visited {
+  explicit Visited(const SurfaceBlocks& blocks)
+      : positions(static_cast<std::size_t>(4 * blocks.info().face_count)),
+        normals(positions.size()) {}
+
+  std::unique_ptr<SurfaceBlocks> keep(const SurfaceBlocks& blocks,
+                                      std::uint64_t row_bytes = std::uint64_t{1} << 30) {
+    const auto visit = [&](RowRange faces, std::span<const glm::dvec3> at,
+                           std::span<const glm::vec3> along) {
+      std::copy(at.begin(), at.end(), positions.begin() + 4 * faces.first);
+      std::copy(along.begin(), along.end(), normals.begin() + 4 * faces.first);
+      face_count += faces.count;
+    };
+    return keep_rows(blocks, {.origin = kOrigin, .visit = visit, .row_bytes = row_bytes});
+  }
+
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> normals;
+  std::atomic<std::int64_t> face_count{0};
 };
 
 void expect_kept(const SurfaceBlocks& blocks, const SurfaceBlocks& kept, const Visited& visited) {
   const SurfaceInfo& info = blocks.info();
   const auto rows = static_cast<std::size_t>(info.row_count);
-  const glm::dvec3 origin(0.5, -1, 2);
   std::vector<glm::vec3> stored[2], normals[2];
   std::vector<glm::dvec3> positions[2];
   for (const int k : {0, 1}) {
@@ -112,7 +129,7 @@ void expect_kept(const SurfaceBlocks& blocks, const SurfaceBlocks& kept, const V
     target.stored = stored[k];
     target.normals = normals[k];
     target.positions = positions[k];
-    target.origin = origin;
+    target.origin = kOrigin;
     (void)(k == 0 ? blocks : kept).rows({0, info.row_count}, target);
   }
   EXPECT_EQ(stored[0], stored[1]);
@@ -125,7 +142,7 @@ void expect_kept(const SurfaceBlocks& blocks, const SurfaceBlocks& kept, const V
     kept.cuts(range, std::span(cuts).subspan(static_cast<std::size_t>(range.first),
                                              static_cast<std::size_t>(range.count)));
   ASSERT_EQ(visited.positions.size(), 4 * faces);
-  Visited wanted{std::vector<glm::dvec3>(4 * faces), std::vector<glm::vec3>(4 * faces)};
+  Visited wanted(blocks);
   blocks.corners({0, info.face_count}, wanted.positions, wanted.normals);
   for (std::size_t i = 0; i < 4 * faces; ++i) {
     ASSERT_LT(glm::length(visited.positions[i] - wanted.positions[i]), 1e-14);
@@ -146,19 +163,9 @@ TEST(SurfaceBlocks, KeptRowsAreThoseMadeAnew) {
       for (const std::uint64_t row_bytes : {std::uint64_t{0}, std::uint64_t{1} << 30}) {
         SCOPED_TRACE(level);
         const auto blocks = base.level(level);
-        const auto corners = static_cast<std::size_t>(4 * blocks->info().face_count);
-        Visited visited{std::vector<glm::dvec3>(corners), std::vector<glm::vec3>(corners)};
-        std::atomic<std::int64_t> seen{0};
-        const auto visit = [&](RowRange faces, std::span<const glm::dvec3> positions,
-                               std::span<const glm::vec3> normals) {
-          std::copy(positions.begin(), positions.end(),
-                    visited.positions.begin() + 4 * faces.first);
-          std::copy(normals.begin(), normals.end(), visited.normals.begin() + 4 * faces.first);
-          seen += faces.count;
-        };
-        const auto kept = keep_rows(
-            *blocks, {.origin = glm::dvec3(0.5, -1, 2), .visit = visit, .row_bytes = row_bytes});
-        EXPECT_EQ(seen, level == 0 ? 0 : blocks->info().face_count);
+        Visited visited(*blocks);
+        const auto kept = visited.keep(*blocks, row_bytes);
+        EXPECT_EQ(visited.face_count, level == 0 ? 0 : blocks->info().face_count);
         expect_kept(*blocks, *kept, visited);
       }
     }
@@ -187,14 +194,8 @@ TEST(SurfaceBlocks, RowsOfQuadsAreTheSameByFaces) {
     (void)make_all_rows(*blocks, target[1], {});
     EXPECT_EQ(positions[0], positions[1]);
     EXPECT_EQ(normals[0], normals[1]);
-    const auto corners = static_cast<std::size_t>(4 * blocks->info().face_count);
-    Visited visited{std::vector<glm::dvec3>(corners), std::vector<glm::vec3>(corners)};
-    const auto visit = [&](RowRange faces, std::span<const glm::dvec3> at,
-                           std::span<const glm::vec3> along) {
-      std::copy(at.begin(), at.end(), visited.positions.begin() + 4 * faces.first);
-      std::copy(along.begin(), along.end(), visited.normals.begin() + 4 * faces.first);
-    };
-    const auto kept = keep_rows(*blocks, {.origin = glm::dvec3(0.5, -1, 2), .visit = visit});
+    Visited visited(*blocks);
+    const auto kept = visited.keep(*blocks);
     expect_kept(*blocks, *kept, visited);
   }
 }

@@ -192,27 +192,18 @@ TEST(UvCharts, StayWhereTheyWereWhereMirroredOrMoved) {
 // A torus: where its texture begins again, it lies as in the middle.
 TEST(UvCharts, ShowNoSeamWhereATextureGoesAround) {
   constexpr int kAround = 12, kAcross = 8;
-  PolygonMesh mesh;
-  for (int i = 0; i < kAround; ++i)
-    for (int j = 0; j < kAcross; ++j) {
-      const double u = 2 * M_PI * i / kAround, v = 2 * M_PI * j / kAcross;
-      const double radius = 2 + 0.8 * std::cos(v);
-      mesh.positions.emplace_back(radius * std::cos(u), radius * std::sin(u), 0.8 * std::sin(v));
-    }
+  // Its first columns are one turn further.
   const auto textured_from = [&](int first) {
-    PolygonMesh made = mesh;
-    for (int i = 0; i < kAround; ++i)
-      for (int j = 0; j < kAcross; ++j) {
-        std::vector<std::int32_t> face;
-        for (const auto& [a, b] : {std::pair{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}) {
-          face.push_back(a % kAround * kAcross + b % kAcross);
-          const int turn = i < first ? 1 : 0;
-          made.face_uvs.push_back(static_cast<std::int32_t>(made.uvs.size()));
-          made.uvs.emplace_back(double(a) / kAround + turn, double(b) / kAcross);
-        }
-        made.add_face(face);
-      }
-    return cage_surface(made, 3);
+    PolygonMesh mesh = test::mapped_grid(kAround, kAcross, true, true, [](double u, double v) {
+      const double a = 2 * M_PI * u, b = 2 * M_PI * v, radius = 2 + 0.8 * std::cos(b);
+      return glm::dvec3(radius * std::cos(a), radius * std::sin(a), 0.8 * std::sin(b));
+    });
+    const auto turned = static_cast<std::int32_t>(mesh.uvs.size());
+    for (std::int32_t uv = 0; uv < turned; ++uv)
+      mesh.uvs.push_back(mesh.uvs[uv] + glm::dvec2(1, 0));
+    for (std::size_t c = 0; c < mesh.face_uvs.size(); ++c)
+      if (static_cast<int>(c / 4) % kAround < first) mesh.face_uvs[c] += turned;
+    return cage_surface(mesh, 3);
   };
   const SurfaceMesh whole = textured_from(0), turned = textured_from(5);
   ASSERT_EQ(whole.face_uvs.size(), turned.face_uvs.size());

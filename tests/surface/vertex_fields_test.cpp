@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -23,25 +24,28 @@ namespace {
 
 constexpr double kHalfTurn = std::numbers::pi;
 
-SurfaceMesh surface_at(const PolygonMesh& mesh) {
+SurfaceMesh surface_at(const PolygonMesh& mesh,
+                       const std::function<glm::dvec3(const glm::dvec3&)>& normal_of) {
   SurfaceMesh surface;
   surface.positions = mesh.positions;
   surface.face_offsets = mesh.face_offsets;
   surface.face_vertices = mesh.face_vertices;
+  for (const glm::dvec3& p : mesh.positions) surface.normals.emplace_back(normal_of(p));
   return surface;
 }
 
-// On a sphere every chord shows the same curvature, whatever the mesh.
+glm::dvec3 from_the_middle(const glm::dvec3& p) { return glm::normalize(p); }
+
+// On a sphere every chord shows the same curvature, whatever the mesh. Normals that are turned over
+// turn the mean only.
 TEST(NormalCurvatures, AreExactOnASphere) {
-  for (const double radius : {1.0, 4.0}) {
-    SurfaceMesh surface = surface_at(test::icosphere(2));
-    for (glm::dvec3& position : surface.positions) {
-      surface.normals.emplace_back(position);
-      position *= radius;
-    }
+  for (const double radius : {1.0, 4.0, -1.0}) {
+    SurfaceMesh surface =
+        surface_at(test::icosphere(2), [&](const glm::dvec3& p) { return p * glm::sign(radius); });
+    for (glm::dvec3& position : surface.positions) position *= std::abs(radius);
     const Curvatures curvatures = curvatures_of_normals(surface);
     for (std::size_t v = 0; v < surface.positions.size(); ++v) {
-      EXPECT_NEAR(curvatures.mean[v], 1 / radius, 1e-5 / radius);
+      EXPECT_NEAR(curvatures.mean[v], 1 / radius, 1e-5 / std::abs(radius));
       EXPECT_NEAR(curvatures.gaussian[v], 1 / (radius * radius), 1e-5 / (radius * radius));
     }
   }
@@ -52,8 +56,7 @@ TEST(NormalCurvatures, AreExactAtLargeFaces) {
   for (const int n : {10, 34, 2000}) {
     PolygonMesh drum = test::prism(n);
     for (glm::dvec3& p : drum.positions) p = glm::normalize(p + glm::dvec3(0, 0, 0.1));
-    SurfaceMesh surface = surface_at(drum);
-    for (const glm::dvec3& position : surface.positions) surface.normals.emplace_back(position);
+    const SurfaceMesh surface = surface_at(drum, from_the_middle);
     const std::atomic<std::int64_t>& pairs = work_counts[static_cast<std::size_t>(Work::Pairs)];
     const std::int64_t before = pairs;
     const Curvatures curvatures = curvatures_of_normals(surface);
@@ -66,30 +69,21 @@ TEST(NormalCurvatures, AreExactAtLargeFaces) {
   }
 }
 
-TEST(NormalCurvatures, TurningTheNormalsOverTurnsTheMeanOnly) {
-  SurfaceMesh surface = surface_at(test::icosphere(1));
-  for (const glm::dvec3& position : surface.positions) surface.normals.emplace_back(-position);
-  const Curvatures curvatures = curvatures_of_normals(surface);
-  EXPECT_NEAR(curvatures.mean[0], -1, 1e-5);
-  EXPECT_NEAR(curvatures.gaussian[0], 1, 1e-5);
-}
-
 // A torus of radii R and r: 1/r across the tube, cos(t) / (R + r cos(t)) along it.
 double torus_error(int n) {
   constexpr double kMajor = 2, kMinor = 1;
-  SurfaceMesh surface = surface_at(test::torus(2 * n, n, kMajor, kMinor));  // around z
-  std::vector<double> cosines;
-  for (const glm::dvec3& p : surface.positions) {
-    const double ring = std::hypot(p.x, p.y);
-    const glm::dvec3 centre = glm::dvec3(p.x, p.y, 0) * (kMajor / ring);
-    const glm::dvec3 normal = glm::normalize(p - centre);
-    surface.normals.emplace_back(normal);
-    cosines.push_back((ring - kMajor) / kMinor);
-  }
+  const auto off_the_circle = [](const glm::dvec3& p) {  // around z
+    return p - kMajor * glm::normalize(glm::dvec3(p.x, p.y, 0));
+  };
+  const SurfaceMesh surface =
+      surface_at(test::torus(2 * n, n, kMajor, kMinor),
+                 [&](const glm::dvec3& p) { return glm::normalize(off_the_circle(p)); });
   const Curvatures curvatures = curvatures_of_normals(surface);
   double error = 0;
-  for (std::size_t v = 0; v < cosines.size(); ++v) {
-    const double along = cosines[v] / (kMajor + kMinor * cosines[v]);
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    const glm::dvec3& p = surface.positions[v];
+    const double cosine = (std::hypot(p.x, p.y) - kMajor) / kMinor;
+    const double along = cosine / (kMajor + kMinor * cosine);
     error = std::max(error, std::abs(curvatures.mean[v] - (1 / kMinor + along) / 2));
     error = std::max(error, std::abs(curvatures.gaussian[v] - along / kMinor));
   }
@@ -103,8 +97,8 @@ TEST(NormalCurvatures, ComeNearerToATorusWithTheSquareOfTheFaces) {
 }
 
 TEST(NormalCurvatures, AreZeroWhereNothingIsKnown) {
-  SurfaceMesh surface = surface_at(test::flat_grid(2, 2));
-  surface.normals.assign(surface.positions.size(), glm::vec3(0, 0, 1));
+  SurfaceMesh surface =
+      surface_at(test::flat_grid(2, 2), [](const glm::dvec3&) { return glm::dvec3(0, 0, 1); });
   surface.positions.emplace_back(9, 9, 9);  // of no face
   surface.normals.emplace_back(1, 0, 0);
   const Curvatures curvatures = curvatures_of_normals(surface);
@@ -116,20 +110,15 @@ TEST(NormalCurvatures, AreZeroWhereNothingIsKnown) {
 
 // The integral of the Gaussian curvature over a sphere-like surface is 4 pi, whatever its shape.
 TEST(NormalCurvatures, KeepGaussAndBonnetOnAnEllipsoid) {
-  SurfaceMesh surface = surface_at(test::icosphere(4));
   const glm::dvec3 axes(1.5, 1, 0.8);
-  for (glm::dvec3& position : surface.positions) {
-    surface.normals.emplace_back(glm::normalize(position / axes));
-    position *= axes;
-  }
+  SurfaceMesh surface =
+      surface_at(test::icosphere(4), [&](const glm::dvec3& p) { return glm::normalize(p / axes); });
+  for (glm::dvec3& position : surface.positions) position *= axes;
   const Curvatures curvatures = curvatures_of_normals(surface);
   double integral = 0;
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
     const auto face = surface.face(f);
-    const double area =
-        glm::length(glm::cross(surface.positions[face[1]] - surface.positions[face[0]],
-                               surface.positions[face[2]] - surface.positions[face[0]])) /
-        2;
+    const double area = glm::length(area_vector(surface.positions, face));
     for (const std::int32_t v : face) integral += curvatures.gaussian[v] * area / 3;
   }
   EXPECT_NEAR(integral, 4 * kHalfTurn, 0.02 * 4 * kHalfTurn);
