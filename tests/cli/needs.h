@@ -7,7 +7,6 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"

@@ -10,7 +10,6 @@
 #include "planish/measure/figures.h"
 #include "planish/mesh/face_geometry.h"
 #include "planish/mesh/mesh_parts.h"
-#include "planish/solve/backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
