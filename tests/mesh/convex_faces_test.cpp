@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "make_scenes/shapes.h"
-#include "planish/core/work.h"
+#include "mesh/test_meshes.h"
 #include "planish/mend/faults.h"
 #include "planish/mend/repair.h"
 #include "planish/mesh/check.h"
@@ -132,15 +132,12 @@ void expect_parts_of(const ConvexMesh& convex, const PolygonMesh& mesh) {
   EXPECT_NEAR(sum, glm::length(total_area(mesh)), 1e-12 * sum);
 }
 
-TEST(ConvexFaces, CutsCombsAndSpiralsWithoutCrossings) {
-  for (const PolygonMesh& mesh : {comb(10), spiral(24, 0.5)})
-    expect_parts_of(with_convex_faces(mesh), mesh);
-}
-
 // Hertel and Mehlhorn: two diagonals at each corner that turns inward are enough.
-TEST(ConvexFaces, CutsLargeFacesInFewParts) {
+TEST(ConvexFaces, CutsCombsStarsAndSpiralsInFewParts) {
+  const PolygonMesh narrow = spiral(24, 0.5);
+  expect_parts_of(with_convex_faces(narrow), narrow);
   const std::pair<PolygonMesh, int> cases[] = {
-      {comb(1000), 999}, {star(5000), 2500}, {spiral(1000, 0.1), 1000}};
+      {comb(10), 9}, {comb(1000), 999}, {star(5000), 2500}, {spiral(1000, 0.1), 1000}};
   for (const auto& [mesh, inward] : cases) {
     const ConvexMesh convex = with_convex_faces(mesh);
     expect_parts_of(convex, mesh);
@@ -150,13 +147,10 @@ TEST(ConvexFaces, CutsLargeFacesInFewParts) {
 }
 
 TEST(ConvexFaces, LargeFacesTakeFewQuestions) {
-  const auto asked = [](const PolygonMesh& mesh) {
-    const auto& count = work_counts[static_cast<std::size_t>(Work::Pairs)];
-    const std::int64_t before = count;
-    (void)with_convex_faces(mesh);
-    return static_cast<double>(count - before) / mesh.face_size(0);
-  };
-  for (const int corners : {2000, 20'000}) EXPECT_LT(asked(star(corners)), 200) << corners;
+  for (const int corners : {2000, 20'000}) {
+    const PolygonMesh mesh = star(corners);
+    EXPECT_LT(test::pairs_asked(corners, [&] { (void)with_convex_faces(mesh); }), 200) << corners;
+  }
 }
 
 // Each corner of a fine arc turns inward by less than what counts.
@@ -343,10 +337,15 @@ TEST(EvenParts, AreThePolygon) {
   }
 }
 
+// Where every diagonal may cut, or none.
+std::vector<std::vector<std::size_t>> parts_of(const Outline& outline, bool may_cut = true) {
+  return even_parts(outline, all_corners(outline),
+                    [&](std::size_t, std::size_t) { return may_cut; });
+}
+
 TEST(EvenParts, AreMostlyQuadsBetweenFinelyDrawnSides) {
   for (const Outline& outline : {rounded_square(100, 0.5), slot(100, 4), pie_slice(300, 180)}) {
-    const auto parts =
-        even_parts(outline, all_corners(outline), [](std::size_t, std::size_t) { return true; });
+    const auto parts = parts_of(outline);
     const auto quads =
         std::ranges::count_if(parts, [](const auto& part) { return part.size() == 4; });
     EXPECT_GT(4 * quads, 3 * std::ssize(parts));
@@ -354,23 +353,15 @@ TEST(EvenParts, AreMostlyQuadsBetweenFinelyDrawnSides) {
 }
 
 TEST(EvenParts, TakeFewQuestions) {
-  const auto asked = [](const Outline& outline) {
-    const auto& count = work_counts[static_cast<std::size_t>(Work::Pairs)];
-    const std::int64_t before = count;
-    (void)even_parts(outline, all_corners(outline), [](std::size_t, std::size_t) { return true; });
-    return static_cast<double>(count - before) / static_cast<double>(outline.size());
-  };
-  for (const int steps : {500, 5000}) {
-    EXPECT_LT(asked(rounded_square(steps, 0.5)), 200) << steps;
-    EXPECT_LT(asked(slot(steps, 4)), 200) << steps;
-    EXPECT_LT(asked(pie_slice(4 * steps, 90)), 200) << steps;
-  }
+  for (const int steps : {500, 5000})
+    for (const Outline& outline :
+         {rounded_square(steps, 0.5), slot(steps, 4), pie_slice(4 * steps, 90)})
+      EXPECT_LT(pairs_asked(outline.size(), [&] { (void)parts_of(outline); }), 200) << steps;
 }
 
 TEST(EvenParts, StayWholeWhereNothingMayCut) {
   const Outline outline = slot(100, 4);
-  const auto parts =
-      even_parts(outline, all_corners(outline), [](std::size_t, std::size_t) { return false; });
+  const auto parts = parts_of(outline, false);
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].size(), outline.size());
 }

@@ -51,63 +51,72 @@ TEST(Placement, NeitherOverflowsNorUnderflows) {
 
 using testing::ElementsAre;
 
-TEST(Statistics, OfACubeWithAnUnusedVertex) {
-  PolygonMesh mesh = test::cube();
-  mesh.positions.emplace_back(9, 9, 9);
-  const MeshStatistics facts = statistics(mesh);
-  EXPECT_EQ(facts.vertex_count, 9);
-  EXPECT_EQ(facts.unused_vertex_count, 1);
-  EXPECT_EQ(facts.face_count, 6);
-  EXPECT_EQ(facts.edge_count, 12);
-  EXPECT_THAT(facts.face_size_counts, ElementsAre(0, 0, 0, 0, 6));
-  EXPECT_THAT(facts.valence_counts, ElementsAre(0, 0, 0, 8));
-  EXPECT_EQ(facts.boundary_loop_count, 0);
-  EXPECT_EQ(facts.component_count, 1);
-  EXPECT_EQ(facts.genus, 0);
+PolygonMesh without_face(const PolygonMesh& mesh, std::int32_t left_out) {
+  PolygonMesh result;
+  result.positions = mesh.positions;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (f != left_out) result.add_face(mesh.face(f));
+  return result;
 }
 
-TEST(Statistics, OfATorus) {
-  const MeshStatistics facts = statistics(test::torus(5, 4));
-  EXPECT_EQ(facts.edge_count, 40);
-  EXPECT_EQ(facts.genus, 1);
-  EXPECT_EQ(facts.boundary_loop_count, 0);
-  EXPECT_THAT(facts.valence_counts, ElementsAre(0, 0, 0, 0, 20));
-}
+PolygonMesh together(const std::vector<PolygonMesh>& parts) { return merged_meshes(parts).mesh; }
 
-TEST(Statistics, OfAPlateWithAHole) {
-  PolygonMesh mesh = test::grid(3, 3);
-  const PolygonMesh whole = mesh;
-  mesh.face_offsets = {0};
-  mesh.face_vertices.clear();
-  for (std::int32_t face = 0; face < whole.face_count(); ++face)
-    if (face != 4) mesh.add_face(whole.face(face));
-  const MeshStatistics facts = statistics(mesh);
-  EXPECT_EQ(facts.boundary_loop_count, 2);
-  EXPECT_EQ(facts.component_count, 1);
-  EXPECT_EQ(facts.genus, 0);
-  EXPECT_THAT(facts.valence_counts, ElementsAre(0, 0, 4, 8, 4));
-}
-
-TEST(Statistics, SumsOverComponents) {
-  PolygonMesh mesh = test::torus(4, 4);
-  const PolygonMesh parts[] = {test::torus(3, 5), test::grid(2, 2)};
-  for (const PolygonMesh& part : parts) {
-    const std::int32_t base = mesh.vertex_count();
-    mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-    for (std::int32_t face = 0; face < part.face_count(); ++face) {
-      std::vector<std::int32_t> moved(part.face(face).begin(), part.face(face).end());
-      for (std::int32_t& vertex : moved) vertex += base;
-      mesh.add_face(moved);
-    }
+TEST(Statistics, CountWhatAMeshIsMadeOf) {
+  PolygonMesh cube = test::cube();
+  cube.positions.emplace_back(9, 9, 9);
+  const struct {
+    std::string name;
+    PolygonMesh mesh;
+    std::int64_t unused, edges, boundary_loops, components, genus;
+    std::vector<std::int64_t> face_sizes, valences;
+  } cases[] = {
+      {.name = "cube with an unused vertex",
+       .mesh = cube,
+       .unused = 1,
+       .edges = 12,
+       .components = 1,
+       .face_sizes = {0, 0, 0, 0, 6},
+       .valences = {0, 0, 0, 8}},
+      {.name = "torus",
+       .mesh = test::torus(5, 4),
+       .edges = 40,
+       .components = 1,
+       .genus = 1,
+       .face_sizes = {0, 0, 0, 0, 20},
+       .valences = {0, 0, 0, 0, 20}},
+      {.name = "plate with a hole",
+       .mesh = without_face(test::grid(3, 3), 4),
+       .edges = 24,
+       .boundary_loops = 2,
+       .components = 1,
+       .face_sizes = {0, 0, 0, 0, 8},
+       .valences = {0, 0, 4, 8, 4}},
+      {.name = "three components",
+       .mesh = together({test::torus(4, 4), test::torus(3, 5), test::grid(2, 2)}),
+       .edges = 74,
+       .boundary_loops = 1,
+       .components = 3,
+       .genus = 2,
+       .face_sizes = {0, 0, 0, 0, 35},
+       .valences = {0, 0, 4, 4, 32}},
+  };
+  for (const auto& row : cases) {
+    SCOPED_TRACE(row.name);
+    const MeshStatistics facts = statistics(row.mesh);
+    EXPECT_EQ(facts.vertex_count, row.mesh.vertex_count());
+    EXPECT_EQ(facts.unused_vertex_count, row.unused);
+    EXPECT_EQ(facts.face_count, row.mesh.face_count());
+    EXPECT_EQ(facts.edge_count, row.edges);
+    EXPECT_EQ(facts.boundary_loop_count, row.boundary_loops);
+    EXPECT_EQ(facts.component_count, row.components);
+    EXPECT_EQ(facts.genus, row.genus);
+    EXPECT_EQ(facts.face_size_counts, row.face_sizes);
+    EXPECT_EQ(facts.valence_counts, row.valences);
   }
-  const MeshStatistics facts = statistics(mesh);
-  EXPECT_EQ(facts.component_count, 3);
-  EXPECT_EQ(facts.genus, 2);
-  EXPECT_EQ(facts.boundary_loop_count, 1);
 }
 
 // Two triangles along an edge, numbered so that vertices 0 and 3 have no face.
-PolygonMesh mesh_with_lone_vertices() {
+TEST(UsedVertices, AreNumberedAnewWithAllThatRidesOnThem) {
   PolygonMesh mesh;
   mesh.positions = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {8, 8, 8}, {1, 1, 0}, {0, 1, 0}};
   mesh.add_face(std::array{1, 2, 4});
@@ -121,11 +130,6 @@ PolygonMesh mesh_with_lone_vertices() {
   mesh.groups = {{"one", "red"}, {"two", ""}};
   mesh.face_groups = {1, 0};
   mesh.hole_faces = {1};
-  return mesh;
-}
-
-TEST(UsedVertices, AreNumberedAnewWithAllThatRidesOnThem) {
-  const PolygonMesh mesh = mesh_with_lone_vertices();
   const UsedMesh used = without_unused_vertices(mesh);
   const std::vector<std::int32_t> kept{1, 2, 4, 5};
   EXPECT_EQ(used.vertices, kept);
@@ -145,18 +149,14 @@ TEST(UsedVertices, AreNumberedAnewWithAllThatRidesOnThem) {
   EXPECT_EQ(used.mesh.corners[0].sharpness, 4);
   ASSERT_EQ(used.mesh.attributes.size(), 1u);
   EXPECT_EQ(used.mesh.attributes[0].values, (std::vector<float>{1, 2, 4, 5}));
-}
-
-TEST(UsedVertices, LeaveWhatRidesOnFacesAsItIs) {
-  const PolygonMesh mesh = mesh_with_lone_vertices();
-  const PolygonMesh used = without_unused_vertices(mesh).mesh;
-  EXPECT_EQ(used.uvs, mesh.uvs);
-  EXPECT_EQ(used.face_uvs, mesh.face_uvs);
-  EXPECT_EQ(used.face_groups, mesh.face_groups);
-  EXPECT_EQ(used.hole_faces, mesh.hole_faces);
-  ASSERT_EQ(used.groups.size(), 2u);
-  EXPECT_EQ(used.groups[0].name, "one");
-  EXPECT_EQ(used.groups[0].material, "red");
+  // What rides on faces stays as it is.
+  EXPECT_EQ(used.mesh.uvs, mesh.uvs);
+  EXPECT_EQ(used.mesh.face_uvs, mesh.face_uvs);
+  EXPECT_EQ(used.mesh.face_groups, mesh.face_groups);
+  EXPECT_EQ(used.mesh.hole_faces, mesh.hole_faces);
+  ASSERT_EQ(used.mesh.groups.size(), 2u);
+  EXPECT_EQ(used.mesh.groups[0].name, "one");
+  EXPECT_EQ(used.mesh.groups[0].material, "red");
 }
 
 TEST(MergedMeshes, AreComponentsInTheirOrder) {
@@ -287,20 +287,6 @@ PolygonMesh placed(PolygonMesh mesh, double size, const glm::dvec3& at) {
   return mesh;
 }
 
-PolygonMesh together(const std::vector<PolygonMesh>& parts) {
-  PolygonMesh result;
-  for (const PolygonMesh& part : parts) {
-    const std::int32_t first = result.vertex_count();
-    result.positions.insert(result.positions.end(), part.positions.begin(), part.positions.end());
-    for (std::int32_t f = 0; f < part.face_count(); ++f) {
-      std::vector<std::int32_t> face;
-      for (const std::int32_t v : part.face(f)) face.push_back(v + first);
-      result.add_face(face);
-    }
-  }
-  return result;
-}
-
 InsideOutParts inside_out_of(const PolygonMesh& mesh) {
   return inside_out_parts(mesh, MeshTopology(mesh), statistics(mesh).component_count);
 }
@@ -310,10 +296,8 @@ TEST(InsideOutParts, AreClosedAndLookInward) {
   const InsideOutParts one = inside_out_of(turned_over(cube()));
   EXPECT_EQ(one.count, 1);
   EXPECT_EQ(one.first_face, 0);
-  PolygonMesh open;
-  open.positions = cube().positions;
-  for (std::int32_t f = 1; f < cube().face_count(); ++f) open.add_face(turned_over(cube()).face(f));
-  EXPECT_EQ(inside_out_of(open).count, 0) << "which side of a sheet is outside nobody knows";
+  EXPECT_EQ(inside_out_of(without_face(turned_over(cube()), 0)).count, 0)
+      << "which side of a sheet is outside nobody knows";
   PolygonMesh flat = turned_over(cube());
   for (glm::dvec3& p : flat.positions) p.z = 0.1 * p.x + 1e-8 * p.z;
   EXPECT_EQ(inside_out_of(flat).count, 0) << "no room inside";

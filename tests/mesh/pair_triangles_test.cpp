@@ -189,22 +189,21 @@ TEST(PairMesh, OtherFacesStay) {
 
 TEST(PairMesh, BordersStay) {
   EXPECT_EQ(paired(square()).pair_count, 1);
-  PolygonMesh mesh = square();
-  mesh.creases = {{2, 0, 0.5f}};
-  EXPECT_EQ(paired(mesh).pair_count, 0) << "a tagged edge";
-  mesh = square();
-  mesh.groups = {{"a", ""}, {"b", ""}};
-  mesh.face_groups = {0, 1};
-  EXPECT_EQ(paired(mesh).pair_count, 0) << "groups part";
-  mesh = square();
-  mesh.hole_faces = {1};
-  EXPECT_EQ(paired(mesh).pair_count, 0) << "a hole begins";
-  mesh = square();
-  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.5}};
-  mesh.face_uvs = {0, 1, 2, 0, 4, 3};
-  EXPECT_EQ(paired(mesh).pair_count, 0) << "a seam, at one end";
-  mesh.face_uvs = {4, 1, 2, 0, 2, 3};
-  EXPECT_EQ(paired(mesh).pair_count, 0) << "and at the other";
+  PolygonMesh tagged = square(), grouped = square(), with_hole = square(), with_seam = square();
+  tagged.creases = {{2, 0, 0.5f}};
+  grouped.groups = {{"a", ""}, {"b", ""}};
+  grouped.face_groups = {0, 1};
+  with_hole.hole_faces = {1};
+  with_seam.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.5}};
+  with_seam.face_uvs = {0, 1, 2, 0, 4, 3};
+  PolygonMesh with_other_seam = with_seam;
+  with_other_seam.face_uvs = {4, 1, 2, 0, 2, 3};
+  for (const auto& [what, mesh] : {std::pair("a tagged edge", tagged),
+                                   {"groups part", grouped},
+                                   {"a hole begins", with_hole},
+                                   {"a seam, at one end", with_seam},
+                                   {"and at the other", with_other_seam}})
+    EXPECT_EQ(paired(mesh).pair_count, 0) << what;
 }
 
 TEST(PairMesh, WhatRidesOnFacesRidesOn) {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <initializer_list>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "planish/core/work.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish::test {
@@ -76,6 +78,15 @@ inline PolygonMesh torus(std::int32_t columns, std::int32_t rows) {
     for (std::int32_t x = 0; x < columns; ++x)
       mesh.add_face(std::vector{at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)});
   return mesh;
+}
+
+/// How many pairs `work` looks at, for each of `count`.
+template <class Action>
+double pairs_asked(std::size_t count, const Action& work) {
+  const std::atomic<std::int64_t>& pairs = work_counts[static_cast<std::size_t>(Work::Pairs)];
+  const std::int64_t before = pairs;
+  work();
+  return static_cast<double>(pairs - before) / static_cast<double>(count);
 }
 
 }  // namespace planish::test
