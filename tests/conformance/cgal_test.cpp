@@ -38,22 +38,6 @@ std::vector<dvec3> points_of(const CgalMesh& mesh) {
   return points;
 }
 
-std::vector<dvec3> our_level_1(const PolygonMesh& mesh) {
-  QuadSplit split(mesh);
-  split.refine(1);
-  const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
-  const SubdivisionChain subdivision(split, features, Weights::DooSabin);
-  const auto table = step_table(subdivision, 1);
-  const StencilView<double> view = table.view();
-  std::vector<dvec3> points(view.row_count(), dvec3(0.0));
-  for (int32_t row = 0; row < view.row_count(); ++row) {
-    for (int32_t k = view.offsets[row]; k < view.offsets[row] + view.sizes[row]; ++k) {
-      points[row] += view.weights[k] * mesh.positions[view.indices[k]];
-    }
-  }
-  return points;
-}
-
 // CGAL numbers its points otherwise: each of ours must have one of its own within rounding.
 TEST(Cgal, FirstLevelPointsAgree) {
   for (const auto& [name, mesh] : closed_meshes()) {
@@ -62,7 +46,8 @@ TEST(Cgal, FirstLevelPointsAgree) {
     CGAL::Subdivision_method_3::DooSabin_subdivision(refined,
                                                      CGAL::parameters::number_of_iterations(1));
     std::vector<dvec3> theirs = points_of(refined);
-    const std::vector<dvec3> ours = our_level_1(mesh);
+    const ChainCase c(mesh, Weights::DooSabin, 1);
+    const std::vector<dvec3> ours = applied(step_table(c.subdivision, 1), mesh.positions);
     ASSERT_EQ(ours.size(), theirs.size());
     for (const dvec3& p : ours) {
       const auto nearest = std::min_element(theirs.begin(), theirs.end(), [&](auto& a, auto& b) {

@@ -63,8 +63,8 @@ bool has_darts(const PolygonMesh& mesh) {
   return std::count(features.vertex_kinds.begin(), features.vertex_kinds.end(), VertexKind::Dart);
 }
 
-void expect_spectrum_in_bounds(const std::vector<NamedMesh>& meshes) {
-  for (const auto& [name, mesh] : meshes) {
+TEST(Spectrum, LiesWithinTheClosedFormBound) {
+  for (const auto& [name, mesh] : all_meshes()) {
     for (Weights weights : kBothWeights) {
       SCOPED_TRACE(name);
       const double bound = closed_form_bound(mesh, weights);
@@ -78,20 +78,10 @@ void expect_spectrum_in_bounds(const std::vector<NamedMesh>& meshes) {
   }
 }
 
-TEST(Spectrum, ClosedMeshesLieWithinTheClosedFormBound) {
-  expect_spectrum_in_bounds(closed_meshes());
-}
-
 TEST(Spectrum, BoundIsSharpForSingleKindsOfFaces) {
   // Antipodal pairs of a torus of even sizes carry the alternating mode: exactly 1/4.
   const Eigen::VectorXcd values = eigenvalues(torus(8, 6, 1, 0.4), Weights::Averaged);
   EXPECT_NEAR(values.real().minCoeff(), 0.25, kEigenvalueRounding);
-}
-
-TEST(Spectrum, OpenMeshesLieWithinTheClosedFormBound) { expect_spectrum_in_bounds(open_meshes()); }
-
-TEST(Spectrum, SharpMeshesLieWithinTheClosedFormBound) {
-  expect_spectrum_in_bounds(sharp_meshes());
 }
 
 // Iterations to 1e-5, 1e-6 and 1e-10 of the diagonal in double, against measured counts of an
@@ -196,10 +186,7 @@ TEST_F(MeasuredMesh, StanfordBunny) {
 // Interpolation itself, not the solver's own word for it.
 TEST(Iterations, LimitSurfacePassesThroughTheVertices) {
   const auto backend = make_cpu_backend();
-  std::vector<NamedMesh> meshes = closed_meshes();
-  for (NamedMesh& mesh : open_meshes()) meshes.push_back(std::move(mesh));
-  for (NamedMesh& mesh : sharp_meshes()) meshes.push_back(std::move(mesh));
-  for (const auto& [name, mesh] : meshes) {
+  for (const auto& [name, mesh] : all_meshes()) {
     for (Solver solver : {kPlain, kChebyshev}) {
       SCOPED_TRACE(name);
       const Fit result = fit(mesh, *backend, {.solver = solver, .tolerance = 1e-10});

@@ -134,18 +134,6 @@ constexpr double kRounding = 1e-12;
 // Normals are stored in float.
 constexpr double kFloatNormal = 5e-7;
 
-std::vector<dvec3> applied(const StencilTable& table, const std::vector<dvec3>& source) {
-  const StencilView<double> view = table.view();
-  std::vector<dvec3> result(view.row_count(), dvec3(0.0));
-  for (int32_t row = 0; row < view.row_count(); ++row) {
-    for (int32_t k = 0; k < view.sizes[row]; ++k) {
-      const int32_t at = view.offsets[row] + k;
-      result[row] += view.weights[at] * source[view.indices[at]];
-    }
-  }
-  return result;
-}
-
 struct Rules {
   Weights weights;
   BoundaryRule boundary;
@@ -156,15 +144,11 @@ void expect_levels_agree(const PolygonMesh& mesh, Rules rules, int levels) {
   const auto backend = make_cpu_backend();
   QuadSplitOracle oracle(mesh, rules.weights, rules.boundary);
   LevelMatch match;
-  QuadSplit split(mesh);
-  split.refine(levels);
-  const SharpFeatures features =
-      find_sharp_features(mesh, split.topology(), mesh.positions, {.boundary = rules.boundary});
-  const SubdivisionChain subdivision(split, features, rules.weights);
+  const ChainCase c(mesh, rules.weights, levels, {.boundary = rules.boundary});
   std::vector<dvec3> state = mesh.positions;
   for (int level = 1; level <= levels; ++level) {
     SCOPED_TRACE("level " + std::to_string(level));
-    state = applied(step_table(subdivision, level), state);
+    state = applied(step_table(c.subdivision, level), state);
     const SurfaceMesh surface =
         evaluate(mesh, *backend,
                  {.level = level, .weights = rules.weights, .sharp = {.boundary = rules.boundary}});
@@ -180,64 +164,43 @@ void expect_levels_agree(const PolygonMesh& mesh, Rules rules, int levels) {
   }
 }
 
-TEST(Levels, ClosedMeshesAgreeWithTheOracle) {
-  for (const auto& [name, mesh] : closed_meshes()) {
+void expect_levels_agree(const std::vector<NamedMesh>& meshes, BoundaryRule boundary) {
+  for (const auto& [name, mesh] : meshes) {
     for (Weights weights : kBothWeights) {
       SCOPED_TRACE(name);
-      expect_levels_agree(mesh, {weights, BoundaryRule::Edge}, 3);
+      expect_levels_agree(mesh, {weights, boundary}, 3);
     }
   }
+}
+
+TEST(Levels, ClosedMeshesAgreeWithTheOracle) {
+  expect_levels_agree(closed_meshes(), BoundaryRule::Edge);
 }
 
 TEST(Levels, OpenMeshesAgreeWithTheOracle) {
-  for (const auto& [name, mesh] : open_meshes()) {
-    for (Weights weights : kBothWeights) {
-      for (BoundaryRule boundary : {BoundaryRule::Edge, BoundaryRule::EdgeAndCorner}) {
-        SCOPED_TRACE(name);
-        expect_levels_agree(mesh, {weights, boundary}, 3);
-      }
-    }
-  }
+  for (BoundaryRule boundary : {BoundaryRule::Edge, BoundaryRule::EdgeAndCorner})
+    expect_levels_agree(open_meshes(), boundary);
 }
 
 TEST(Levels, SharpMeshesAgreeWithTheOracle) {
-  for (const auto& [name, mesh] : sharp_meshes()) {
-    for (Weights weights : kBothWeights) {
-      SCOPED_TRACE(name);
-      expect_levels_agree(mesh, {weights, BoundaryRule::Edge}, 3);
-    }
-  }
+  expect_levels_agree(sharp_meshes(), BoundaryRule::Edge);
 }
 
-TEST(Levels, FirstControlPointsAreThoseOfExplicitSubdivision) {
+void expect_same_points(const std::vector<dvec3>& points, const std::vector<dvec3>& expected) {
+  ASSERT_EQ(points.size(), expected.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_LT(glm::distance(points[i], expected[i]), kRounding);
+}
+
+TEST(Levels, ControlPointsAndLimitsAreThoseOfExplicitSubdivision) {
   for (const auto& [name, mesh] : closed_meshes()) {
     for (Weights weights : kBothWeights) {
       SCOPED_TRACE(name);
-      QuadSplit split(mesh);
-      split.refine(1);
-      const SharpFeatures features =
-          find_sharp_features(mesh, split.topology(), mesh.positions, {});
-      const SubdivisionChain subdivision(split, features, weights);
-      const std::vector<dvec3> points = applied(step_table(subdivision, 1), mesh.positions);
-      const ExplicitMesh level = explicit_levels(mesh, weights, 1);
-      ASSERT_EQ(points.size(), level.points.size());
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        EXPECT_LT(glm::distance(points[i], level.points[i]), kRounding);
-      }
-    }
-  }
-}
-
-TEST(Levels, LimitPositionsAreThoseOfExplicitSubdivision) {
-  for (const auto& [name, mesh] : closed_meshes()) {
-    for (Weights weights : kBothWeights) {
-      SCOPED_TRACE(name);
-      const std::vector<dvec3> expected = explicit_limit_points(explicit_levels(mesh, weights, 3));
-      const std::vector<dvec3> limits = limit_positions(mesh, weights, {});
-      ASSERT_EQ(limits.size(), expected.size());
-      for (std::size_t v = 0; v < limits.size(); ++v) {
-        EXPECT_LT(glm::distance(limits[v], expected[v]), kRounding);
-      }
+      const ChainCase c(mesh, weights, 1);
+      expect_same_points(applied(step_table(c.subdivision, 1), mesh.positions),
+                         explicit_levels(mesh, weights, 1).points);
+      expect_same_points(limit_positions(mesh, weights, {}),
+                         explicit_limit_points(explicit_levels(mesh, weights, 3)));
     }
   }
 }
@@ -331,22 +294,13 @@ struct Primvar {
   void AddWithWeight(const Primvar& source, double weight) { value += weight * source.value; }
 };
 
-// A unit-sized closed mesh and an open one with creases, with their sharp features.
-struct Case {
-  explicit Case(PolygonMesh source)
-      : mesh(std::move(source)),
-        split(mesh),
-        features(
-            (split.refine(2), find_sharp_features(mesh, split.topology(), mesh.positions, {}))),
-        subdivision(split, features, Weights::DooSabin),
-        masks(limit_masks(subdivision)) {}
-  PolygonMesh mesh;
-  QuadSplit split;
-  SharpFeatures features;
-  SubdivisionChain subdivision;
+struct Case : ChainCase {
+  explicit Case(const PolygonMesh& source)
+      : ChainCase(source, Weights::DooSabin, 2), masks(limit_masks(subdivision)) {}
   StencilTable masks;
 };
 
+// A unit-sized closed mesh and an open one with creases.
 std::vector<PolygonMesh> cases() {
   return {random_closed_mesh(5), with_random_creases(random_open_mesh(5), 0.2, 5)};
 }
@@ -377,9 +331,8 @@ TEST(Evaluators, FloatTablesInOsdCpuEvaluatorEqualOurOwn) {
     const auto far = to_far<float>(c.masks.view());
     const OpenSubdiv::Far::StencilTable& table = *far;
     std::vector<float> source, target(3 * std::size_t(table.GetNumStencils()));
-    for (const dvec3& p : mesh.positions) {
+    for (const dvec3& p : mesh.positions)
       source.insert(source.end(), {float(p.x), float(p.y), float(p.z)});
-    }
     const Osd::BufferDescriptor xyz(0, 3, 3);
     ASSERT_TRUE(Osd::CpuEvaluator::EvalStencils(
         source.data(), xyz, target.data(), xyz, table.GetSizes().data(), table.GetOffsets().data(),
@@ -403,9 +356,7 @@ TEST(Evaluators, LimitTablesInOsdCpuEvaluatorEqualOurOwn) {
     const auto far = to_far_limit<float>(view);
     const OpenSubdiv::Far::LimitStencilTable& table = *far;
     std::vector<float> source;
-    for (const dvec3& p : state) {
-      source.insert(source.end(), {float(p.x), float(p.y), float(p.z)});
-    }
+    for (const dvec3& p : state) source.insert(source.end(), {float(p.x), float(p.y), float(p.z)});
     const std::size_t count = 3 * std::size_t(view.row_count());
     std::vector<float> point(count), du(count), dv(count);
     const Osd::BufferDescriptor xyz(0, 3, 3);

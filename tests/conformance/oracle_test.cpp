@@ -216,12 +216,7 @@ TEST(Oracles, FlatMeshesKeepAnUprightNormal) {
 }
 
 TEST(Oracles, CreasedCubeIsItsOwnSurface) {
-  PolygonMesh mesh = cube();
-  for (int32_t a = 0; a < 8; ++a) {
-    for (int32_t bit : {1, 2, 4}) {
-      if (!(a & bit)) mesh.creases.push_back({a, a | bit});
-    }
-  }
+  const PolygonMesh mesh = creased_cube();
   for (Weights weights : kBothWeights) {
     QuadSplitOracle oracle(mesh, weights, BoundaryRule::Edge);
     for (int level = 1; level <= 4; ++level) {

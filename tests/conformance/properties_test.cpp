@@ -37,19 +37,15 @@ TEST(Properties, RowsSumToOneAndDerivativesToZero) {
   for (const auto& [name, mesh] : all_meshes()) {
     for (Weights weights : kBothWeights) {
       SCOPED_TRACE(name);
-      QuadSplit split(mesh);
-      split.refine(3);
-      const SharpFeatures features =
-          find_sharp_features(mesh, split.topology(), mesh.positions, {});
-      const SubdivisionChain subdivision(split, features, weights);
-      const auto masks = limit_masks(subdivision);
+      const ChainCase c(mesh, weights, 3);
+      const auto masks = limit_masks(c.subdivision);
       EXPECT_EQ(masks.view().row_count(), mesh.vertex_count());
       expect_sums(masks.view(), masks.view().weights, 1);
       for (int level = 1; level <= 3; ++level) {
-        const auto step = step_table(subdivision, level);
+        const auto step = step_table(c.subdivision, level);
         expect_sums(step.view(), step.view().weights, 1);
-        const LimitRows rows(subdivision, level);
-        const auto limit = limit_table(subdivision, rows);
+        const LimitRows rows(c.subdivision, level);
+        const auto limit = limit_table(c.subdivision, rows);
         expect_sums(limit.view(), limit.view().weights, 1);
         expect_sums(limit.view(), limit.view().du_weights, 0);
         expect_sums(limit.view(), limit.view().dv_weights, 0);
@@ -222,12 +218,7 @@ TEST(Properties, FlatOpenGridsStayFlatAndUnfolded) {
 }
 
 TEST(Properties, CreasedCubeIsReproducedWithoutIterating) {
-  PolygonMesh mesh = cube();
-  for (int32_t a = 0; a < 8; ++a) {
-    for (int32_t bit : {1, 2, 4}) {
-      if (!(a & bit)) mesh.creases.push_back({a, a | bit});
-    }
-  }
+  const PolygonMesh mesh = creased_cube();
   const auto backend = make_cpu_backend();
   for (Weights weights : kBothWeights) {
     const Fit result = fit(mesh, *backend, {.weights = weights});

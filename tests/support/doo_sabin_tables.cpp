@@ -326,4 +326,29 @@ StencilTable limit_table(const SubdivisionChain& subdivision, const LimitRows& l
                           [&](std::int32_t i) { return order[i]; });
 }
 
+namespace {
+
+QuadSplit& refined(QuadSplit& split, int levels) {
+  split.refine(levels);
+  return split;
+}
+
+}  // namespace
+
+ChainCase::ChainCase(const PolygonMesh& given, Weights weights, int levels,
+                     const SharpFeatureOptions& sharp)
+    : mesh(given),
+      split(mesh),
+      features(find_sharp_features(mesh, split.topology(), mesh.positions, sharp)),
+      subdivision(refined(split, levels), features, weights) {}
+
+std::vector<glm::dvec3> applied(const StencilTable& table, std::span<const glm::dvec3> source) {
+  const auto view = table.view();
+  std::vector<glm::dvec3> result(static_cast<std::size_t>(view.row_count()), glm::dvec3(0.0));
+  for (std::int32_t i = 0; i < view.row_count(); ++i)
+    for (std::int32_t k = view.offsets[i]; k < view.offsets[i] + view.sizes[i]; ++k)
+      result[i] += view.weights[k] * source[view.indices[k]];
+  return result;
+}
+
 }  // namespace planish::test

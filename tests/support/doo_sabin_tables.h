@@ -93,4 +93,21 @@ class LimitRows {
                                        const LimitRows& limit_rows,
                                        std::span<const std::int32_t> order);
 
+/// A mesh with its chain of tables down to a level.
+struct ChainCase {
+  ChainCase(const PolygonMesh& given, Weights weights, int levels,
+            const SharpFeatureOptions& sharp = {});
+  ChainCase(const ChainCase&) = delete;
+  ChainCase& operator=(const ChainCase&) = delete;
+
+  PolygonMesh mesh;
+  QuadSplit split;
+  SharpFeatures features;
+  SubdivisionChain subdivision;
+};
+
+/// The table's rows of points.
+[[nodiscard]] std::vector<glm::dvec3> applied(const StencilTable& table,
+                                              std::span<const glm::dvec3> source);
+
 }  // namespace planish::test

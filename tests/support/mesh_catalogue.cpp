@@ -145,9 +145,7 @@ PolygonMesh with_random_sharpness(PolygonMesh mesh, double probability, std::uin
 }
 
 std::vector<NamedMesh> primal_meshes(PrimalScheme scheme) {
-  std::vector<NamedMesh> meshes = closed_meshes();
-  for (NamedMesh& mesh : open_meshes()) meshes.push_back(std::move(mesh));
-  for (NamedMesh& mesh : sharp_meshes()) meshes.push_back(std::move(mesh));
+  std::vector<NamedMesh> meshes = all_meshes();
   meshes.push_back({"semi-sharp closed", with_random_sharpness(random_closed_mesh(7), 0.3, 1)});
   meshes.push_back({"semi-sharp open", with_random_sharpness(random_open_mesh(8), 0.3, 2)});
   PolygonMesh tip = icosphere(1);

@@ -188,6 +188,14 @@ PolygonMesh icosphere(int level) {
   return mesh;
 }
 
+PolygonMesh creased_cube() {
+  PolygonMesh mesh = cube();
+  for (int32_t v = 0; v < 8; ++v)
+    for (const int32_t bit : {1, 2, 4})
+      if ((v & bit) == 0) mesh.creases.push_back({v, v | bit});
+  return mesh;
+}
+
 PolygonMesh cube_with_split_edges() {
   const PolygonMesh solid = cube();
   std::vector<dvec3> positions = solid.positions;

@@ -48,6 +48,8 @@ using FaceList = std::vector<std::vector<std::int32_t>>;
 /// Two half rounds of so many steps and two planes between them, and a face below and above behind
 /// edges that are tagged.
 [[nodiscard]] PolygonMesh slot(int steps);
+/// The cube with all of its edges tagged sharp.
+[[nodiscard]] PolygonMesh creased_cube();
 /// The cube with a vertex in the middle of every edge: octagons and valence 2.
 [[nodiscard]] PolygonMesh cube_with_split_edges();
 

@@ -249,16 +249,10 @@ Relabelled relabelled(const PolygonMesh& mesh, std::uint32_t seed) {
 namespace {
 
 std::vector<dvec3> random_directions(int count, std::uint32_t seed) {
-  std::uint64_t state = seed;
-  const auto unit = [&] {  // splitmix64: the same on every machine
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  };
+  Random random(seed);
   std::vector<dvec3> points;
   for (int i = 0; i < count; ++i) {
-    const double z = 2 * unit() - 1, angle = 2 * std::numbers::pi * unit();
+    const double z = 2 * random.unit() - 1, angle = 2 * std::numbers::pi * random.unit();
     const double radius = std::sqrt(1 - z * z);
     points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
   }
