@@ -16,31 +16,35 @@
 namespace planish::test {
 
 /// A mesh with what a fair net is made from.
-struct FairCase {
+struct FairCase : ChainCase {
   explicit FairCase(const PolygonMesh& polygons, int levels = 1)
-      : mesh(polygons),
-        split(mesh),
-        features(refine_and_find_features(levels)),
-        subdivision(split, features, Weights::DooSabin),
+      : ChainCase(polygons, Weights::DooSabin, levels),
+        topology(make_fair_topology(mesh, subdivision)),
         given(mesh.positions) {
     const Placement placement = placement_of(mesh);
     for (glm::dvec3& p : given) p = placement.to_unit(p);
+    face_normals = unit_face_normals(topology, given);
   }
   [[nodiscard]] FairNet net(std::int32_t polish_steps = 0) const {
     return fair_net(mesh, subdivision, given, {.polish_steps = polish_steps});
   }
-
-  PolygonMesh mesh;
-  QuadSplit split;
-  SharpFeatures features;
-  SubdivisionChain subdivision;
-  std::vector<glm::dvec3> given;  ///< unit coordinates
-
- private:
-  SharpFeatures refine_and_find_features(int levels) {
-    split.refine(levels);
-    return find_sharp_features(mesh, split.topology(), mesh.positions, {});
+  /// With decisions that were made before.
+  [[nodiscard]] FairNet net(std::int32_t polish_steps, const FairDecisions& decisions) const {
+    return fair_net(mesh, subdivision, given,
+                    {.polish_steps = polish_steps, .decisions = &decisions});
   }
+  /// A state's points as seen from the given points that they belong to.
+  [[nodiscard]] std::vector<glm::dvec3> offsets(std::vector<glm::dvec3> state) const {
+    for (std::int32_t i = 0; i < topology.corner_count; ++i)
+      state[i] -= given[topology.corner_vertices[i]];
+    for (std::size_t s = 0; s < topology.curve_points.size(); ++s)
+      state[topology.corner_count + s] -= given[topology.curve_points[s].vertex];
+    return state;
+  }
+
+  FairTopology topology;
+  std::vector<glm::dvec3> given;         ///< unit coordinates
+  std::vector<glm::dvec3> face_normals;  ///< of these
 };
 
 /// Meshes of every kind, and a larger one of random triangles.

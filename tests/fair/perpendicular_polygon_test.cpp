@@ -179,17 +179,15 @@ PolygonMesh uneven_cone(int n, double height, std::uint32_t seed) {
   return mesh;
 }
 
-struct Cone {
-  explicit Cone(const PolygonMesh& mesh)
-      : c(mesh),
-        topology(make_fair_topology(c.mesh, c.subdivision)),
-        face_normals(unit_face_normals(topology, c.given)),
+struct Cone : FairCase {
+  explicit Cone(const PolygonMesh& polygons)
+      : FairCase(polygons),
         offsets(std::size_t(topology.state_size), dvec3(0.0)),
         tip(mesh.vertex_count() - 1) {}
   [[nodiscard]] std::vector<dvec3> polygon(const dvec3& normal) {
     PerpendicularScratch scratch;
-    build_perpendicular_polygon(topology, c.given, tip, normal,
-                                FaceHeights(topology, c.given).size_at(tip), scratch, offsets);
+    build_perpendicular_polygon(topology, given, tip, normal,
+                                FaceHeights(topology, given).size_at(tip), scratch, offsets);
     std::vector<dvec3> points;
     for (int32_t i = topology.ring_offsets[tip]; i < topology.ring_offsets[tip + 1]; ++i) {
       points.push_back(offsets[topology.ring_corners[i]]);
@@ -197,12 +195,13 @@ struct Cone {
     return points;
   }
   [[nodiscard]] dvec3 edge(int32_t i) const {
-    return c.given[topology.ring_next[topology.ring_offsets[tip] + i]] - c.given[tip];
+    return given[topology.ring_next[topology.ring_offsets[tip] + i]] - given[tip];
+  }
+  [[nodiscard]] dvec3 tip_normal() const {
+    return NetSamples{topology, given, offsets}.at_vertex(tip);
   }
 
-  FairCase c;
-  FairTopology topology;
-  std::vector<dvec3> face_normals, offsets;
+  std::vector<dvec3> offsets;
   int32_t tip;
 };
 
@@ -250,8 +249,7 @@ TEST(PerpendicularPolygon, LimitNormalIsThePlanesHoweverUnevenTheEdges) {
   for (std::uint32_t seed = 1; seed <= 300; ++seed) {
     Cone cone(uneven_cone(3 + int(seed % 40), 0.2, seed));
     (void)cone.polygon(dvec3(0, 0, 1));
-    const NetSamples samples{cone.topology, cone.c.given, cone.offsets};
-    const dvec3 normal = samples.at_vertex(cone.tip);
+    const dvec3 normal = cone.tip_normal();
     if (glm::length(normal) == 0) continue;
     ++built;
     EXPECT_GT(normal.z, 0.999 * glm::length(normal)) << seed;
@@ -271,28 +269,24 @@ TEST(PerpendicularPolygon, IsACircleWhereTheEdgesDoNotSurroundTheVertex) {
     EXPECT_NEAR(glm::dot(points[i], points[(i + 1) % 5]), radius * radius * std::cos(2 * M_PI / 5),
                 1e-14);
   }
-  const NetSamples samples{side.topology, side.c.given, side.offsets};
-  EXPECT_GT(samples.at_vertex(side.tip).x, 0.0);
+  EXPECT_GT(side.tip_normal().x, 0.0);
 }
 
 TEST(SmallestCap, IsTheSameFromAllFacesOfARegularCorner) {
   const FairCase c(cube());
-  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
-  const auto face_normals = unit_face_normals(topology, c.given);
-  const NormalCap cap = smallest_cap(topology, face_normals, 7, glm::normalize(dvec3(1, 0.1, 0)));
+  const NormalCap cap =
+      smallest_cap(c.topology, c.face_normals, 7, glm::normalize(dvec3(1, 0.1, 0)));
   EXPECT_NEAR(cap.cosine, 1 / std::sqrt(3.0), 0.02);
   EXPECT_GT(glm::dot(cap.normal, glm::normalize(dvec3(1, 1, 1))), 0.999);
 }
 
 TEST(SmallestCap, TiltsANormalOnlyAsFarAsItMust) {
   const FairCase c(cube());
-  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
-  const auto face_normals = unit_face_normals(topology, c.given);
   const dvec3 good = glm::normalize(dvec3(1, 1, 0.5));
-  EXPECT_EQ(tilted_normal(topology, face_normals, 7, good), good);
+  EXPECT_EQ(tilted_normal(c.topology, c.face_normals, 7, good), good);
   const dvec3 bad = glm::normalize(dvec3(1, 1, -0.5));
-  const dvec3 tilted = tilted_normal(topology, face_normals, 7, bad);
-  const double cosine = least_face_cosine(topology, face_normals, 7, tilted);
+  const dvec3 tilted = tilted_normal(c.topology, c.face_normals, 7, bad);
+  const double cosine = least_face_cosine(c.topology, c.face_normals, 7, tilted);
   EXPECT_GE(cosine, 0.2 / std::sqrt(3.0) - 0.01);
   EXPECT_LT(cosine, 0.2 / std::sqrt(3.0) + 0.02);
 }
@@ -300,7 +294,7 @@ TEST(SmallestCap, TiltsANormalOnlyAsFarAsItMust) {
 // Nothing can be built about a curve without a direction: what stands there comes half as near.
 TEST(PerpendicularCrease, WithoutADirectionItsPointsComeHalfAsNear) {
   const FairCase c(flat_grid(2, 2));
-  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const FairTopology& topology = c.topology;
   constexpr int32_t kVertex = 1;  // in the middle of a side
   ASSERT_EQ(topology.kind(kVertex), VertexKind::Crease);
   const auto sector = topology.sectors[static_cast<std::size_t>(
@@ -312,11 +306,10 @@ TEST(PerpendicularCrease, WithoutADirectionItsPointsComeHalfAsNear) {
   for (const int32_t corner : topology.ring(sector).corners)
     expected[static_cast<std::size_t>(corner)] = 0.5 * offset;
   expected[static_cast<std::size_t>(sector.curve1)] = 0.5 * offset;
-  const std::vector<dvec3> face_normals = unit_face_normals(topology, c.given);
   const FaceHeights heights(topology, c.given);
   glm::vec2 lean(0.0F);
   PerpendicularScratch scratch;
-  build_perpendicular_crease({topology, c.given, face_normals, offsets, heights, kVertex}, lean,
+  build_perpendicular_crease({topology, c.given, c.face_normals, offsets, heights, kVertex}, lean,
                              scratch);
   EXPECT_EQ(offsets, expected);
 }
@@ -325,7 +318,7 @@ TEST(PerpendicularCrease, WithoutADirectionItsPointsComeHalfAsNear) {
 // them, and one a tenth of the square, it has gone a tenth of the way to the opposite side.
 TEST(FanPoint, IsMeasuredAlongTheWayToTheOppositeSide) {
   const FairCase c(flat_grid(2, 2));
-  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const FairTopology& topology = c.topology;
   constexpr int32_t kVertex = 0;  // of one square
   const auto corner =
       topology.ring_corners[static_cast<std::size_t>(topology.ring_offsets[kVertex])];
