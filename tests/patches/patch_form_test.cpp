@@ -10,7 +10,6 @@
 #include <random>
 
 #include "patches/patch_oracle.h"
-#include "planish/patches/doo_sabin_step.h"
 #include "planish/patches/patch_plan.h"
 
 namespace planish::test {
@@ -18,17 +17,11 @@ namespace {
 
 constexpr double kHere = 1e-14;  // of the diagonal, which is 1
 
-struct FormCase : PatchCase {
-  FormCase(const PolygonMesh& given, Weights rule)
-      : PatchCase(given, rule, {}, 1), state(first_step(patches, weights, points)), forms(rule) {}
+struct FormCase : SteppedCase {
+  FormCase(const PolygonMesh& given, Weights rule) : SteppedCase(given, rule, 1), forms(rule) {}
 
   std::vector<glm::dvec3> points_of(std::int32_t corner) {
-    const PatchPlace place = patches.corner_patch(corner);
-    std::vector<std::int32_t> indices(static_cast<std::size_t>(place.patch.column_count()));
-    patches.gather(place, indices.data(), 1);
-    std::vector<glm::dvec3> result;
-    for (const std::int32_t i : indices) result.push_back(state[i] - state[indices[0]]);
-    return result;
+    return SteppedCase::points_of(patches, patches.corner_patch(corner));
   }
   const PatchForm& form_of(std::int32_t corner) {
     return forms.of(patches.corner_patch(corner).patch);
@@ -39,7 +32,6 @@ struct FormCase : PatchCase {
     return point;
   }
 
-  RawVector<glm::dvec3> state;
   PatchForms forms;
   PatchScratch scratch;
 };

@@ -9,6 +9,7 @@
 #include "planish/mesh/mesh_parts.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/patches/doo_sabin_step.h"
 #include "planish/patches/patch_mesh.h"
 #include "support/doo_sabin_tables.h"
 #include "support/mesh_catalogue.h"
@@ -29,56 +30,55 @@ inline std::vector<NamedMesh> scene_meshes() {
 }
 
 /// A mesh with what tables and patches need of it. Points are in unit coordinates.
-struct PatchCase {
-  PatchCase(const PolygonMesh& given, Weights rule, const SharpFeatureOptions& sharp, int level)
-      : mesh(given),
+struct PatchCase : ChainCase {
+  explicit PatchCase(const PolygonMesh& given, Weights rule = Weights::DooSabin,
+                     const SharpFeatureOptions& sharp = {}, int level = 0)
+      : ChainCase(given, rule, level, sharp),
         weights(rule),
-        topology(mesh),
-        split(mesh),
-        features(find_sharp_features(mesh, topology, mesh.positions, sharp)),
+        topology(split.topology()),
         patches(topology, features) {
-    split.refine(level);
-    subdivision.emplace(split, features, weights);
     const Placement placement = placement_of(mesh);
     for (const glm::dvec3& p : mesh.positions) points.push_back(placement.to_unit(p));
   }
 
-  PolygonMesh mesh;
   Weights weights;
-  MeshTopology topology;
-  QuadSplit split;
-  SharpFeatures features;
+  const MeshTopology& topology;
   PatchMesh patches;
-  std::optional<SubdivisionChain> subdivision;
   std::vector<glm::dvec3> points;
+};
+
+/// The same with the points of the state that patches are of.
+struct SteppedCase : PatchCase {
+  explicit SteppedCase(const PolygonMesh& given, Weights rule = Weights::DooSabin, int level = 0)
+      : PatchCase(given, rule, {}, level), state(first_step(patches, weights, points)) {}
+
+  /// Those of a patch, as seen from its first one.
+  [[nodiscard]] std::vector<glm::dvec3> points_of(const PatchMesh& records,
+                                                  const PatchPlace& place) const {
+    std::vector<std::int32_t> indices(static_cast<std::size_t>(place.patch.column_count()));
+    records.gather(place, indices.data(), 1);
+    std::vector<glm::dvec3> result;
+    for (const std::int32_t i : indices) result.push_back(state[i] - state[indices[0]]);
+    return result;
+  }
+
+  RawVector<glm::dvec3> state;
 };
 
 struct TableSample {
   glm::dvec3 position{0.0}, du{0.0}, dv{0.0};
 };
 
-inline std::vector<glm::dvec3> applied(const StencilTable& table,
-                                       const std::vector<glm::dvec3>& source) {
-  const auto view = table.view();
-  std::vector<glm::dvec3> target(static_cast<std::size_t>(view.row_count()), glm::dvec3(0.0));
-  for (std::int32_t i = 0; i < view.row_count(); ++i) {
-    for (std::int32_t k = view.offsets[i]; k < view.offsets[i] + view.sizes[i]; ++k) {
-      target[i] += view.weights[k] * source[view.indices[k]];
-    }
-  }
-  return target;
-}
-
 /// The state of level 1, and the limit rows of `level`, by the chain of stencil tables.
 inline std::vector<glm::dvec3> table_state(const PatchCase& c) {
-  return applied(step_table(*c.subdivision, 1), c.points);
+  return applied(step_table(c.subdivision, 1), c.points);
 }
 
 inline std::vector<TableSample> table_samples(const PatchCase& c, const LimitRows& limits) {
   std::vector<glm::dvec3> state = table_state(c);
   for (int l = 2; l <= limits.state_level(); ++l)
-    state = applied(step_table(*c.subdivision, l), state);
-  const auto table = limit_table(*c.subdivision, limits);
+    state = applied(step_table(c.subdivision, l), state);
+  const auto table = limit_table(c.subdivision, limits);
   const auto view = table.view();
   std::vector<TableSample> samples(static_cast<std::size_t>(view.row_count()));
   for (std::int32_t i = 0; i < view.row_count(); ++i) {

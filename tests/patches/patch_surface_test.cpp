@@ -26,39 +26,53 @@ namespace planish::test {
 namespace {
 
 struct Rows {
+  explicit Rows(std::int64_t count)
+      : positions(static_cast<std::size_t>(count), glm::dvec3(-99)),
+        normals(positions.size(), glm::vec3(-99)) {}
+  [[nodiscard]] PatchTarget target(std::int64_t first = 0) {
+    return target(first, std::ssize(positions) - first);
+  }
+  [[nodiscard]] PatchTarget target(std::int64_t first, std::int64_t count) {
+    PatchTarget to;
+    to.positions = std::span(positions).subspan(first, count);
+    to.normals = std::span(normals).subspan(first, count);
+    return to;
+  }
+
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> normals;
   DegenerateRows degenerate;
 };
 
 Rows all_rows(const PatchSurface& surface, std::span<const glm::dvec3> state,
-              const Placement& placement, std::int64_t block) {
-  Rows rows;
+              const Placement& placement, std::int64_t block = 1 << 30) {
   const std::int64_t count = surface.numbering().row_count();
-  rows.positions.resize(static_cast<std::size_t>(count), glm::dvec3(-99));
-  rows.normals.resize(static_cast<std::size_t>(count), glm::vec3(-99));
+  Rows rows(count);
   for (std::int64_t first = 0; first < count; first += block) {
     const std::int64_t size = std::min(block, count - first);
-    PatchTarget target;
-    target.positions = std::span(rows.positions).subspan(first, size);
-    target.normals = std::span(rows.normals).subspan(first, size);
-    rows.degenerate.add(surface.rows(state, placement, {first, size}, target));
+    rows.degenerate.add(surface.rows(state, placement, {first, size}, rows.target(first, size)));
   }
   return rows;
+}
+
+std::vector<std::int32_t> numbers(std::int64_t count, std::int32_t first = 0) {
+  std::vector<std::int32_t> result(static_cast<std::size_t>(count));
+  std::iota(result.begin(), result.end(), first);
+  return result;
+}
+
+std::vector<PatchInstructions> runnable_instructions() {
+  std::vector<PatchInstructions> all{PatchInstructions::Baseline, PatchInstructions::Avx2};
+  std::erase_if(all, [](PatchInstructions instructions) { return !can_run(instructions); });
+  return all;
 }
 
 // All rows, by their names.
 Rows rows_named(const PatchSurface& surface, std::span<const glm::dvec3> state,
                 const Placement& placement) {
-  Rows rows;
-  std::vector<std::int32_t> names(static_cast<std::size_t>(surface.numbering().row_count()));
-  std::iota(names.begin(), names.end(), 0);
-  rows.positions.resize(names.size(), glm::dvec3(-99));
-  rows.normals.resize(names.size(), glm::vec3(-99));
-  PatchTarget target;
-  target.positions = rows.positions;
-  target.normals = rows.normals;
-  rows.degenerate = surface.rows_at(state, placement, names, target);
+  Rows rows(surface.numbering().row_count());
+  rows.degenerate =
+      surface.rows_at(state, placement, numbers(std::ssize(rows.positions)), rows.target());
   return rows;
 }
 
@@ -73,13 +87,11 @@ TEST(FirstStep, AgreesWithTheTable) {
   for (const auto& [name, mesh] : all_meshes()) {
     for (const Weights weights : kBothWeights) {
       SCOPED_TRACE(name);
-      const PatchCase c(mesh, weights, {}, 1);
+      const SteppedCase c(mesh, weights, 1);
       const std::vector<glm::dvec3> wanted = table_state(c);
-      const RawVector<glm::dvec3> state = first_step(c.patches, weights, c.points);
-      ASSERT_EQ(state.size(), wanted.size());
-      for (std::size_t i = 0; i < state.size(); ++i) {
-        ASSERT_LT(glm::length(state[i] - wanted[i]), 1e-15) << i;
-      }
+      ASSERT_EQ(c.state.size(), wanted.size());
+      for (std::size_t i = 0; i < wanted.size(); ++i)
+        ASSERT_LT(glm::length(c.state[i] - wanted[i]), 1e-15) << i;
     }
   }
 }
@@ -93,12 +105,12 @@ TEST(PatchSurface, RowsAgreeWithTables) {
     for (int level = 0; level <= 3; ++level) {
       SCOPED_TRACE(name + ", level " + std::to_string(level));
       const PatchCase c(mesh, Weights::DooSabin, {}, level);
-      const LimitRows limits(*c.subdivision, level);
+      const LimitRows limits(c.subdivision, level);
       const auto table = table_samples(c, limits);
       const PatchSurface surface(c.patches, {.level = level});
       const auto limit_of = limits.in_order_of(surface.numbering());
       ASSERT_EQ(surface.numbering().row_count(), limits.count());
-      const Rows rows = all_rows(surface, table_state(c), {}, 1 << 20);
+      const Rows rows = all_rows(surface, table_state(c), {});
       for (std::size_t row = 0; row < limit_of.size(); ++row) {
         const std::int32_t i = limit_of[row];
         ASSERT_LT(glm::length(rows.positions.at(row) - table[i].position), 1e-14) << row;
@@ -117,16 +129,15 @@ TEST(PatchSurface, BitsDoNotDependOnInstructionsNamesOrRanges) {
   for (const PolygonMesh& mesh : {with_random_creases(random_closed_mesh(3), 0.2, 3),
                                   random_open_mesh(2), torus(40, 30, 1, .4), icosphere(3)}) {
     for (int level = 0; level <= 3; ++level) {
-      const PatchCase c(mesh, Weights::DooSabin, {}, 0);
-      const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
+      const SteppedCase c(mesh);
+      const RawVector<glm::dvec3>& state = c.state;
       const Placement placement{{3, 4, 5}, 17};
       const PatchSurface baseline(c.patches,
                                   {.level = level, .instructions = PatchInstructions::Baseline});
-      const Rows wanted = all_rows(baseline, state, placement, 1 << 30);
-      for (const auto instructions : {PatchInstructions::Avx2}) {
-        if (!can_run(instructions)) continue;
+      const Rows wanted = all_rows(baseline, state, placement);
+      for (const auto instructions : runnable_instructions()) {
         const PatchSurface wide(c.patches, {.level = level, .instructions = instructions});
-        EXPECT_TRUE(same_bits(wanted, all_rows(wide, state, placement, 1 << 30)));
+        EXPECT_TRUE(same_bits(wanted, all_rows(wide, state, placement)));
       }
       EXPECT_TRUE(same_bits(wanted, rows_named(baseline, state, placement)));
       for (const std::int64_t block : {61, 1000}) {
@@ -144,29 +155,24 @@ TEST(PatchSurface, BitsDoNotDependOnInstructionsNamesOrRanges) {
 // names.
 TEST(PatchSurface, GridsHaveTheBitsOfRows) {
   for (const PolygonMesh& mesh : {torus(40, 30, 1, .4), random_open_mesh(2)}) {
-    const PatchCase c(mesh, Weights::DooSabin, {}, 0);
-    const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
+    const SteppedCase c(mesh);
+    const RawVector<glm::dvec3>& state = c.state;
     const Placement placement{{3, 4, 5}, 17};
     const PatchSurface named(c.patches, {.level = 2});
     const Rows wanted = rows_named(named, state, placement);
     const PatchSamples& samples = named.numbering().samples();
-    std::vector<std::int32_t> corners(static_cast<std::size_t>(c.topology.corner_count() - 3));
-    std::iota(corners.begin(), corners.end(), 3);  // not from a quad's first corner
-    for (const auto instructions : {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
-      if (!can_run(instructions)) continue;
+    // Not from a quad's first corner.
+    const std::vector<std::int32_t> corners = numbers(c.topology.corner_count() - 3, 3);
+    for (const auto instructions : runnable_instructions()) {
       const PatchSurface surface(c.patches, {.level = 2, .instructions = instructions});
-      std::vector<glm::dvec3> positions(corners.size() * samples.count());
-      std::vector<glm::vec3> normals(positions.size());
-      PatchTarget target;
-      target.positions = positions;
-      target.normals = normals;
-      (void)surface.grids(state, placement, corners, target);
+      Rows grids(std::ssize(corners) * samples.count());
+      (void)surface.grids(state, placement, corners, grids.target());
       for (std::size_t i = 0; i < corners.size(); ++i) {
         for (std::int32_t s = 0; s < samples.owned_count(); ++s) {
           const auto row = static_cast<std::size_t>(surface.numbering().corner_row(corners[i]) + s);
           const std::size_t at = i * samples.count() + s;
-          ASSERT_EQ(positions[at], wanted.positions[row]) << corners[i] << " " << s;
-          ASSERT_EQ(normals[at], wanted.normals[row]) << corners[i] << " " << s;
+          ASSERT_EQ(grids.positions[at], wanted.positions[row]) << corners[i] << " " << s;
+          ASSERT_EQ(grids.normals[at], wanted.normals[row]) << corners[i] << " " << s;
         }
       }
     }
@@ -177,14 +183,12 @@ TEST(PatchSurface, GridsHaveTheBitsOfRows) {
 TEST(PatchSurface, RowsWithoutDirectionAreCountedOfWholeFacesToo) {
   const PolygonMesh mesh = torus(16, 12, 1, .4);
   for (int level = 0; level <= 3; ++level) {
-    PatchCase c(mesh, Weights::DooSabin, {}, 0);
+    PatchCase c(mesh);
     for (glm::dvec3& p : c.points) p = glm::dvec3(p.x, 0, 0);  // on a line
     const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
-    for (const auto instructions : {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
-      if (!can_run(instructions)) continue;
+    for (const auto instructions : runnable_instructions()) {
       const PatchSurface surface(c.patches, {.level = level, .instructions = instructions});
-      for (const Rows& rows :
-           {all_rows(surface, state, {}, 1 << 30), rows_named(surface, state, {})}) {
+      for (const Rows& rows : {all_rows(surface, state, {}), rows_named(surface, state, {})}) {
         EXPECT_EQ(rows.degenerate.count, static_cast<std::int64_t>(rows.normals.size())) << level;
         EXPECT_EQ(rows.degenerate.first, 0) << level;
         for (const glm::vec3& normal : rows.normals) ASSERT_NEAR(glm::length(normal), 1, 1e-6);
@@ -198,11 +202,10 @@ TEST(PatchSurface, RowsWithoutDirectionAreCountedOfWholeFacesToo) {
 TEST(PatchSurface, BothSidesOfACreaseHaveTheSamePositions) {
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
     const PolygonMesh mesh = with_random_creases(random_closed_mesh(seed), 0.3, seed);
-    const PatchCase c(mesh, Weights::DooSabin, {}, 0);
-    const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
+    const SteppedCase c(mesh);
     const PatchSurface surface(c.patches, {.level = 3});
     const PatchNumbering& numbering = surface.numbering();
-    const Rows rows = all_rows(surface, state, placement_of(mesh), 1 << 30);
+    const Rows rows = all_rows(surface, c.state, placement_of(mesh));
     const std::int32_t n = numbering.samples().side();
     std::int64_t doubled = 0;
     for (std::int32_t corner = 0; corner < c.topology.corner_count(); ++corner) {
@@ -219,17 +222,16 @@ TEST(PatchSurface, BothSidesOfACreaseHaveTheSamePositions) {
 }
 
 TEST(PatchSurface, StoredPositionsAreRoundedOnce) {
-  const PatchCase c(torus(12, 8, 1, .4), Weights::DooSabin, {}, 0);
-  const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
+  const SteppedCase c(torus(12, 8, 1, .4));
   const Placement placement{{3, 4, 5}, 17};
   const PatchSurface surface(c.patches, {.level = 2});
-  const Rows rows = all_rows(surface, state, placement, 1 << 30);
+  const Rows rows = all_rows(surface, c.state, placement);
   std::vector<glm::vec3> stored(rows.positions.size());
   PatchTarget target;
   target.stored = stored;
   target.origin = {2.5, 3.25, 4.125};
   const auto count = static_cast<std::int64_t>(stored.size());
-  (void)surface.rows(state, placement, {0, count}, target);
+  (void)surface.rows(c.state, placement, {0, count}, target);
   for (std::size_t i = 0; i < stored.size(); ++i) {
     ASSERT_EQ(stored[i], glm::vec3(rows.positions[i] - target.origin)) << i;
   }
@@ -240,10 +242,9 @@ TEST(PatchSurface, StoredPositionsAreRoundedOnce) {
 TEST(PatchSurface, NormalsAtValenceTwoAreThoseOfTheFacets) {
   const PolygonMesh mesh = cube_with_split_edges();
   for (int level = 0; level <= 4; ++level) {
-    const PatchCase c(mesh, Weights::DooSabin, {}, 0);
-    const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
+    const SteppedCase c(mesh);
     const PatchSurface surface(c.patches, {.level = level});
-    const Rows rows = all_rows(surface, state, {}, 1 << 30);
+    const Rows rows = all_rows(surface, c.state, {});
     EXPECT_EQ(rows.degenerate.count, 12) << level;
     EXPECT_EQ(rows.degenerate.first, 8) << level;
     // The middles of the cube's edges: between the two faces.
@@ -320,23 +321,13 @@ std::vector<RingCase> ring_cases() {
   };
 }
 
-struct BothWays : PatchCase {
+struct BothWays : SteppedCase {
   explicit BothWays(const PolygonMesh& given)
-      : PatchCase(given, Weights::DooSabin, {}, 1),
-        by_sums(topology, features, RingColumns::Sums),
-        state(first_step(by_sums, weights, points)) {}
-
-  [[nodiscard]] std::vector<glm::dvec3> points_of(const PatchMesh& records,
-                                                  const PatchPlace& place) const {
-    std::vector<std::int32_t> indices(static_cast<std::size_t>(place.patch.column_count()));
-    records.gather(place, indices.data(), 1);
-    std::vector<glm::dvec3> result;
-    for (const std::int32_t i : indices) result.push_back(state[i] - state[indices[0]]);
-    return result;
+      : SteppedCase(given, Weights::DooSabin, 1), by_sums(topology, features, RingColumns::Sums) {
+    state = first_step(by_sums, weights, points);
   }
 
   PatchMesh by_sums;
-  RawVector<glm::dvec3> state;
 };
 
 std::array<glm::dvec3, 3> sample(const PatchTemplate& of_class, std::int32_t index,
@@ -376,7 +367,7 @@ TEST(FirstStep, OfLargeFacesIsTheirRules) {
     for (const std::int32_t size : {31, 32, 33, 500}) {
       PolygonMesh mesh = fan(5, 2 * kPi, size, 15);
       for (glm::dvec3& p : mesh.positions) p += glm::dvec3(30);
-      const PatchCase c(mesh, weights, {}, 0);
+      const PatchCase c(mesh, weights);
       const auto state = first_step(c.patches, weights, mesh.positions);
       const std::vector<double> rule = face_weights(weights, size);
       for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -393,7 +384,7 @@ TEST(FirstStep, OfLargeFacesIsTheirRules) {
 }
 
 TEST(FirstStep, TakesTimeOfTheCorners) {
-  const PatchCase c(prism(3000), Weights::DooSabin, {}, 0);
+  const PatchCase c(prism(3000));
   const std::atomic<std::int64_t>& pairs = work_counts[static_cast<std::size_t>(Work::Pairs)];
   const std::int64_t before = pairs;
   (void)first_step(c.patches, Weights::DooSabin, c.mesh.positions);
@@ -493,57 +484,24 @@ TEST(RingSums, AreTheirWeightsTimesTheirPoints) {
   }
 }
 
-}  // namespace
-}  // namespace planish::test
-
-namespace planish {
-namespace {
-
-struct Level2 {
-  explicit Level2(const PolygonMesh& mesh)
-      : topology(mesh),
-        features(find_sharp_features(mesh, topology, mesh.positions, {})),
-        patches(topology, features),
-        state(first_step(patches, Weights::DooSabin, mesh.positions)) {}
-  [[nodiscard]] PatchSurface surface(PatchInstructions instructions) const {
-    return {patches, {.level = 2, .instructions = instructions}};
-  }
-  MeshTopology topology;
-  SharpFeatures features;
-  PatchMesh patches;
-  RawVector<glm::dvec3> state;
-  Placement placement{glm::dvec3(0.5, -1, 2), 3.0};
-};
-
-struct AllRows {
-  explicit AllRows(std::int64_t count)
-      : positions(static_cast<std::size_t>(count)), normals(positions.size()) {}
-  [[nodiscard]] PatchTarget target() {
-    PatchTarget to;
-    to.positions = positions;
-    to.normals = normals;
-    return to;
-  }
-  std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> normals;
-};
+const Placement kPlacement{glm::dvec3(0.5, -1, 2), 3.0};
 
 // All regular; creases and vertices of valence 3 and 5 among regular quads; boundaries.
-std::vector<test::NamedMesh> meshes_of_quads() {
+std::vector<NamedMesh> meshes_of_quads() {
   const auto wave = [](double x, double y) {
     return glm::dvec3(x, y, std::sin(x) * std::cos(0.7 * y));
   };
-  PolygonMesh creased = test::torus(9, 7, 1.0, 0.4);
-  creased.creases = {{0, 1}, {1, 2}, {30, 37}};
-  return {{"torus", test::torus(9, 7, 1.0, 0.4)},
-          {"creased", creased},
-          {"cube", test::cube()},
-          {"grid", test::grid(7, 6, wave)},
-          {"plate", test::plate_with_hole(9)}};
+  PolygonMesh with_creases = torus(9, 7, 1.0, 0.4);
+  with_creases.creases = {{0, 1}, {1, 2}, {30, 37}};
+  return {{"torus", torus(9, 7, 1.0, 0.4)},
+          {"creased", with_creases},
+          {"cube", cube()},
+          {"grid", grid(7, 6, wave)},
+          {"plate", plate_with_hole(9)}};
 }
 
 // Each row of a vertex, a face or an edge once, with the bits that rows() gives it.
-void expect_points(PointRows& points, const PatchSurface& surface, AllRows& wanted) {
+void expect_points(PointRows& points, const PatchSurface& surface, const Rows& wanted) {
   const auto end =
       static_cast<std::size_t>(surface.numbering().end_row(PatchNumbering::Part::Edges));
   ASSERT_EQ(points.size(), end);
@@ -561,29 +519,23 @@ void expect_points(PointRows& points, const PatchSurface& surface, AllRows& want
 TEST(PointRows, AreMadeAlongWithTheBitsOfRows) {
   for (const auto& [name, mesh] : meshes_of_quads()) {
     SCOPED_TRACE(name);
-    const Level2 at(mesh);
-    for (const PatchInstructions instructions :
-         {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
-      if (!can_run(instructions)) continue;
-      const PatchSurface surface = at.surface(instructions);
+    const SteppedCase c(mesh);
+    for (const PatchInstructions instructions : runnable_instructions()) {
+      const PatchSurface surface(c.patches, {.level = 2, .instructions = instructions});
       if (name == "torus") {
         ASSERT_TRUE(surface.makes_points());
       }
       if (!surface.makes_points()) continue;
-      const std::int64_t count = surface.numbering().row_count();
-      AllRows wanted(count), made(count);
-      (void)surface.rows(at.state, at.placement, {0, count}, wanted.target());
-      std::vector<std::int32_t> corners(static_cast<std::size_t>(at.topology.corner_count()));
-      std::iota(corners.begin(), corners.end(), 0);
-      AllRows grids(std::int64_t{surface.numbering().samples().count()} * std::ssize(corners));
+      const Rows wanted = all_rows(surface, c.state, kPlacement);
+      Rows made(surface.numbering().row_count());
+      const std::vector<std::int32_t> corners = numbers(c.topology.corner_count());
+      Rows grids(std::int64_t{surface.numbering().samples().count()} * std::ssize(corners));
       PointRows points;
-      (void)surface.grids(at.state, at.placement, corners, grids.target(), &points);
+      (void)surface.grids(c.state, kPlacement, corners, grids.target(), &points);
       expect_points(points, surface, wanted);
       const auto first = static_cast<std::size_t>(surface.numbering().corner_row(0));
-      PatchTarget owned = made.target();
-      owned.positions = owned.positions.subspan(first);
-      owned.normals = owned.normals.subspan(first);
-      (void)surface.owned(at.state, at.placement, 0, at.topology.corner_count(), owned, points);
+      (void)surface.owned(c.state, kPlacement, 0, c.topology.corner_count(),
+                          made.target(static_cast<std::int64_t>(first)), points);
       expect_points(points, surface, wanted);
       const auto end =
           static_cast<std::size_t>(surface.numbering().end_row(PatchNumbering::Part::Corners));
@@ -597,19 +549,15 @@ TEST(PointRows, AreMadeAlongWithTheBitsOfRows) {
 
 // A quad whose corners come in two ranges stands for the same rows.
 TEST(PointRows, DoNotDependOnRanges) {
-  const Level2 at(test::torus(9, 7, 1.0, 0.4));
-  const PatchSurface surface = at.surface(PatchInstructions::Baseline);
-  const std::int64_t count = surface.numbering().row_count();
-  AllRows wanted(count);
-  (void)surface.rows(at.state, at.placement, {0, count}, wanted.target());
+  const SteppedCase c(torus(9, 7, 1.0, 0.4));
+  const PatchSurface surface(c.patches, {.level = 2, .instructions = PatchInstructions::Baseline});
+  const Rows wanted = all_rows(surface, c.state, kPlacement);
   PointRows all, part;
-  all.reset(static_cast<std::size_t>(count));
-  for (std::int32_t first = 0; first < at.topology.corner_count(); first += 6) {
-    const std::int32_t size = std::min(6, at.topology.corner_count() - first);
-    std::vector<std::int32_t> corners(static_cast<std::size_t>(size));
-    std::iota(corners.begin(), corners.end(), first);
-    AllRows grids(std::int64_t{9} * size);
-    (void)surface.grids(at.state, at.placement, corners, grids.target(), &part);
+  all.reset(wanted.positions.size());
+  for (std::int32_t first = 0; first < c.topology.corner_count(); first += 6) {
+    const std::int32_t size = std::min(6, c.topology.corner_count() - first);
+    Rows grids(std::int64_t{9} * size);
+    (void)surface.grids(c.state, kPlacement, numbers(size, first), grids.target(), &part);
     for (std::size_t i = 0; i < part.size(); ++i)
       all.add(part.rows()[i], &part.positions()[i].x, &part.normals()[i].x);
   }
@@ -617,4 +565,4 @@ TEST(PointRows, DoNotDependOnRanges) {
 }
 
 }  // namespace
-}  // namespace planish
+}  // namespace planish::test
