@@ -13,23 +13,17 @@
 #include <vector>
 
 #include "features/shapes.h"
-#include "planish/core/error.h"
 #include "planish/features/find_features.h"
 #include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_parts.h"
+#include "support/calls.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {
 namespace {
 
-using EdgeSet = std::set<std::pair<std::int32_t, std::int32_t>>;
-
-EdgeSet sharp_edges(const PolygonMesh& mesh) {
-  EdgeSet edges;
-  for (const CreaseEdge& edge : find_features(mesh).sharp_edges())
-    edges.insert(std::minmax(edge.v0, edge.v1));
-  return edges;
-}
+EdgeSet sharp_edges(const PolygonMesh& mesh) { return set_of(find_features(mesh).sharp_edges()); }
 
 EdgeSet expected_edges(const FeatureCase& shape) {
   EdgeSet edges;
@@ -42,12 +36,11 @@ EdgeSet expected_edges(const FeatureCase& shape) {
 // Sharp edges as pairs of places, so that meshes of the same shape can be compared.
 using Places = std::set<std::array<double, 6>>;
 
-Places sharp_places(const PolygonMesh& mesh, std::int32_t vertices) {
+Places sharp_places(const PolygonMesh& mesh) {
   // To a grid that is far wider than rounding and far narrower than an edge.
   const auto rounded = [](double x) { return std::round(x * 1e5) / 1e5 + 0.0; };
   Places places;
   for (const auto& [v, w] : sharp_edges(mesh)) {
-    if (v >= vertices || w >= vertices) continue;
     std::array<double, 3> a{}, b{};
     for (int i = 0; i < 3; ++i) {
       a[i] = rounded(mesh.positions[v][i]);
@@ -57,23 +50,6 @@ Places sharp_places(const PolygonMesh& mesh, std::int32_t vertices) {
     places.insert({a[0], a[1], a[2], b[0], b[1], b[2]});
   }
   return places;
-}
-
-Places sharp_places(const PolygonMesh& mesh) { return sharp_places(mesh, mesh.vertex_count()); }
-
-template <class Change>
-PolygonMesh moved(PolygonMesh mesh, const Change& change) {
-  for (glm::dvec3& p : mesh.positions) p = change(p);
-  return mesh;
-}
-
-// The other way round, which turns its faces, too.
-PolygonMesh mirrored(const PolygonMesh& mesh) {
-  FaceList faces = faces_of(mesh);
-  for (auto& face : faces) std::ranges::reverse(face);
-  PolygonMesh result = make_mesh(mesh.positions, faces);
-  for (glm::dvec3& p : result.positions) p.x = -p.x;
-  return result;
 }
 
 std::vector<FeatureCase> all_cases() {
@@ -127,41 +103,26 @@ TEST(FindFeatures, DoNotDependOnHowPlanesAreCut) {
 TEST(FindFeatures, DoNotDependOnWhatElseIsThere) {
   const PolygonMesh ball = moved(icosphere(2), [](const auto& p) { return 5.0 * p + 20.0; });
   for (const FeatureCase& shape : all_cases()) {
-    PolygonMesh both = shape.mesh;
-    const std::int32_t count = both.vertex_count();
-    both.positions.insert(both.positions.end(), ball.positions.begin(), ball.positions.end());
-    for (std::vector<std::int32_t> face : faces_of(ball)) {
-      for (std::int32_t& v : face) v += count;
-      both.add_face(face);
-    }
-    EXPECT_EQ(sharp_edges(both), sharp_edges(shape.mesh)) << shape.name;
+    const PolygonMesh both[] = {shape.mesh, ball};
+    EXPECT_EQ(sharp_edges(merged_meshes(both).mesh), sharp_edges(shape.mesh)) << shape.name;
   }
 }
 
 std::size_t corner_count(const PolygonMesh& mesh) { return find_features(mesh).corners.size(); }
 
 TEST(FindFeatures, FindsTheCornersOfSheets) {
-  EXPECT_EQ(corner_count(single_polygon(4)), 4u);
-  EXPECT_EQ(corner_count(single_polygon(5)), 5u);
-  EXPECT_EQ(corner_count(single_polygon(6)), 6u);
-  EXPECT_EQ(corner_count(single_polygon(8)), 0u);
-  EXPECT_EQ(corner_count(single_polygon(24)), 0u);
+  for (const auto& [sides, corners] : {std::pair(4, 4u), {5, 5u}, {6, 6u}, {8, 0u}, {24, 0u}})
+    EXPECT_EQ(corner_count(single_polygon(sides)), corners) << sides;
   EXPECT_EQ(corner_count(flat_grid(5, 3)), 4u);
   EXPECT_EQ(corner_count(l_shaped_plate(2)), 6u);
   const auto l = make_mesh({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}},
                            {{0, 1, 2, 3, 4, 5}});
   EXPECT_EQ(corner_count(l), 6u);
   EXPECT_EQ(corner_count(in_fans(l)), 6u);
-  const auto t = make_mesh({{1, 0, 0},
-                            {2, 0, 0},
-                            {2, 2, 0},
-                            {3, 2, 0},
-                            {3, 3, 0},
-                            {1.5, 3, 0},
-                            {0, 3, 0},
-                            {0, 2, 0},
-                            {1, 2, 0}},
-                           {{0, 1, 2, 3, 4, 5, 6, 7, 8}});
+  // A T with a straight corner, 5.
+  PolygonMesh t = single_polygon(9);
+  t.positions = {{1, 0, 0},   {2, 0, 0}, {2, 2, 0}, {3, 2, 0}, {3, 3, 0},
+                 {1.5, 3, 0}, {0, 3, 0}, {0, 2, 0}, {1, 2, 0}};
   EXPECT_EQ(find_features(t).corners, (std::vector<std::int32_t>{0, 1, 2, 3, 4, 6, 7, 8}));
   EXPECT_EQ(find_features(cut_by_lot(t, 3)).corners, find_features(t).corners);
   // Bent sheets have corners, too; their boundaries turn little elsewhere.
@@ -282,21 +243,8 @@ TEST(FindFeatures, KeepsTheEdgesOfNoisyBoxes) {
 TEST(FindFeatures, RefusesRulesThatAreOutOfRange) {
   FeatureRules rules;
   rules.flat = -1;
-  try {
-    (void)find_features(cube(), rules);
-    FAIL() << "taken";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("flat"));
-  }
-}
-
-using VertexPairs = std::set<std::pair<std::int32_t, std::int32_t>>;
-
-VertexPairs pairs_of(const std::vector<CreaseEdge>& edges) {
-  VertexPairs pairs;
-  for (const CreaseEdge& edge : edges) pairs.insert(std::minmax(edge.v0, edge.v1));
-  return pairs;
+  EXPECT_THAT(message_of(ErrorCode::InvalidArgument, [&] { (void)find_features(cube(), rules); }),
+              ::testing::HasSubstr("flat"));
 }
 
 // Of each family bodies by lot, each as it is and in other meshes. At length: features_sweep.
@@ -310,7 +258,7 @@ void expect_edges_of(const std::vector<BodyFamily>& families) {
       for (int k = 0; k < kMeshes; ++k) {
         std::string what;
         const KnownMesh known = k == 0 ? known_mesh(body) : presented(body, lot, what);
-        EXPECT_EQ(pairs_of(find_features(known.mesh).sharp_edges()), pairs_of(known.sharp))
+        EXPECT_EQ(sharp_edges(known.mesh), set_of(known.sharp))
             << family.name << ", seed " << seed << what;
       }
     }

@@ -1,16 +1,15 @@
 // Which triangles are joined is of the shape alone.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <numbers>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "features/shapes.h"
 #include "planish/quads/pair_triangles.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
@@ -61,25 +60,6 @@ FaceSets faces_of_joined(const PolygonMesh& mesh, const std::vector<std::int32_t
   return faces;
 }
 
-template <class Change>
-PolygonMesh with_places(PolygonMesh mesh, const Change& change) {
-  for (glm::dvec3& p : mesh.positions) p = change(p);
-  return mesh;
-}
-
-PolygonMesh seen_in_a_mirror(const PolygonMesh& mesh) {
-  FaceList faces = faces_of(mesh);
-  for (auto& face : faces) std::ranges::reverse(face);
-  return with_places(make_mesh(mesh.positions, faces),
-                     [](const glm::dvec3& p) { return glm::dvec3(-p.x, p.y, p.z); });
-}
-
-glm::dvec3 about_an_axis(const glm::dvec3& p) {
-  const glm::dvec3 axis = glm::normalize(glm::dvec3(0.3, -0.7, 0.5));
-  const double c = std::cos(1.1), s = std::sin(1.1);
-  return c * p + s * glm::cross(axis, p) + (1 - c) * glm::dot(axis, p) * axis;
-}
-
 std::vector<NamedMesh> triangle_meshes() {
   std::vector<NamedMesh> meshes;
   for (int n = 5; n <= 16; ++n)
@@ -100,10 +80,10 @@ TEST(PairedTriangles, AreThoseOfTheShapeAlone) {
     const FaceSets own = faces_of_joined(mesh);
     EXPECT_EQ(faces_of_joined(jittered(mesh, 1e-12, 7)), own) << name << ", moved by rounding";
     for (const double scale : {1e-3, 1e3})
-      EXPECT_EQ(faces_of_joined(with_places(mesh, [&](const auto& p) { return scale * p; })), own)
+      EXPECT_EQ(faces_of_joined(moved(mesh, [&](const auto& p) { return scale * p; })), own)
           << name << " x " << scale;
-    EXPECT_EQ(faces_of_joined(with_places(mesh, about_an_axis)), own) << name << ", turned";
-    EXPECT_EQ(faces_of_joined(seen_in_a_mirror(mesh)), own) << name << ", mirrored";
+    EXPECT_EQ(faces_of_joined(turned(mesh)), own) << name << ", turned";
+    EXPECT_EQ(faces_of_joined(mirrored(mesh)), own) << name << ", mirrored";
     for (const std::uint32_t seed : {1u, 2u}) {
       const Relabelled other = relabelled(mesh, seed);
       EXPECT_EQ(faces_of_joined(other.mesh, other.new_index), own) << name << ", in another order";

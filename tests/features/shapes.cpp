@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_parts.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -212,6 +213,26 @@ void add_prisms(std::vector<FeatureCase>& cases, int first) {
     }
 }
 
+void add_frustum(std::vector<FeatureCase>& cases, int n, double taper) {
+  add(cases, "frustum " + std::to_string(n) + ", " + text(taper),
+      extruded(ellipse(n, 1, 1), 1, taper), n <= 6 ? all : is_level);
+}
+
+// Whether both ends lie on one circle about the axis.
+bool is_rim(const dvec3& a, const dvec3& b) {
+  return is_level(a, b) && std::abs(glm::length(dvec2(a)) - glm::length(dvec2(b))) < kSame;
+}
+
+void add_pipe(std::vector<FeatureCase>& cases, int n, double inner, double height) {
+  add(cases, "pipe " + std::to_string(n),
+      hollow(ellipse(n, 1, 1), ellipse(n, inner, inner), height), is_rim);
+}
+
+void add_extruded(std::vector<FeatureCase>& cases, const std::string& name,
+                  const Outline2& outline) {
+  add(cases, name, extruded(outline, 1), rims_and(outline));
+}
+
 IsSharp ridge_of_radius(double radius) {
   return [radius](const dvec3& a, const dvec3& b) {
     return is_level(a, b) && std::abs(glm::length(dvec2(a)) - radius) < kSame;
@@ -263,28 +284,17 @@ std::vector<FeatureCase> tuned_cases() {
   for (const double h : {0.25, 1.0, 2.7, 4.0})
     add(cases, "box 1 x 1 x " + text(h), extruded(box_outline(1, 1), h), all);
   for (const double taper : {0.5, 0.8})
-    for (const int n : {4, 8, 12})
-      add(
-          cases, "frustum " + std::to_string(n) + ", " + text(taper),
-          extruded(ellipse(n, 1, 1), 1, taper),
-          n <= 6 ? IsSharp(all) : [](const dvec3& a, const dvec3& b) { return is_level(a, b); });
+    for (const int n : {4, 8, 12}) add_frustum(cases, n, taper);
   add(cases, "L", extruded(l_outline(), 1), all);
   for (const double pitch : {30.0, 20.0})
     add(cases, "house, pitch " + text(pitch), house(3, 2, pitch), all);
   for (const double chamfer : {0.1, 0.05})
     add(cases, "box with chamfers of " + text(chamfer), chamfered_box(1, 1, 1, chamfer), all);
-  for (const int n : {8, 16}) {
-    const Outline2 outer = ellipse(n, 1, 1), inner = ellipse(n, 0.5, 0.5);
-    add(cases, "pipe " + std::to_string(n), hollow(outer, inner, 2),
-        [](const dvec3& a, const dvec3& b) {
-          return is_level(a, b) && std::abs(glm::length(dvec2(a)) - glm::length(dvec2(b))) < kSame;
-        });
-  }
+  for (const int n : {8, 16}) add_pipe(cases, n, 0.5, 2);
   for (const int n : {8, 16, 32})
     add(cases, "cone " + std::to_string(n), with_base(cone(n, 1), n), ridge_of_radius(1));
-  add(cases, "slot 4", extruded(slot_outline(4, 2), 1), rims_and(slot_outline(4, 2)));
-  add(cases, "rounded box 3", extruded(rounded_outline(3, 0.5), 1),
-      rims_and(rounded_outline(3, 0.5)));
+  add_extruded(cases, "slot 4", slot_outline(4, 2));
+  add_extruded(cases, "rounded box 3", rounded_outline(3, 0.5));
   add(cases, "tetrahedron", tetrahedron(), all);
   add(cases, "octahedron", bipyramid(4), all);
   add(cases, "icosahedron", icosphere(0), none);
@@ -301,50 +311,56 @@ std::vector<FeatureCase> held_out_cases() {
   for (const double h : {0.4, 0.7, 1.7, 3.0})
     add(cases, "box 1 x 1 x " + text(h), extruded(box_outline(1, 1), h), all);
   for (const double taper : {0.3, 0.65, 0.9})
-    for (const int n : {5, 9, 16})
-      add(
-          cases, "frustum " + std::to_string(n) + ", " + text(taper),
-          extruded(ellipse(n, 1, 1), 1, taper),
-          n <= 6 ? IsSharp(all) : [](const dvec3& a, const dvec3& b) { return is_level(a, b); });
+    for (const int n : {5, 9, 16}) add_frustum(cases, n, taper);
   add(cases, "U", extruded(u_outline(), 1), all);
   add(cases, "T", extruded(t_outline(), 0.3), all);
   for (const double pitch : {45.0, 12.0})
     add(cases, "house, pitch " + text(pitch), house(4, 1.5, pitch), all);
   for (const double chamfer : {0.15, 0.02})
     add(cases, "box with chamfers of " + text(chamfer), chamfered_box(2, 1, 0.7, chamfer), all);
-  for (const int n : {7, 12, 24}) {
-    const Outline2 outer = ellipse(n, 1, 1), inner = ellipse(n, 0.8, 0.8);
-    add(cases, "pipe " + std::to_string(n), hollow(outer, inner, 1),
-        [](const dvec3& a, const dvec3& b) {
-          return is_level(a, b) && std::abs(glm::length(dvec2(a)) - glm::length(dvec2(b))) < kSame;
-        });
-  }
+  for (const int n : {7, 12, 24}) add_pipe(cases, n, 0.8, 1);
   for (const int n : {10, 24})
     add(cases, "cone " + std::to_string(n), with_base(cone(n, 2), n), ridge_of_radius(1));
   for (const int n : {10, 12, 20})
-    add(cases, "oval " + std::to_string(n), extruded(ellipse(n, 1.5, 1), 1),
-        rims_and(ellipse(n, 1.5, 1)));
-  add(cases, "slot 6", extruded(slot_outline(6, 1), 1), rims_and(slot_outline(6, 1)));
-  add(cases, "rounded box 4", extruded(rounded_outline(4, 0.3), 1),
-      rims_and(rounded_outline(4, 0.3)));
+    add_extruded(cases, "oval " + std::to_string(n), ellipse(n, 1.5, 1));
+  add_extruded(cases, "slot 6", slot_outline(6, 1));
+  add_extruded(cases, "rounded box 4", rounded_outline(4, 0.3));
   add(cases, "icosphere 1", icosphere(1), none);
   add(cases, "icosphere 2", icosphere(2), none);
   add(cases, "sphere 8 x 6", uv_sphere(8, 6), none);
   add(cases, "sphere 16 x 8", uv_sphere(16, 8), none);
   add(cases, "torus 10", torus(30, 10, 1, 0.3), none);
   // A pipe of six sides, as a prism has.
-  add(cases, "torus 6", torus(18, 6, 1, 0.3), [](const dvec3& a, const dvec3& b) {
-    return is_level(a, b) && std::abs(glm::length(dvec2(a)) - glm::length(dvec2(b))) < kSame;
-  });
+  add(cases, "torus 6", torus(18, 6, 1, 0.3), is_rim);
   return cases;
 }
 
+namespace {
+
+PolygonMesh turned_about(PolygonMesh mesh, const dvec3& axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return moved(std::move(mesh), [&](const dvec3& p) {
+    return c * p + s * glm::cross(axis, p) + (1 - c) * glm::dot(axis, p) * axis;
+  });
+}
+
+}  // namespace
+
 PolygonMesh turned(PolygonMesh mesh) {
-  const dvec3 axis = glm::normalize(dvec3(0.3, -0.7, 0.5));
-  const double c = std::cos(1.1), s = std::sin(1.1);
-  for (dvec3& p : mesh.positions)
-    p = c * p + s * glm::cross(axis, p) + (1 - c) * glm::dot(axis, p) * axis;
-  return mesh;
+  return turned_about(std::move(mesh), glm::normalize(dvec3(0.3, -0.7, 0.5)), 1.1);
+}
+
+PolygonMesh mirrored(const PolygonMesh& mesh) {
+  FaceList faces = faces_of(mesh);
+  for (auto& face : faces) std::ranges::reverse(face);
+  return moved(make_mesh(mesh.positions, faces),
+               [](const dvec3& p) { return dvec3(-p.x, p.y, p.z); });
+}
+
+EdgeSet set_of(const std::vector<CreaseEdge>& edges) {
+  EdgeSet set;
+  for (const CreaseEdge& edge : edges) set.insert(std::minmax(edge.v0, edge.v1));
+  return set;
 }
 
 namespace {
@@ -438,51 +454,37 @@ KnownMesh presented(const Body& body, Lot& lot, std::string& what) {
     }
   }
   known.mesh = now.mesh;
-  const auto change = [&](const auto& to) {
-    for (dvec3& p : known.mesh.positions) p = to(p);
-  };
   if (lot.chance(0.3)) {
     what += "; jittered";
     known.mesh = jittered(known.mesh, 1e-12, static_cast<std::uint32_t>(lot.whole(0, 1 << 20)));
   }
   if (lot.chance(0.3)) {
     what += "; mirrored";
-    FaceList faces = faces_of(known.mesh);
-    for (auto& face : faces) std::ranges::reverse(face);
-    known.mesh = make_mesh(known.mesh.positions, faces);
-    change([](dvec3 p) { return dvec3(-p.x, p.y, p.z); });
+    known.mesh = mirrored(known.mesh);
   }
   if (lot.chance(0.6)) {
     what += "; turned";
     const dvec3 axis = glm::normalize(dvec3(lot.real(-1, 1), lot.real(-1, 1), lot.real(-1, 1)) +
                                       dvec3(1e-3, 0, 0));
-    const double angle = lot.real(0, 2 * glm::pi<double>()), c = std::cos(angle),
-                 s = std::sin(angle);
-    change([&](const dvec3& p) {
-      return c * p + s * glm::cross(axis, p) + (1 - c) * glm::dot(axis, p) * axis;
-    });
+    known.mesh = turned_about(std::move(known.mesh), axis, lot.real(0, 2 * glm::pi<double>()));
   }
   if (lot.chance(0.3)) {
     what += "; scaled";
     const double scale = lot.ratio(1e-3, 1e3);
-    change([&](const dvec3& p) { return scale * p; });
+    known.mesh = moved(std::move(known.mesh), [&](const dvec3& p) { return scale * p; });
   }
   if (lot.chance(0.3)) {
     what += "; far";
     const dvec3 far =
         1e3 * glm::length(known.mesh.positions[0] - known.mesh.positions[1]) * dvec3(1, -0.7, 0.4);
-    change([&](const dvec3& p) { return p + far; });
+    known.mesh = moved(std::move(known.mesh), [&](const dvec3& p) { return p + far; });
   }
   if (lot.chance(0.3)) {
     what += "; beside a ball";
-    const PolygonMesh ball = icosphere(2);
-    const std::int32_t count = known.mesh.vertex_count();
     const dvec3 by = known.mesh.positions[0] + dvec3(0, 0, 1e4);
-    for (const dvec3& p : ball.positions) known.mesh.positions.push_back(10.0 * p + by);
-    for (std::vector<std::int32_t> face : faces_of(ball)) {
-      for (std::int32_t& v : face) v += count;
-      known.mesh.add_face(face);
-    }
+    const PolygonMesh both[] = {known.mesh,
+                                moved(icosphere(2), [&](const dvec3& p) { return 10.0 * p + by; })};
+    known.mesh = merged_meshes(both).mesh;
   }
   if (lot.chance(0.3)) {
     what += "; in another order";

@@ -4,7 +4,9 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <random>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
@@ -37,8 +39,18 @@ using Outline2 = std::vector<glm::dvec2>;
 [[nodiscard]] std::vector<FeatureCase> tuned_cases();
 [[nodiscard]] std::vector<FeatureCase> held_out_cases();
 
+template <class Change>
+[[nodiscard]] PolygonMesh moved(PolygonMesh mesh, const Change& change) {
+  for (glm::dvec3& p : mesh.positions) p = change(p);
+  return mesh;
+}
 /// Turned, about an axis that goes with nothing.
 [[nodiscard]] PolygonMesh turned(PolygonMesh mesh);
+/// The other way round, which turns its faces, too.
+[[nodiscard]] PolygonMesh mirrored(const PolygonMesh& mesh);
+/// An edge is named by the lower of its vertices first.
+using EdgeSet = std::set<std::pair<std::int32_t, std::int32_t>>;
+[[nodiscard]] EdgeSet set_of(const std::vector<CreaseEdge>& edges);
 
 /// Numbers by lot.
 class Lot {

@@ -2,7 +2,6 @@
 // features_sweep [bodies of each kind] [meshes of each body] [kind]
 #include <cstdio>
 #include <cstdlib>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,14 +11,6 @@
 
 namespace planish::test {
 namespace {
-
-using EdgeSet = std::set<std::pair<std::int32_t, std::int32_t>>;
-
-EdgeSet set_of(const std::vector<CreaseEdge>& edges) {
-  EdgeSet set;
-  for (const CreaseEdge& edge : edges) set.insert(std::minmax(edge.v0, edge.v1));
-  return set;
-}
 
 struct Tally {
   int bodies = 0, lost = 0, uneven = 0;
