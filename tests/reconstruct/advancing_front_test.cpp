@@ -69,12 +69,11 @@ TEST(AdvancingFront, SaysHowFarItIsFromFirstToLast) {
   EXPECT_LT(widest, 0.08);
 }
 
-// A power of two keeps every bit of a double, so that the triangles must be the same ones.
 // A front closes the bays of a rim and half of a hole by triangles as long as the sheet.
 TEST(AdvancingFront, LeavesRimAndHoleOfASheetOpen) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     std::mt19937_64 random(seed);
-    const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    const auto unit = [&] { return test::unit_number(random); };
     PointCloud cloud;
     while (cloud.points.size() < 20'000) {
       const double x = 2 * unit() - 1, y = 2 * unit() - 1;
@@ -91,6 +90,7 @@ TEST(AdvancingFront, LeavesRimAndHoleOfASheetOpen) {
   }
 }
 
+// A power of two keeps every bit of a double, so that the triangles must be the same ones.
 TEST(AdvancingFront, KnowsNoUnit) {
   const std::vector<glm::dvec3> points = test::torus_points(3000, 23);
   const std::vector<Triangle> wanted = unturned(mesh_by_advancing_front(points));
@@ -236,7 +236,7 @@ TEST(CoarseMesh, IsTheSameForEveryThreadCount) {
 // sides here and there.
 TEST(CoarseMesh, KeepsTheSidesOfASheetApart) {
   std::mt19937_64 random(9);
-  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto unit = [&] { return test::unit_number(random); };
   constexpr double kThickness = 0.03;
   std::vector<glm::dvec3> points;
   for (int i = 0; i < 60'000; ++i) {
@@ -257,7 +257,7 @@ TEST(CoarseMesh, KeepsTheSidesOfASheetApart) {
 
 TEST(CoarseMesh, InsertsWherePointsObject) {
   std::mt19937_64 random(9);
-  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto unit = [&] { return test::unit_number(random); };
   std::vector<glm::dvec3> cube;
   for (int i = 0; i < 30'000; ++i) {
     glm::dvec3 p(2 * unit() - 1, 2 * unit() - 1, random() % 2 ? 1 : -1);
@@ -278,7 +278,7 @@ TEST(CoarseMesh, LeavesOutliersOutAndCountsThem) {
   std::vector<glm::dvec3> points = bumpy_points(kPoints, 33);
   const double spacing = 0.02;
   std::mt19937_64 random(3);
-  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto unit = [&] { return test::unit_number(random); };
   for (int i = 0; i < 300; ++i)
     points.emplace_back(3 * unit() - 1.5, 3 * unit() - 1.5, 2 + unit());  // far
   for (std::size_t i = 0; i < 100; ++i) {
@@ -297,19 +297,13 @@ TEST(CoarseMesh, LeavesOutliersOutAndCountsThem) {
 
 TEST(CoarseMesh, SmoothsNoise) {
   std::vector<glm::dvec3> points = test::torus_points(30'000, 34);
-  std::mt19937_64 random(5);
-  for (glm::dvec3& p : points)
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] += 0.02 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
+  test::add_noise(points, 0.02, 5);
   ReconstructOptions options{.coarse_from = 1000};
   const PointCloud cloud{.points = points};
   const Reconstruction result = reconstruct(cloud, mesh_by_advancing_front, options);
   EXPECT_GE(result.smooth_rounds, 1);
   EXPECT_NEAR(result.noise, 0.02 / std::sqrt(12), 0.001);
-  double squares = 0;
-  for (const glm::dvec3& p : result.mesh.positions)
-    squares += std::pow(test::distance_to_torus(p), 2);
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(result.mesh.positions.size())), 0.004);
+  EXPECT_LT(test::rms_distance_to_torus(result.mesh.positions), 0.004);
 }
 
 TEST(CoarseMesh, SaysWhatIsNoSurface) {

@@ -59,7 +59,7 @@ TEST(Clean, RemovesWhatSticksOutOfTheSurfaceAndNothingElse) {
 TEST(Clean, KeepsPointsOfEdges) {
   std::vector<glm::dvec3> cube;
   std::mt19937_64 random(3);
-  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto unit = [&] { return test::unit_number(random); };
   for (int i = 0; i < 12'000; ++i) {
     glm::dvec3 p(unit(), unit(), unit());
     p[i % 3] = i / 3 % 2;
@@ -88,7 +88,7 @@ TEST(Clean, TakesManySparsePointsForAPartOfTheShape) {
 TEST(Clean, KeepsASparsePartOfTheShapeButNoOutliers) {
   std::vector<glm::dvec3> points;
   std::mt19937_64 random(9);
-  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto unit = [&] { return test::unit_number(random); };
   for (const glm::dvec3& p : test::torus_points(60'000, 6))
     if (p.x > 0 || unit() < 0.03) points.push_back(p);
   const auto on_torus = static_cast<std::int32_t>(points.size());
@@ -131,16 +131,10 @@ std::vector<glm::dvec3> noisy_torus(double deviation) {
     const double around = std::hypot(p.x, p.y);
     const glm::dvec3 ring(p.x / around, p.y / around, 0);
     double sum = -6;  // of twelve uniform numbers: deviation 1
-    for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() >> 11) * 0x1p-53;
+    for (int i = 0; i < 12; ++i) sum += test::unit_number(random);
     p += deviation * sum * glm::normalize(p - ring);
   }
   return points;
-}
-
-double rms_distance(const std::vector<glm::dvec3>& points) {
-  double sum = 0;
-  for (const glm::dvec3& p : points) sum += test::distance_to_torus(p) * test::distance_to_torus(p);
-  return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
 TEST(SmoothPoints, LeavesAQuadricWhereItIs) {
@@ -157,8 +151,8 @@ TEST(SmoothPoints, LeavesAQuadricWhereItIs) {
 
 TEST(SmoothPoints, TakesNoiseAway) {
   const auto points = noisy_torus(0.01);
-  EXPECT_NEAR(rms_distance(points), 0.01, 5e-4);
-  EXPECT_LT(rms_distance(smooth_points(points, 2)), 0.006);
+  EXPECT_NEAR(test::rms_distance_to_torus(points), 0.01, 5e-4);
+  EXPECT_LT(test::rms_distance_to_torus(smooth_points(points, 2)), 0.006);
 }
 
 TEST(SmoothPoints, MeasuresTheNoise) {
@@ -180,9 +174,8 @@ TEST(SmoothPoints, LeavesEdgesToWhoKnowsTheNoise) {
   std::vector<glm::dvec3> roof;
   for (int i = 0; i < 60; ++i)
     for (int j = -30; j <= 30; ++j)
-      roof.emplace_back(
-          i + 0.1 * (j % 3), j,
-          -std::abs(j) + 0.05 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5));
+      roof.emplace_back(i + 0.1 * (j % 3), j,
+                        -std::abs(j) + 0.05 * (test::unit_number(random) - 0.5));
   const auto ridge_height = [&](const std::vector<glm::dvec3>& points) {
     double sum = 0;
     for (int i = 10; i < 50; ++i) sum += points[i * 61 + 30].z;

@@ -79,10 +79,7 @@ TEST(Reconstruct, ChoosesByTheNoise) {
   const Reconstruction clean = reconstruct({.points = torus.positions}, mesher, {});
   EXPECT_EQ(clean.smooth_rounds, 0);
   EXPECT_EQ(clean.tolerance, 1e-4);
-  std::mt19937_64 random(5);
-  for (glm::dvec3& p : torus.positions)
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] += 0.06 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
+  test::add_noise(torus.positions, 0.06, 5);
   const PointCloud cloud{.points = torus.positions};
   const Reconstruction noisy = reconstruct(cloud, mesher, {});
   EXPECT_NEAR(noisy.noise, 0.06 / std::sqrt(12), 0.004);
@@ -90,29 +87,15 @@ TEST(Reconstruct, ChoosesByTheNoise) {
   EXPECT_EQ(noisy.tolerance, noisy.noise / noisy.diagonal);
   EXPECT_NEAR(noisy.diagonal, diagonal, 0.1);
   // Smoothing takes away more than half of what the same points have without it.
-  const auto rms = [](const std::vector<glm::dvec3>& points) {
-    double sum = 0;
-    for (const glm::dvec3& p : points) sum += std::pow(test::distance_to_torus(p), 2);
-    return std::sqrt(sum / static_cast<double>(points.size()));
-  };
   const Reconstruction as_given = reconstruct(cloud, mesher, {.smooth_rounds = 0});
-  EXPECT_LT(rms(noisy.mesh.positions), 0.6 * rms(as_given.mesh.positions));
+  EXPECT_LT(test::rms_distance_to_torus(noisy.mesh.positions),
+            0.6 * test::rms_distance_to_torus(as_given.mesh.positions));
   // What is asked for counts, and what keeps every point keeps its place.
   EXPECT_EQ(reconstruct(cloud, mesher, {.tolerance = 0.02}).tolerance, 0.02);
   const Reconstruction all = reconstruct(cloud, mesher, {.tolerance = 0});
   EXPECT_EQ(all.smooth_rounds, 0);
   EXPECT_EQ(all.mesh.positions, torus.positions);
   EXPECT_EQ(reconstruct(cloud, mesher, {.measure_noise = false}).smooth_rounds, 0);
-}
-
-TEST(Reconstruct, WarnsOfATolerancesBelowTheNoise) {
-  test::TriangleMesh torus = test::torus_mesh(90, 45);
-  std::mt19937_64 random(5);
-  for (glm::dvec3& p : torus.positions)
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] += 0.06 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
-  const PointCloud cloud{.points = torus.positions};
-  const Mesher mesher = given(torus.triangles);
   EXPECT_THAT(codes_of(cloud, mesher, {.tolerance = 1e-3}),
               testing::ElementsAre("tolerance-below-noise"));
   EXPECT_THAT(codes_of(cloud, mesher, {.tolerance = 0.02, .smooth_rounds = 0}), testing::IsEmpty());
@@ -170,6 +153,15 @@ TEST(Reconstruct, RefusesWhatIsNoSurface) {
               HasSubstr("tolerance-mesh"));
 }
 
+// A square of side 18 about the origin that rises with x, facing up.
+PolygonMesh large_square(double slope, double height) {
+  PolygonMesh mesh;
+  for (const auto& [x, y] : {std::pair(-9, -9), {9, -9}, {9, 9}, {-9, 9}})
+    mesh.positions.emplace_back(x, y, height + slope * x);
+  mesh.add_face(std::array{0, 1, 2, 3});
+  return mesh;
+}
+
 // A square of side 1 at the given height, facing up.
 SurfaceMesh square(double height) {
   SurfaceMesh surface;
@@ -185,13 +177,8 @@ SourceComparison compare(const SurfaceMesh& surface, const PolygonMesh& source) 
 }
 
 TEST(CompareSource, MeasuresDistanceAndTurn) {
-  // A large square through the origin that rises with x at 30 degrees.
-  const double slope = std::tan(M_PI / 6);
-  PolygonMesh source;
-  source.positions = {
-      {-9, -9, -9 * slope}, {9, -9, 9 * slope}, {9, 9, 9 * slope}, {-9, 9, -9 * slope}};
-  source.add_face(std::array{0, 1, 2, 3});
-  const SourceComparison comparison = compare(square(0), source);
+  const SourceComparison comparison =
+      compare(square(0), large_square(std::tan(M_PI / 6), 0));  // at 30 degrees
   EXPECT_NEAR(comparison.quality.rms_normal_deviation, 30.0, 1e-9);
   EXPECT_NEAR(comparison.quality.max_normal_deviation, 30.0, 1e-9);
   EXPECT_EQ(comparison.quality.folded_area, 0.0);
@@ -201,21 +188,15 @@ TEST(CompareSource, MeasuresDistanceAndTurn) {
 }
 
 TEST(CompareSource, ATurnedSourceIsAllFolds) {
-  PolygonMesh source;
-  source.positions = {{-9, -9, 1}, {9, -9, 1}, {9, 9, 1}, {-9, 9, 1}};
-  source.add_face(std::array{0, 3, 2, 1});
+  PolygonMesh source = large_square(0, 1);
+  std::ranges::reverse(source.face_vertices);
   const SourceComparison comparison = compare(square(0), source);
   EXPECT_EQ(comparison.quality.folded_area, 1.0);
   EXPECT_DOUBLE_EQ(comparison.distances.rms, 1.0);
 }
 
 TEST(CompareSource, BothSidesOfACreaseFindTheirOwn) {
-  PolygonMesh cube = test::cube();
-  for (std::int32_t a = 0; a < 8; ++a) {
-    for (const std::int32_t bit : {1, 2, 4}) {
-      if ((a & bit) == 0) cube.creases.push_back({a, a | bit, kInfiniteSharpness});
-    }
-  }
+  const PolygonMesh cube = test::creased_cube();
   const SurfaceMesh surface = evaluate(cube, *make_cpu_backend(), {.level = 3});
   const SourceComparison comparison = compare(surface, cube);
   EXPECT_LT(comparison.quality.max_normal_deviation, 1e-4);

@@ -126,13 +126,12 @@ TEST(OpenBridges, AreStripsAcrossAHoleButNotWhatClosesIt) {
 
 // A strip of two triangles from the wave to rows of another, 20 away.
 test::TriangleMesh joined(std::int32_t rows) {
-  test::TriangleMesh mesh = wave();
+  test::TriangleMesh mesh = wave(), other = wave();
   const auto first = static_cast<std::int32_t>(mesh.positions.size());
-  const test::TriangleMesh other = wave();
-  for (const glm::dvec3& p : other.positions) mesh.positions.push_back(p + glm::dvec3(0, 60, 0));
-  for (const Triangle& t : other.triangles)
-    if (std::ranges::all_of(t, [&](std::int32_t v) { return v % (kSize + 1) <= rows; }))
-      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  std::erase_if(other.triangles, [&](const Triangle& t) {
+    return std::ranges::any_of(t, [&](std::int32_t v) { return v % (kSize + 1) > rows; });
+  });
+  test::append(mesh, other, {0, 60, 0});
   mesh.triangles.push_back({at(10, kSize), at(11, kSize), first + at(10, 0)});
   mesh.triangles.push_back({at(11, kSize), first + at(11, 0), first + at(10, 0)});
   return mesh;
@@ -176,14 +175,8 @@ TEST(TurnByNormals, OpenSheetsFollowTheMajority) {
 
 TEST(TurnByNormals, SheetsTurnEachForItself) {
   test::TriangleMesh mesh = sheet();
-  const std::size_t count = mesh.positions.size(), triangle_count = mesh.triangles.size();
-  for (std::size_t i = 0; i < count; ++i)
-    mesh.positions.push_back(mesh.positions[i] + glm::dvec3(0, 0, 9));
-  for (std::size_t t = 0; t < triangle_count; ++t) {
-    Triangle moved = mesh.triangles[t];
-    for (std::int32_t& v : moved) v += static_cast<std::int32_t>(count);
-    mesh.triangles.push_back(moved);
-  }
+  const std::size_t count = mesh.positions.size();
+  test::append(mesh, sheet(), {0, 0, 9});
   std::vector<glm::vec3> normals(2 * count, {0, 0, 1});
   for (std::size_t i = count; i < 2 * count; ++i) normals[i] = {0, 0, -1};
   EXPECT_EQ(turn_by_normals(mesh.positions, normals, mesh.triangles), 1);
@@ -230,13 +223,6 @@ TEST(TurnByNormals, CloudsGiveTheirMeshNormalsAndColours) {
   }
 }
 
-PolygonMesh repaired_polygons(const std::vector<glm::dvec3>& positions,
-                              const std::vector<Triangle>& triangles) {
-  PolygonMesh mesh = polygons_of(triangles);
-  mesh.positions = positions;
-  return mesh;
-}
-
 double volume(const std::vector<glm::dvec3>& p, const std::vector<Triangle>& triangles) {
   double sum = 0;
   for (const Triangle& t : triangles) sum += glm::dot(p[t[0]], glm::cross(p[t[1]], p[t[2]])) / 6;
@@ -249,7 +235,7 @@ TEST(Repair, OrientsTrianglesOfAnyWinding) {
     if (t % 3 != 1) std::swap(torus.triangles[t][0], torus.triangles[t][1]);
   const RepairedTriangles result = repair_triangles(torus.positions, torus.triangles);
   EXPECT_EQ(result.dropped_triangle_count, 0);
-  const PolygonMesh mesh = repaired_polygons(torus.positions, result.triangles);
+  const PolygonMesh mesh = test::polygons_of(torus.positions, result.triangles);
   EXPECT_TRUE(check(mesh).empty());
   EXPECT_EQ(statistics(mesh).genus, 1);
   EXPECT_GT(volume(torus.positions, result.triangles), 2);
@@ -276,19 +262,16 @@ TEST(Repair, FillsShortLoopsOnly) {
       repair_triangles(torus.positions, torus.triangles, {.longest_filled_loop = 6});
   EXPECT_EQ(closed.filled_loop_count, 1);
   EXPECT_EQ(closed.triangles.size(), torus.triangles.size() + 4);
-  const PolygonMesh mesh = repaired_polygons(torus.positions, closed.triangles);
+  const PolygonMesh mesh = test::polygons_of(torus.positions, closed.triangles);
   EXPECT_TRUE(check(mesh).empty());
   EXPECT_EQ(statistics(mesh).boundary_loop_count, 0);
 }
 
 TEST(Repair, KeepsTheAskedComponents) {
   test::TriangleMesh mesh = test::torus_mesh(20, 12);
-  const auto first = static_cast<std::int32_t>(mesh.positions.size());
-  for (const glm::dvec3& p :
-       {glm::dvec3(5, 0, 0), glm::dvec3(6, 0, 0), glm::dvec3(5, 1, 0), glm::dvec3(5, 0, 1)})
-    mesh.positions.push_back(p);
-  mesh.triangles.push_back({first, first + 2, first + 1});
-  mesh.triangles.push_back({first, first + 1, first + 3});
+  const test::TriangleMesh two{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                               {{0, 2, 1}, {0, 1, 3}}};
+  test::append(mesh, two, {5, 0, 0});
   using Keep = ComponentRule::Keep;
   const auto left = [&](Keep keep, std::int64_t least) {
     return repair_triangles(mesh.positions, mesh.triangles, {.components = {keep, least}})
@@ -303,11 +286,7 @@ TEST(Repair, KeepsTheAskedComponents) {
 
 TEST(Repair, KeepsPartsOfAFiftiethOfTheLargest) {
   test::TriangleMesh mesh = test::torus_mesh(20, 12);
-  const test::TriangleMesh small = test::torus_mesh(3, 3);
-  const auto first = static_cast<std::int32_t>(mesh.positions.size());
-  for (const glm::dvec3& p : small.positions) mesh.positions.push_back(p + glm::dvec3(5, 0, 0));
-  for (const Triangle& t : small.triangles)
-    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  test::append(mesh, test::torus_mesh(3, 3), {5, 0, 0});
   for (const std::size_t kept : {10, 9, 8}) {
     mesh.triangles.resize(480 + kept);
     EXPECT_EQ(repair_triangles(mesh.positions, mesh.triangles, {.longest_filled_loop = 0})
@@ -331,7 +310,7 @@ TEST(Repair, MakesAManifoldOfAnything) {
     }
     const RepairedTriangles result =
         repair_triangles(positions, triangles, {.components = {ComponentRule::Keep::All}});
-    const auto problems = check(repaired_polygons(positions, result.triangles));
+    const auto problems = check(test::polygons_of(positions, result.triangles));
     EXPECT_TRUE(problems.empty()) << problems.front().message;
     EXPECT_FALSE(result.triangles.empty());
   }

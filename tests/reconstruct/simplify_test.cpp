@@ -57,14 +57,16 @@ struct GivenState {
 namespace planish {
 namespace {
 
-PolygonMesh polygons(const CollapseMesh& mesh, const std::vector<glm::dvec3>& positions) {
+std::vector<Triangle> triangles_of(const CollapseMesh& mesh) {
   std::vector<Triangle> triangles;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
     if (mesh.is_alive(static_cast<std::int32_t>(t)))
       triangles.push_back(mesh.triangle(static_cast<std::int32_t>(t)));
-  PolygonMesh result = polygons_of(triangles);
-  result.positions = positions;
-  return result;
+  return triangles;
+}
+
+PolygonMesh polygons(const CollapseMesh& mesh, const std::vector<glm::dvec3>& positions) {
+  return test::polygons_of(positions, triangles_of(mesh));
 }
 
 // Valences that the mesh keeps up to date, against those counted afresh.
@@ -176,14 +178,6 @@ TEST(FlipPass, FlipsNothingThatMovesACarriedPointTooFar) {
   }
 }
 
-std::vector<Triangle> triangles_of(const CollapseMesh& mesh) {
-  std::vector<Triangle> triangles;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    if (mesh.is_alive(static_cast<std::int32_t>(t)))
-      triangles.push_back(mesh.triangle(static_cast<std::int32_t>(t)));
-  return triangles;
-}
-
 // Mean distance of vertices from the middle of their neighbours, in lengths of their edges.
 double unevenness(const CollapseMesh& mesh, const std::vector<glm::dvec3>& positions) {
   double sum = 0;
@@ -207,11 +201,7 @@ void expect_moved_within_tolerance(const test::TriangleMesh& given, double toler
   test::GivenState given_state(given, given.positions.size(), options);
   SimplifyState& state = given_state.state;
   CollapsePass(state).run();
-  const MeshStatistics before = [&] {
-    PolygonMesh mesh = polygons_of(triangles_of(state.mesh));
-    mesh.positions = state.positions;
-    return statistics(mesh);
-  }();
+  const MeshStatistics before = statistics(polygons(state.mesh, state.positions));
   const double uneven = unevenness(state.mesh, state.positions);
   MovePass(state).run();
   EXPECT_GT(state.result.move_count, 10);
@@ -219,8 +209,7 @@ void expect_moved_within_tolerance(const test::TriangleMesh& given, double toler
   const std::vector<Triangle> triangles = triangles_of(state.mesh);
   const PointDistances distances = measure_distances(given.positions, state.positions, triangles);
   EXPECT_LE(distances.max, tolerance * (1 + 1e-12));
-  PolygonMesh mesh = polygons_of(triangles);
-  mesh.positions = state.positions;
+  const PolygonMesh mesh = test::polygons_of(state.positions, triangles);
   for (std::size_t v = 0; v < state.positions.size(); ++v)
     EXPECT_EQ(state.positions[v], state.points[state.vertex_points[v]]);
   EXPECT_TRUE(check(mesh).empty());
@@ -255,8 +244,7 @@ using testing::HasSubstr;
 
 MeshStatistics checked_statistics(const std::vector<glm::dvec3>& positions,
                                   const std::vector<Triangle>& triangles) {
-  PolygonMesh mesh = polygons_of(triangles);
-  mesh.positions = positions;
+  const PolygonMesh mesh = test::polygons_of(positions, triangles);
   EXPECT_TRUE(check(mesh).empty());
   return statistics(mesh);
 }

@@ -42,23 +42,40 @@ TEST(SpatialOrder, TakesFlatAndSinglePlaces) {
   EXPECT_EQ(spatial_order(same), (std::vector<std::int32_t>{0, 1, 2}));
 }
 
+// Places near those of the cloud, and those points of it by their distance.
+template <class Points, class Check>
+void for_queries(const Points& points, const Check& check) {
+  for (std::size_t q = 0; q < points.size(); q += 7) {
+    const glm::dvec3 query = points[q] + glm::dvec3(0.01 * static_cast<double>(q % 5), 0, 0.02);
+    std::vector<double> expected;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const glm::dvec3 difference = points[i] - query;
+      expected.push_back(glm::dot(difference, difference));
+    }
+    std::ranges::sort(expected);
+    check(q, query, expected);
+  }
+}
+
+template <class Points>
+void expect_nearest(const Points& points, const glm::dvec3& query,
+                    const std::vector<Neighbour>& nearest, const std::vector<double>& expected) {
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    EXPECT_EQ(nearest[i].squared_distance, expected[i]);
+    const glm::dvec3 difference = points[nearest[i].index] - query;
+    EXPECT_EQ(glm::dot(difference, difference), expected[i]);
+  }
+}
+
 TEST(PointTree, FindsWhatTryingEveryPointFinds) {
   std::vector<glm::dvec3> points = test::torus_points(700, 3);
   points.insert(points.end(), 30, points.front());  // more than a leaf at one place
   const PointTree tree(points);
-  for (std::size_t q = 0; q < points.size(); q += 7) {
-    const glm::dvec3 query = points[q] + glm::dvec3(0.01 * static_cast<double>(q % 5), 0, 0.02);
-    std::vector<double> expected;
-    for (const glm::dvec3& p : points) expected.push_back(glm::dot(p - query, p - query));
-    std::ranges::sort(expected);
+  for_queries(points, [&](std::size_t, const glm::dvec3& query, const auto& expected) {
     std::vector<Neighbour> nearest(17);
     ASSERT_EQ(tree.find_nearest(query, nearest), 17u);
-    for (std::size_t i = 0; i < nearest.size(); ++i) {
-      EXPECT_EQ(nearest[i].squared_distance, expected[i]);
-      const glm::dvec3 difference = points[nearest[i].index] - query;
-      EXPECT_EQ(glm::dot(difference, difference), expected[i]);
-    }
-  }
+    expect_nearest(points, query, nearest, expected);
+  });
 }
 
 TEST(PointTree, GivesAllPointsOfASmallCloud) {
@@ -133,25 +150,18 @@ TEST(OrderedTree, FindsWhatTryingEveryPointFinds) {
     given.insert(given.end(), 30, given.front());
     const OrderedPoints points(given);
     const OrderedTree tree(points);
-    for (std::size_t q = 0; q < points.size(); q += 7) {
-      const glm::dvec3 query = points[q] + glm::dvec3(0.01 * static_cast<double>(q % 5), 0, 0.02);
-      std::vector<double> expected;
-      for (const glm::dvec3& p : given) expected.push_back(glm::dot(p - query, p - query));
-      std::ranges::sort(expected);
+    for_queries(points, [&](std::size_t q, const glm::dvec3& query, const auto& expected) {
       for (const std::int32_t start : {static_cast<std::int32_t>(q), 0, 729}) {
         std::vector<Neighbour> nearest(17);
         ASSERT_EQ(tree.find_nearest(query, start, nearest), 17u);
-        for (std::size_t i = 0; i < nearest.size(); ++i) {
-          EXPECT_EQ(nearest[i].squared_distance, expected[i]);
-          const glm::dvec3 difference = points[nearest[i].index] - query;
-          EXPECT_EQ(glm::dot(difference, difference), expected[i]);
-          // Those that are equally near come by their numbers, wherever the search began.
-          if (i > 0 && expected[i] == expected[i - 1]) {
+        expect_nearest(points, query, nearest, expected);
+        // Those that are equally near come by their numbers, wherever the search began.
+        for (std::size_t i = 1; i < nearest.size(); ++i)
+          if (expected[i] == expected[i - 1]) {
             EXPECT_GT(nearest[i].index, nearest[i - 1].index);
           }
-        }
       }
-    }
+    });
   }
 }
 
@@ -191,7 +201,7 @@ TEST(PackedNormal, IsWithinAHundredthOfADegree) {
 TEST(TriangleShape, MeasuresEveryRegion) {
   std::mt19937_64 random(9);
   const auto place = [&] {
-    const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    const auto unit = [&] { return test::unit_number(random); };
     return glm::dvec3(unit(), unit(), unit());
   };
   for (int i = 0; i < 20000; ++i) {

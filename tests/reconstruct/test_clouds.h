@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/mesh/edge_groups.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish::test {
@@ -19,11 +20,15 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;
 };
 
+/// Numbers of 0 to 1. Not std::uniform_real_distribution: its numbers differ between libraries.
+inline double unit_number(std::mt19937_64& random) {
+  return static_cast<double>(random() >> 11) * 0x1p-53;
+}
+
 /// Points of a torus about z, radii 1 and 0.4, by rejection uniform in area.
 inline std::vector<glm::dvec3> torus_points(std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  // Not std::uniform_real_distribution: its numbers differ between libraries.
-  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto unit = [&] { return unit_number(random); };
   std::vector<glm::dvec3> points;
   while (points.size() < count) {
     const double u = 2 * std::numbers::pi * unit(), v = 2 * std::numbers::pi * unit();
@@ -37,6 +42,19 @@ inline std::vector<glm::dvec3> torus_points(std::size_t count, std::uint64_t see
 inline double distance_to_torus(const glm::dvec3& p) {
   const double ring = std::hypot(p.x, p.y) - 1;
   return std::abs(std::hypot(ring, p.z) - 0.4);
+}
+
+inline double rms_distance_to_torus(const std::vector<glm::dvec3>& points) {
+  double sum = 0;
+  for (const glm::dvec3& p : points) sum += std::pow(distance_to_torus(p), 2);
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+/// Each coordinate moved by up to half of `width`.
+inline void add_noise(std::vector<glm::dvec3>& points, double width, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  for (glm::dvec3& p : points)
+    for (int axis = 0; axis < 3; ++axis) p[axis] += width * (unit_number(random) - 0.5);
 }
 
 /// A regular triangle mesh of the same torus.
@@ -70,6 +88,21 @@ TriangleMesh grid_mesh(std::int32_t size, const Height& height) {
       mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   }
+  return mesh;
+}
+
+/// Puts another mesh, so far off, beside the first.
+inline void append(TriangleMesh& mesh, const TriangleMesh& other, const glm::dvec3& off) {
+  const auto first = static_cast<std::int32_t>(mesh.positions.size());
+  for (const glm::dvec3& p : other.positions) mesh.positions.push_back(p + off);
+  for (const Triangle& t : other.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+inline PolygonMesh polygons_of(const std::vector<glm::dvec3>& positions,
+                               const std::vector<Triangle>& triangles) {
+  PolygonMesh mesh = planish::polygons_of(triangles);
+  mesh.positions = positions;
   return mesh;
 }
 
