@@ -25,7 +25,7 @@ static void test_errors(void) {
   planish_surface_arrays_init(&arrays, sizeof arrays);
   planish_verification_init(&found, sizeof found);
   set(options, "max_iterations", "1");
-  EXPECT(planish_mesh_create(&given, &mesh) == PLANISH_OK);
+  mesh = made(given);
   EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_NOT_CONVERGED);
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK);
   EXPECT(planish_fit_evaluate(fit, 1, &surface) == PLANISH_OK);
@@ -120,10 +120,9 @@ static void test_derivatives(void) {
   planish_options* rounded = options_with("creases", "use");
   static const planish_place places[] = {{2, 0.3, 0.4}, {5, 0.7, 0.1}, {0, 0.62, 0.81}};
   planish_mesh* mesh = cube();
-  planish_fit* fit = NULL;
+  planish_fit* fit = fitted(mesh, rounded);
   planish_queries* queries = NULL;
   size_t i;
-  EXPECT(planish_fit_create(mesh, rounded, &fit) == PLANISH_OK);
   EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
   for (i = 0; i < 3; ++i) check_derivatives(queries, places + i);
   planish_queries_free(queries);

@@ -1,6 +1,7 @@
 /* What C programs of these tests share: counted failures, and a cube. */
 #include <planish/c/planish.h>
 #include <stdio.h>
+#include <string.h>
 
 static int failures = 0;
 
@@ -10,6 +11,14 @@ static void expect(int holds, const char* what, int line) {
   fprintf(stderr, "line %d: %s; last error: %s\n", line, what, planish_last_error());
 }
 #define EXPECT(condition) expect(condition, #condition, __LINE__)
+
+static inline void expect_refused(planish_status given, planish_status wanted, const char* words,
+                                  const char* what, int line) {
+  expect(given == wanted, what, line);
+  expect(strstr(planish_last_error(), words) != NULL, words, line);
+}
+#define EXPECT_REFUSED(call, status, words) expect_refused(call, status, words, #call, __LINE__)
+#define EXPECT_INVALID(call, words) EXPECT_REFUSED(call, PLANISH_INVALID_ARGUMENT, words)
 
 static const double kPositions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0,
                                     0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1};
@@ -28,21 +37,35 @@ static inline planish_options* options_with(const char* name, const char* value)
   return options;
 }
 
-static planish_mesh_arrays cube_arrays(void) {
+/* Faces of as many corners each. */
+static inline planish_mesh_arrays arrays_of(const double* positions, size_t vertex_count,
+                                            const int32_t* corners, size_t face_count,
+                                            int corners_per_face) {
   planish_mesh_arrays arrays;
   planish_mesh_arrays_init(&arrays, sizeof arrays);
-  arrays.positions = kPositions;
-  arrays.vertex_count = 8;
-  arrays.face_count = 6;
-  arrays.corners_per_face = 4;
-  arrays.face_vertices = kCorners;
-  arrays.corner_count = 24;
+  arrays.positions = positions;
+  arrays.vertex_count = vertex_count;
+  arrays.face_count = face_count;
+  arrays.corners_per_face = corners_per_face;
+  arrays.face_vertices = corners;
+  arrays.corner_count = face_count * (size_t)corners_per_face;
   return arrays;
 }
 
-static inline planish_mesh* cube(void) {
-  const planish_mesh_arrays arrays = cube_arrays();
+static inline planish_mesh_arrays cube_arrays(void) {
+  return arrays_of(kPositions, 8, kCorners, 6, 4);
+}
+
+static inline planish_mesh* made(planish_mesh_arrays arrays) {
   planish_mesh* mesh = NULL;
   EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
   return mesh;
+}
+
+static inline planish_mesh* cube(void) { return made(cube_arrays()); }
+
+static inline planish_fit* fitted(const planish_mesh* mesh, const planish_options* options) {
+  planish_fit* fit = NULL;
+  EXPECT(planish_fit_create(mesh, options, &fit) == PLANISH_OK);
+  return fit;
 }

@@ -1,5 +1,5 @@
-/* What planish.h says of threads: several read the same handles at once and get the bits of one alone, and each
- * has its own last error. */
+/* What planish.h says of threads: several read the same handles at once and get the bits of one
+ * alone, and each has its own last error. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <planish/c/editor.h>
@@ -81,7 +81,8 @@ static void read_all(reader* self) {
   planish_editor_arrays rows;
   self->seen = 14695981039346656037u;
   sprintf(wrong, "%d", 100 + self->number);
-  self->failures += planish_fit_evaluate(fit, 100 + self->number, &surface) != PLANISH_INVALID_ARGUMENT;
+  self->failures +=
+      planish_fit_evaluate(fit, 100 + self->number, &surface) != PLANISH_INVALID_ARGUMENT;
   self->failures += planish_fit_evaluate(fit, 2, &surface) != PLANISH_OK;
   see_surface(self, surface);
   self->failures += planish_fit_tessellate(fit, 1e-3, 0, &surface) != PLANISH_OK;
@@ -112,7 +113,7 @@ static void make_handles(void) {
   const int32_t moved = 7;
   const double to[3] = {1.5, 0.1, 0.1};
   mesh = torus();
-  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
+  fit = fitted(mesh, NULL);
   EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
   EXPECT(planish_editor_create(fit, 1, &editor) == PLANISH_OK);
   EXPECT(planish_editor_queries(editor, &edited) == PLANISH_OK);

@@ -8,8 +8,6 @@ enum { kAlong = 96, kAround = 72, kCount = kAlong * kAround };
 static planish_mesh* torus(void) {
   static double positions[3 * kCount];
   static int32_t corners[4 * kCount];
-  planish_mesh_arrays arrays;
-  planish_mesh* mesh = NULL;
   int i, k;
   for (i = 0; i < kAlong; ++i) {
     for (k = 0; k < kAround; ++k) {
@@ -25,12 +23,5 @@ static planish_mesh* torus(void) {
       f[3] = i * kAround + (k + 1) % kAround;
     }
   }
-  planish_mesh_arrays_init(&arrays, sizeof arrays);
-  arrays.positions = positions;
-  arrays.vertex_count = arrays.face_count = kCount;
-  arrays.corners_per_face = 4;
-  arrays.face_vertices = corners;
-  arrays.corner_count = 4 * kCount;
-  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
-  return mesh;
+  return made(arrays_of(positions, kCount, corners, kCount, 4));
 }
