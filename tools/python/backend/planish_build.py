@@ -70,7 +70,7 @@ def _build(prefix, settings):
             ["cmake", "-S", str(ROOT), "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
              "-DPLANISH_PYTHON=ON", f"-DPython3_EXECUTABLE={sys.executable}",
              f"-DPYTHON_EXECUTABLE={sys.executable}", "-DPLANISH_PYTHON_FOLDER=.",
-             "-DPLANISH_TESTS=OFF", "-DPLANISH_BENCH=OFF", "-DPLANISH_VIEWER=OFF",
+             "-DPLANISH_PRODUCTS=OFF", "-DPLANISH_DEV=OFF",
              "-DPLANISH_VULKAN=OFF", "-DPLANISH_RECONSTRUCT=OFF", *launcher,
              *shlex.split(settings.get("cmake", ""))],
             check=True,
