@@ -168,8 +168,8 @@ FitOption levels_option() {
            .choices = "auto|L[,L2,...]",
            .initial = "auto",
            .example = "3,1",
-           .help = "splits of each face into quads, 0 to 6; auto: 2, or 1 where the mesh "
-                   "is dense; several: NAME_LOD0.glb, ...; 3D Tiles: all from 1 to it",
+           .help = "quad splits, 0 to 6; auto: 2, dense meshes 1; several: NAME_LOD0.glb, "
+                   "...; 3D Tiles: all from 1 to it",
            .entry = "level",
            .word = "auto"},
           [](FitSettings& settings, const OptionValue& value, Where) {
@@ -351,10 +351,9 @@ FitOption creases_option() {
            .choices = "choose|use|ignore|normals|auto[:DEGREES]",
            .initial = "choose",
            .example = "auto:40",
-           .help = "choose: the edges that the file tags, else those that planish finds; "
-                   "use: tagged edges only; ignore: none; normals: also where the file "
-                   "splits normals; auto: also edges that planish finds, or all that turn "
-                   "by more than DEGREES",
+           .help = "choose: tagged edges, else those that are found; use: tagged; ignore: "
+                   "none; normals: split normals too; auto: also found edges, or turns "
+                   "above DEGREES",
            .pattern = kCreasesPattern,
            .ranks = {"choose|use|ignore",
                      "edges are not looked for over ranks; tag them in the file, and take use"}},
@@ -379,8 +378,8 @@ FitOption within_option() {
            .kind = Kind::TextOrNumber,
            .choices = "0|E|auto",
            .example = "0.001",
-           .help = "let the surface leave the vertices by up to this fraction of the "
-                   "diagonal, so that it bends less; auto: by the measured noise",
+           .help = "leave the vertices by up to this fraction of the diagonal, to bend "
+                   "less; auto: by the measured noise",
            .ranks = {"!auto", "ranks do not measure noise; say how far, such as 0.001"}},
           [](FitSettings& settings, const OptionValue& value, Where where) {
             settings.within = {};
@@ -411,7 +410,7 @@ FitOption weld_option() {
            .limits = {.least = 0, .most = 0.1, .below_most = true, .wanted = kWanted},
            .choices = "T",
            .example = "1e-6",
-           .help = "meshes: merge vertices within this fraction of the diagonal",
+           .help = "merge vertices within this fraction of the diagonal",
            .ranks = {"",
                      "nothing is welded over ranks; planish fit IN --weld T --max-iterations 0 "
                      "--cage WELDED.obj writes the welded mesh"}},
@@ -469,15 +468,15 @@ std::vector<FitOption> make_table() {
       word_option({.name = "interpolation",
                    .stage = Stage::Shape,
                    .initial = "auto",
-                   .help = "progressive: the paper's method; fair: for uneven meshes, on which "
-                           "that one folds; auto: measures both and keeps the better one (points: "
-                           "fair; with --cage: progressive)",
+                   .help = "progressive: the paper's; fair: for uneven meshes, on which that one "
+                           "folds; auto: the better of both (points: fair; with --cage: "
+                           "progressive)",
                    .keyword = "method"},
                   kInterpolationWords, &FitSettings::interpolation),
       word_option({.name = "weights",
                    .stage = Stage::Shape,
                    .initial = "doo-sabin",
-                   .help = "subdivision weights: Doo & Sabin 1978, or the paper's averages"},
+                   .help = "Doo & Sabin's weights of 1978, or the paper's averages"},
                   kWeightsWords, &FitSettings::weights),
       word_option({.name = "solver",
                    .needs = Needs::Progressive,
@@ -496,16 +495,15 @@ std::vector<FitOption> make_table() {
       word_option({.name = "boundary",
                    .stage = Stage::Shape,
                    .initial = "edge",
-                   .help = "edge: open boundaries are smooth curves; edge-and-corner: with a "
-                           "corner where a single face meets them"},
+                   .help = "open boundaries are smooth curves; edge-and-corner: with corners where "
+                           "one face meets them"},
                   kBoundaryWords, &FitSettings::boundary),
       creases_option(),
       word_option({.name = "repair",
                    .stage = Stage::Shape,
                    .initial = "safe",
-                   .help = "safe: mend winding, non-manifold and degenerate parts, and cut concave "
-                           "faces for fair surfaces; none: change nothing, and refuse meshes that "
-                           "cannot be used",
+                   .help = "safe: mend winding, non-manifold and degenerate parts, cut concave "
+                           "faces; none: refuse what cannot be used",
                    .ranks = {"none",
                              "nothing is mended over ranks; planish fit IN --max-iterations 0 "
                              "--cage MENDED.obj writes the mended mesh"}},
@@ -513,7 +511,7 @@ std::vector<FitOption> make_table() {
       word_option({.name = "quads",
                    .stage = Stage::Shape,
                    .initial = "auto",
-                   .help = "join triangles to quads; auto: where the surface is better for it",
+                   .help = "join triangles to quads; auto: where that is better",
                    .ranks = {"auto|off",
                              "nothing is joined over ranks; planish fit IN --quads on "
                              "--max-iterations 0 --cage QUADS.obj writes the mesh of quads"}},
@@ -521,8 +519,8 @@ std::vector<FitOption> make_table() {
       word_option({.name = "refine",
                    .stage = Stage::Shape,
                    .initial = "auto",
-                   .help = "add vertices between those of uneven triangles; auto: where the "
-                           "surface bends less for it",
+                   .help = "add vertices between uneven triangles; auto: where the surface bends "
+                           "less for it",
                    .ranks = {"auto|off", "no vertices are added over ranks"}},
                   kRefineWords, &FitSettings::refine),
   };
@@ -538,8 +536,7 @@ std::vector<FitOption> make_table() {
                                               "up to 1 is wanted, such as 1e-6"},
                          .choices = "T",
                          .initial = "1e-6",
-                         .help = "largest error at a vertex, as a fraction of the bounding box's "
-                                 "diagonal"},
+                         .help = "largest error at a vertex, of the diagonal"},
                         &FitSettings::tolerance),
           whole_option({.name = "max_iterations",
                         .needs = Needs::Progressive,
