@@ -16,7 +16,6 @@
 #include "planish/vulkan/device/driver.h"
 
 namespace planish::osd {
-namespace {
 
 // A command buffer that is sent without waiting, used again once it is done.
 class Submission {
@@ -69,6 +68,8 @@ void Submission::Submit(VkQueue queue, std::function<void(VkCommandBuffer)> cons
   _pending = true;
   _resources.push_back(std::move(resources));
 }
+
+namespace {
 
 // Staging from this size on is for tables, which are uploaded once, and is not kept.
 constexpr std::uint64_t kLargeBytes = 16u << 20;

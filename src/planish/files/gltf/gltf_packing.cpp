@@ -89,13 +89,13 @@ constexpr int kNormalBits = 14;
 // Strips this long turn back before the codec, which packs 16 neighbours together, has forgotten
 // what lies beside them: of 512 to 2^18 triangles the goblet is smallest with these.
 constexpr std::int64_t kBlockTriangles = 2048;
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNotYet = std::numeric_limits<std::uint32_t>::max();
 
 // Numbers the vertices of a block by themselves, since the optimiser takes time and memory by them.
 class BlockOrder {
  public:
   void operator()(std::span<const std::uint32_t> from, std::span<std::uint32_t> to) {
-    slots_.assign(kSlots, kNone);
+    slots_.assign(kSlots, kNotYet);
     vertices_.clear();
     corners_.resize(from.size());
     ordered_.resize(from.size());
@@ -114,8 +114,8 @@ class BlockOrder {
   std::uint32_t local(std::uint32_t vertex) {
     constexpr std::uint32_t kGolden = 0x9e3779b9;
     std::size_t slot = vertex * kGolden >> (32 - kSlotBits);
-    while (slots_[slot] != kNone && vertices_[slots_[slot]] != vertex) slot = (slot + 1) % kSlots;
-    if (slots_[slot] == kNone) {
+    while (slots_[slot] != kNotYet && vertices_[slots_[slot]] != vertex) slot = (slot + 1) % kSlots;
+    if (slots_[slot] == kNotYet) {
       slots_[slot] = static_cast<std::uint32_t>(vertices_.size());
       vertices_.push_back(vertex);
     }
@@ -234,15 +234,15 @@ StripOrder strip_order(std::span<const std::uint32_t> indices, std::size_t verte
       reorder(indices.subspan(first, count), std::span(order.indices).subspan(first, count));
     }
   });
-  order.new_vertices.assign(vertex_count, kNone);
+  order.new_vertices.assign(vertex_count, kNotYet);
   std::uint32_t next = 0;
   for (std::uint32_t& index : order.indices) {
     std::uint32_t& vertex = order.new_vertices[index];
-    if (vertex == kNone) vertex = next++;
+    if (vertex == kNotYet) vertex = next++;
     index = vertex;
   }
   for (std::uint32_t& vertex : order.new_vertices)
-    if (vertex == kNone) vertex = next++;
+    if (vertex == kNotYet) vertex = next++;
   return order;
 }
 
