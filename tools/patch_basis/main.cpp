@@ -1,6 +1,6 @@
-// Writes OpenSubdiv's own GLSL of its patch bases to a file, for shaders/evaluate/elements.comp, with
-// all arithmetic marked precise: so a device yields what Osd::CpuEvaluator does, whose code is the
-// same. planish_patch_basis FILE
+// Writes OpenSubdiv's own GLSL of its patch bases to a file, for shaders/evaluate/elements.comp,
+// with all arithmetic marked precise: so a device yields what Osd::CpuEvaluator does, whose code is
+// the same. planish_patch_basis FILE
 #include <opensubdiv/osd/glslPatchShaderSource.h>
 
 #include <cstdio>
