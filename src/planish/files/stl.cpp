@@ -224,7 +224,8 @@ MeshFile read_binary(const FileBytes& file) {
       const auto record = bytes.subspan(kHeaderBytes + triangle * kTriangleBytes, kTriangleBytes);
       for (std::size_t corner = 0; corner < 3; ++corner) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          const auto value = load<float>(record.subspan(kFacetNormalBytes + 12 * corner + 4 * axis));
+          const auto value =
+              load<float>(record.subspan(kFacetNormalBytes + 12 * corner + 4 * axis));
           all = all && std::isfinite(value);
           positions[3 * triangle + corner][static_cast<int>(axis)] = value;
         }

@@ -101,8 +101,9 @@ class PolygonStream {
   const UsdMaterials* materials_;
 };
 
-/// Binary STL: float32 triangles, as glTF has them (mesh/face_geometry.h), with the normals of their
-/// planes, (0, 0, 0) where they have no area. Throws Error{InvalidArgument} for 2^32 triangles.
+/// Binary STL: float32 triangles, as glTF has them (mesh/face_geometry.h), with the normals of
+/// their planes, (0, 0, 0) where they have no area. Throws Error{InvalidArgument} for 2^32
+/// triangles.
 void write_stl(const PolygonStream& stream);
 
 inline constexpr std::array kOffParts = {PolygonPart::Head, PolygonPart::Positions,
