@@ -9,7 +9,6 @@
 #include <glm/vec3.hpp>
 #include <utility>
 
-#include "features/shapes.h"
 #include "planish/mesh/face_geometry.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"

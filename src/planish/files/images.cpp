@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/json.h"
+#include "planish/core/output_file.h"
 #include "planish/core/vectors.h"
 #include "planish/core/words.h"
 #include "planish/files/gltf/gltf_json.h"
@@ -28,9 +29,6 @@
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #include <stb/stb_image_write.h>
-
-#include "planish/core/error.h"
-#include "planish/core/output_file.h"
 
 namespace planish {
 

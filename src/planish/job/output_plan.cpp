@@ -1,5 +1,4 @@
 #include "planish/job/output_plan.h"
-#include "planish/core/error.h"
 
 #include <unistd.h>
 
