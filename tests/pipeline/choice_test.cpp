@@ -134,13 +134,13 @@ TEST(ChooseQuads, CagesOfBothMethodsAreVerified) {
       EXPECT_EQ(fit.pairs_triangles, quads == QuadChoice::Auto);
       const PolygonMesh cage = control_cage(fit.mesh, fit.fit, fit.options.sharp);
       VerifyOptions options;
-      options.method = method;
+      options.fit.method = method;
       EXPECT_TRUE(verify_cage(cage, mesh, options).confirmed);
-      options.quads = fit.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
+      options.fit.quads = fit.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
       EXPECT_TRUE(verify_cage(cage, mesh, options).confirmed);
-      options.quads = fit.pairs_triangles ? QuadChoice::Off : QuadChoice::On;
+      options.fit.quads = fit.pairs_triangles ? QuadChoice::Off : QuadChoice::On;
       EXPECT_THROW((void)verify_cage(cage, mesh, options), Error) << "of other faces";
-      options.quads = QuadChoice::Auto;
+      options.fit.quads = QuadChoice::Auto;
       EXPECT_THROW((void)verify_cage(cage, ball, options), Error) << "of another mesh";
     }
   }

@@ -388,7 +388,7 @@ TEST(VerifyCage, ConfirmsNothingThatIsNoNumber) {
   const PolygonMesh cage =
       control_cage(given, fit(given, *make_cpu_backend(), options), options.sharp);
   const auto verified = [&](const PolygonMesh& other) {
-    return verify_cage(other, given, {.method = InterpolationMethod::Fair});
+    return verify_cage(other, given, {.fit = {.method = InterpolationMethod::Fair}});
   };
   EXPECT_TRUE(verified(cage).confirmed);
   for (std::int32_t v = 0; v < cage.vertex_count(); ++v) {
@@ -456,11 +456,11 @@ TEST(FitMesh, KeepsTheCornersOfAnOutline) {
     EXPECT_GT(leaves_square(round, 6, 4), 1e-2) << "ears";
     // The cage's header has all that verify needs.
     const PolygonMesh cage = control_cage(kept.mesh, kept.fit, kept.options.sharp);
-    VerifyOptions options{.method = kept.options.method, .cage_has_tags = false};
-    options.finds_features = kept.finds_features;
+    VerifyOptions options{.fit = {.method = kept.options.method}, .cage_has_tags = false};
+    options.fit.finds_features = kept.finds_features;
     options.found = &kept.found;
     EXPECT_TRUE(verify_cage(cage, sheet, options).confirmed);
-    options.finds_features = false;
+    options.fit.finds_features = false;
     options.found = nullptr;
     if (kept.options.method == InterpolationMethod::Fair) {
       EXPECT_THROW((void)verify_cage(cage, sheet, options), Error) << "of other faces";
@@ -545,7 +545,7 @@ TEST(Within, EveryVertexIsPassedWithinIt) {
       }
 
       VerifyOptions how;
-      how.method = method;
+      how.fit.method = method;
       how.tolerance = kWithin;
       const PolygonMesh cage = control_cage(fitted.mesh, fitted.fit, fitted.options.sharp);
       const Verification found = verify_cage(cage, mesh, how);

@@ -430,13 +430,13 @@ TEST(FitRefined, HasACageThatCanBeVerified) {
   const FittedMesh made = fitted(mesh, RefineChoice::On, options);
   const PolygonMesh cage = control_cage(made.mesh, made.fit, made.options.sharp);
   VerifyOptions verify;
-  verify.method = InterpolationMethod::Fair;
-  verify.quads = QuadChoice::Off;
-  verify.refine = RefineChoice::On;
+  verify.fit.method = InterpolationMethod::Fair;
+  verify.fit.quads = QuadChoice::Off;
+  verify.fit.refine = RefineChoice::On;
   const Verification right = verify_cage(cage, mesh, verify);
   EXPECT_TRUE(right.confirmed);
   EXPECT_LT(right.error.max, 1e-12);
-  verify.refine = RefineChoice::Off;
+  verify.fit.refine = RefineChoice::Off;
   (void)test::message_of(ErrorCode::UnusableMesh, [&] { (void)verify_cage(cage, mesh, verify); });
 }
 

@@ -441,22 +441,22 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   const std::int64_t vertices = input.file.mesh.vertex_count();
   const std::int64_t faces = input.file.mesh.face_count();
   const ReadyFit ready = expected_ready(planned, std::move(input));
-  const FittedMesh& fitted = expected_fit(ready).fitted;
-  const PolygonMesh& mesh = fitted.mesh;
+  const MeshToFit& expected = expected_fit(ready).input;
+  const PolygonMesh& mesh = expected.mesh;
   const MeshNeed need{&ready, nullptr};
   const Forecast forecast = forecast_of({&need, 1}, settings, planned.outputs, page_bytes);
   require_memory_for({&need, 1}, settings, planned.outputs);
   std::string text = formatted(
       "would fit {}: {}\n{}  solve        {}, {}{}, tolerance {}\n", name,
-      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count,
-                  std::ssize(fitted.added_vertices)),
+      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), expected.paired_count,
+                  std::ssize(expected.added_vertices)),
       device_line(device), solve_text(settings, ready.chooses_method),
       ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
       : ready.refined                          ? "vertices added where that is better, "
                                                : "",
       subdivision_text(settings.scheme, settings.weights), short_number(settings.tolerance));
   PlannedJob shown = planned;
-  shown.outputs = settled(planned.outputs, fitted.density.level());
+  shown.outputs = settled(planned.outputs, expected.density.level());
   text += outputs_text(shown, format, mesh, forecast, claims);
   return text + needs_text(forecast);
 }
@@ -487,7 +487,7 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
   std::vector<MeshNeed> needs;
   for (const Part& part : parts) {
     needs.push_back({&part.ready, &part.mesh.vertices});
-    finest = std::max(finest, expected_fit(part.ready).fitted.density.level());
+    finest = std::max(finest, expected_fit(part.ready).input.density.level());
   }
   const Forecast forecast =
       forecast_of(needs, planned.job.settings, planned.outputs, 0, asset.byte_count());

@@ -298,7 +298,7 @@ void unpack(std::string_view bytes, PythonFit& fit) {
   read_all(bytes, 'F', fit);
   FittedMesh& fitted = fit.fitted;
   fitted.fit.prepared = prepare_mesh(fitted.mesh, fit.name);
-  fitted.options.prepared = fitted.fit.prepared;
+  fitted.prepared = fitted.fit.prepared;
 }
 
 }  // namespace planish::python

@@ -62,26 +62,16 @@ py::dict report_of(const PythonFit& fit) {
 
 py::dict quality_of(const PythonFit& fit, int level) {
   const FittedMesh& fitted = fit.fitted;
-  const auto measured = [&](int at, const Callbacks& callbacks) {
-    EvaluateOptions options = fitted.evaluate_options(at);
-    options.callbacks = callbacks;
-    if (fitted.options.scheme == Scheme::DooSabin) {
-      const auto surface = fitted_surface(fitted.mesh, fitted.fit, options);
-      const auto folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
-      return surface_quality(*surface->level(at), fitted.mesh, folds.is_beside, callbacks);
-    }
-    const auto backend = make_cpu_backend({.thread_count = fit.threads});
-    return surface_quality(evaluate(fitted.mesh, fitted.fit, *backend, options), fitted.mesh);
-  };
   SurfaceQuality quality;
   run_released(
       {},
       [&](const Callbacks& callbacks) {
         require_level(level);
-        quality = measured(level, callbacks);
+        const SurfaceMeter meter(fitted.mesh, fitted.fit, fitted.evaluate_options());
+        quality = meter.at(level, callbacks);
         if (level == kBendingLevel) return;
         const SurfaceQuality* const known = fitted.chosen_quality();
-        quality.bending = known ? known->bending : measured(kBendingLevel, callbacks).bending;
+        quality.bending = known ? known->bending : meter.at(kBendingLevel, callbacks).bending;
       },
       fit.threads);
   return py::dict(python_of(quality_json(quality, level)));

@@ -449,7 +449,7 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
 std::uint64_t solve_bytes(const ReadyFit& ready, const Settings& settings,
                           const std::vector<PlannedOutput>& outputs) {
   const bool makes_both = ready.paired && !ready.is_plainly_halved;
-  const std::int64_t corners = ready.fitted.options.prepared->topology->corner_count();
+  const std::int64_t corners = ready.input.prepared->topology->corner_count();
   const std::uint64_t cages = kProgressiveBytes * cage_fits(settings, outputs);
   return solve_bytes(corners, makes_both, settings) + cages * static_cast<std::uint64_t>(corners);
 }
@@ -464,7 +464,7 @@ std::uint64_t rider_bytes(const PointCloud& cloud) {
 
 double thread_count() { return std::max(1u, std::thread::hardware_concurrency()); }
 
-const FittedMesh& expected_mesh(const MeshNeed& mesh) { return expected_fit(*mesh.ready).fitted; }
+const MeshToFit& expected_mesh(const MeshNeed& mesh) { return expected_fit(*mesh.ready).input; }
 
 // Whose level is settled: as if vertices were added where they may be.
 MeshDensity expected_density(const MeshNeed& mesh) {
@@ -474,7 +474,7 @@ MeshDensity expected_density(const MeshNeed& mesh) {
 }
 
 MeshCounts expected_counts(const MeshNeed& mesh) {
-  MeshCounts counts = mesh_counts_of(*expected_mesh(mesh).options.prepared);
+  MeshCounts counts = mesh_counts_of(*expected_mesh(mesh).prepared);
   if (mesh.ready->refined || !may_refine(*mesh.ready)) return counts;
   for (std::int64_t* count :
        {&counts.base.vertices, &counts.base.edges, &counts.base.faces, &counts.corners})
@@ -497,7 +497,7 @@ std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& setti
   });
   HeldBytes held(settings);
   for (const MeshNeed& mesh : meshes) {
-    const FittedMesh& expected = expected_mesh(mesh);
+    const MeshToFit& expected = expected_mesh(mesh);
     std::vector<int> levels = held_levels(settled_for(mesh, outputs));
     for (int& level : levels) level = std::max(0, level - less);
     held.add(RefinedAttributes::of(expected.mesh), expected_counts(mesh), levels,
@@ -521,9 +521,9 @@ void add_bake(const PolygonMesh& mesh, const Settings& settings, Forecast& forec
 // One mesh's, its memory beside HeldBytes.
 Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
                           const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
-  const FittedMesh& expected = expected_mesh(need);
+  const MeshToFit& expected = expected_mesh(need);
   const PolygonMesh& mesh = expected.mesh;
-  const PreparedMesh& prepared = *expected.options.prepared;
+  const PreparedMesh& prepared = *expected.prepared;
   const auto attributes = RefinedAttributes::of(mesh);
   Forecast forecast = forecast_by_counts(mesh_counts_of(prepared), settings, outputs, page_bytes);
   const Copies copies = copies_of(mesh, prepared);
@@ -627,7 +627,7 @@ void require_memory_for(std::span<const MeshNeed> meshes, const Settings& settin
   for (const MeshNeed& mesh : meshes) {
     const int finest = held_levels(settled_for(mesh, outputs)).front();
     require_indices(
-        levels_to(mesh_counts_of(*expected_mesh(mesh).options.prepared), settings.scheme, finest));
+        levels_to(mesh_counts_of(*expected_mesh(mesh).prepared), settings.scheme, finest));
     wanted = std::max(wanted, finest);
   }
   const std::uint64_t free = available_memory_bytes();

@@ -191,7 +191,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, report, context);
       cage = take_cage(prepared, outputs, context.wants_page());
-      report.fit.method = prepared.fitted.options.method;
+      report.fit.method = prepared.input.options.method;
       if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context);
       const MeshNeed need{&prepared, nullptr};
       require_memory_for({&need, 1}, job.settings, outputs);

@@ -206,7 +206,7 @@ ReadyFit prepare_input(JobInput& made, JobReport& report, const JobContext& cont
   options.faces_are_given = is_mesh;
   if (!is_mesh) options.quads = QuadChoice::Off;  // which it has already
   ReadyFit ready = prepare_mesh(std::move(made.input), options, report.settings);
-  report.fit.method = ready.fitted.options.method;
+  report.fit.method = ready.input.options.method;
   return ready;
 }
 

@@ -228,32 +228,33 @@ void leave_found(FittedMesh& fitted, FoundCreases&& left) {
 }
 
 // By the method that its options name.
-FittedMesh fit_one(FittedMesh ready, const std::string& name, Backend& backend,
+FittedMesh fit_one(MeshToFit input, const std::string& name, Backend& backend,
                    const Callbacks& caller) {
-  const WarningList warnings(ready.warnings, caller);
-  ready.options.callbacks = caller;
-  ready.options.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };
+  FittedMesh made{std::move(input)};
+  const WarningList warnings(made.warnings, caller);
+  FitOptions options = made.options;
+  options.prepared = made.prepared;
+  options.callbacks = caller;
+  options.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };
   try {
-    if (!ready.found.is_empty() && ready.options.method == InterpolationMethod::Fair) {
-      CreasedFit creased = fit_with_found_creases(ready.mesh, ready.found, backend, ready.options);
-      leave_found(ready, std::move(creased.found));
-      ready.fit = std::move(creased.fit);
+    if (!made.found.is_empty() && options.method == InterpolationMethod::Fair) {
+      CreasedFit creased = fit_with_found_creases(made.mesh, made.found, backend, options);
+      leave_found(made, std::move(creased.found));
+      made.fit = std::move(creased.fit);
     } else {
-      ready.fit = fit(ready.mesh, backend, ready.options);
+      made.fit = fit(made.mesh, backend, options);
     }
   } catch (const Error& error) {
     // fit() knows no name: say it again with the name.
     if (error.code() != ErrorCode::UnusableMesh) throw;
     throw Error(error.code(), name + ": " + error.what(), error.element());
   }
-  ready.options.callbacks = {};
-  return ready;
+  made.prepared = made.fit.prepared;
+  return made;
 }
 
 SurfaceQuality quality_of(const FittedMesh& fitted, int level, const Callbacks& callbacks) {
-  const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
-  const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
-  return surface_quality(*surface->level(level), fitted.mesh, folds.is_beside, callbacks);
+  return SurfaceMeter(fitted.mesh, fitted.fit, fitted.evaluate_options()).at(level, callbacks);
 }
 
 // Folds beside what is sharp hide between the places of coarser levels. The fair method looks for
@@ -287,7 +288,7 @@ class Contest {
  public:
   // Of the parts of a mesh that is ready; they must outlive it.
   Contest(const MeshParts& parts, const ReadyFit& ready)
-      : parts_(parts), given_counts_(counted(parts.of_faces(ready.fitted.mesh))) {
+      : parts_(parts), given_counts_(counted(parts.of_faces(ready.input.mesh))) {
     for (const Halves look : ready.looks) is_by_lot_.push_back(look == Halves::No);
     is_by_lot_.resize(given_counts_.size(), false);
   }
@@ -330,8 +331,8 @@ class Contest {
     const std::vector<std::int32_t> of_face = parts_of(fitted);
     const std::vector<CandidateFaces> own =
         faces.size() > 1 ? faces : faces_of_parts(fitted, of_face, faces.front());
-    const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
-    const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
+    const SurfaceMeter meter(fitted.mesh, fitted.fit, fitted.evaluate_options());
+    const PartOfFaces in_parts{of_face, parts_.count};
     // With added vertices level 1 is as fine as level 2 is without.
     std::array<std::vector<PartSums>, 2> at_level;
     for (const int level : {1, 2}) {
@@ -339,9 +340,8 @@ class Contest {
         return (part == CandidateFaces::Refined) == (level == 1);
       };
       if (std::ranges::any_of(own, is_of_level))
-        at_level[level - 1] = quality_of_parts(*surface->level(level), fitted.mesh, folds.is_beside,
-                                               {of_face, parts_.count},
-                                               share_of(callbacks, 0.5 * (level - 1), 0.5 * level));
+        at_level[level - 1] =
+            meter.parts_at(level, in_parts, share_of(callbacks, 0.5 * (level - 1), 0.5 * level));
     }
     std::vector<double> doubts(own.size(), 0.0), added_counts(own.size(), 0.0);
     for (const AddedVertex& added : fitted.added_vertices) {
@@ -350,9 +350,7 @@ class Contest {
       ++added_counts[part];
     }
     std::vector<PartSums> hidden;
-    if (may_hide_folds(fitted))
-      hidden = quality_of_parts(*surface->level(3), fitted.mesh, folds.is_beside,
-                                {of_face, parts_.count}, {});
+    if (may_hide_folds(fitted)) hidden = meter.parts_at(3, in_parts, {});
     PartSums all;
     for (std::size_t p = 0; p < own.size(); ++p) {
       PartSums part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
@@ -416,20 +414,18 @@ class Contest {
   Choice choice_;
 };
 
-// A mesh that is ready for the progressive method, for the fair one: copied, without a fit.
-FittedMesh for_fair(const FittedMesh& progressive, const ReadyFit& ready) {
-  FittedMesh fair = without_fit(progressive);
-  ReadyMesh made;
+// A mesh that is ready for the progressive method, for the fair one.
+MeshToFit for_fair(MeshToFit mesh, const ReadyFit& ready) {
   if (ready.given) {
-    made = make_ready(PolygonMesh(*ready.given),
-                      preparation_of(ready.options, InterpolationMethod::Fair, ready.may_join));
-  } else {
-    made = ready_again(progressive);
-    if (ready.options.repairs) make_fair(made);
+    static_cast<ReadyMesh&>(mesh) =
+        make_ready(PolygonMesh(*ready.given),
+                   preparation_of(ready.options, InterpolationMethod::Fair, ready.may_join));
+  } else if (ready.options.repairs) {
+    make_fair(mesh);
   }
-  take(fair, std::move(made), ready.name, {fair.warnings, {}});
-  fair.options.method = InterpolationMethod::Fair;
-  return fair;
+  tell_changes(mesh, ready.name, {mesh.warnings, {}});
+  mesh.options.method = InterpolationMethod::Fair;
+  return mesh;
 }
 
 // Faces to which none were added, after the others.
@@ -456,16 +452,15 @@ std::optional<FittedMesh> refined_of(const FittedMesh& fair, std::span<const std
   }
   if (!made) return std::nullopt;
   const std::int64_t added_faces = made->mesh.face_count() - std::ranges::count(faces, 0);
-  FittedMesh refined = without_fit(fair);
-  refined.options.prepared = nullptr;
-  refined.mesh = std::move(made->mesh);
-  refined = fit_one(std::move(refined), name, backend, callbacks);  // what was taken back stays so
+  MeshToFit input = fair;
+  input.mesh = std::move(made->mesh);
+  input.prepared = nullptr;
+  input.found = {};  // what was taken back stays so
+  FittedMesh refined = fit_one(std::move(input), name, backend, callbacks);
   refined.found = fair.found;
   refined.rounded_count = fair.rounded_count;
   refined.added_vertices = std::move(made->added);
-  refined.paired_count = fair.paired_count;
   refined.density.is_refined = 2 * added_faces > refined.mesh.face_count();
-  refined.source_vertices = fair.source_vertices;
   std::vector<std::int32_t>& sources = refined.source_vertices;
   if (sources.empty()) {
     sources.resize(refined.mesh.positions.size() - refined.added_vertices.size());
@@ -483,7 +478,7 @@ void enter_surfaces(Contest& contest, ReadyFit ready, CandidateFaces faces, bool
                     Backend& backend, const Callbacks& callbacks) {
   Shares shares(callbacks);
   if (!ready.chooses_method) {
-    FittedMesh made = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
+    FittedMesh made = fit_one(std::move(ready.input), ready.name, backend, shares.next(kFit));
     return contest.add(std::move(made), {faces}, shares.next(kMeasure));
   }
   const auto is_enough = [&](FittedMesh& first) {
@@ -494,11 +489,11 @@ void enter_surfaces(Contest& contest, ReadyFit ready, CandidateFaces faces, bool
   };
   // First the one that is likelier to be enough.
   std::optional<FittedMesh> fair;
-  if (!ready.given && !ready.fitted.found.edges.empty()) {
-    fair = fit_one(for_fair(ready.fitted, ready), ready.name, backend, shares.next(2 * kFit));
+  if (!ready.given && !ready.input.found.edges.empty()) {
+    fair = fit_one(for_fair(ready.input, ready), ready.name, backend, shares.next(2 * kFit));
     if (is_enough(*fair)) return;
   }
-  FittedMesh progressive = fit_one(std::move(ready.fitted), ready.name, backend, shares.next(kFit));
+  FittedMesh progressive = fit_one(std::move(ready.input), ready.name, backend, shares.next(kFit));
   if (!fair) {
     if (is_enough(progressive)) return;
     fair = fit_one(for_fair(progressive, ready), ready.name, backend, shares.next(2 * kFit));
@@ -530,14 +525,12 @@ void enter_mixed(Contest& contest, ReadyFit ready, const MeshParts& parts, Backe
   if (std::ranges::all_of(best, [&](CandidateFaces faces) { return faces == best.front(); }))
     return;
   Shares shares(callbacks);
-  FittedMesh& mixed = ready.fitted;
+  MeshToFit& mixed = ready.input;
   ready.may_join = faces_of(mixed.mesh, parts, best, CandidateFaces::Quads);
   if (ready.given) {
     ready.options.quads = QuadChoice::On;
   } else {
-    ReadyMesh made = ready_again(mixed);
-    pair_up(made, ready.options.crease_degrees, ready.may_join);
-    take(mixed, std::move(made), ready.name, {mixed.warnings, {}});
+    pair_up(mixed, ready.options.crease_degrees, ready.may_join);
   }
   FittedMesh fair = fit_one(for_fair(mixed, ready), ready.name, backend, shares.next(4 * kFit));
   const auto refines = faces_of(fair.mesh, parts, best, CandidateFaces::Refined);
@@ -565,7 +558,7 @@ std::string features_text(const FittedMesh& fitted, const MeshFitOptions& option
 
 bool may_refine(const ReadyFit& ready) {
   const MeshFitOptions& options = ready.options;
-  const FittedMesh& mesh = ready.fitted;
+  const MeshToFit& mesh = ready.input;
   const bool is_free = options.stands_alone && options.fit.scheme == Scheme::DooSabin &&
                        options.fit.within == 0.0 && options.fit.fair_decisions == nullptr;
   if (!is_free || mesh.paired_count > 0) return false;
@@ -573,7 +566,7 @@ bool may_refine(const ReadyFit& ready) {
     return options.refine == RefineChoice::On &&
            options.method.value_or(InterpolationMethod::Fair) == InterpolationMethod::Fair;
   return !options.method && !ready.is_plainly_halved && !mesh.density.is_dense() &&
-         rms_turn(mesh.mesh, *mesh.options.prepared) >= kWorthRefining;
+         rms_turn(mesh.mesh, *mesh.prepared) >= kWorthRefining;
 }
 
 bool is_open(const ReadyFit& ready) {
@@ -588,12 +581,15 @@ FittedMesh choose_fit(ReadyFit ready, Backend& backend) {
   const HostScope host(caller);
   const bool chooses_method = ready.chooses_method;
   const bool may_add = may_refine(ready), adds = may_add && options.refine == RefineChoice::Auto;
-  if (!chooses_method && !ready.paired && !may_add)
-    return fit_one(std::move(ready.fitted), name, backend, caller);
-  const std::size_t told = ready.fitted.warnings.size();
+  if (!chooses_method && !ready.paired && !may_add) {
+    FittedMesh fitted = fit_one(std::move(ready.input), name, backend, caller);
+    if (!ready.reason.empty()) fitted.choice.emplace().reason = std::move(ready.reason);
+    return fitted;
+  }
+  const std::size_t told = ready.input.warnings.size();
   Callbacks silent = caller;  // warnings are those of the surface that is taken
   silent.warning = {};
-  const MeshParts parts = mesh_parts(ready.fitted.mesh);
+  const MeshParts parts = mesh_parts(ready.input.mesh);
   Contest contest(parts, ready);
   std::optional<ReadyFit> kept;  // for parts that have different faces
   bool is_done = false;
@@ -601,9 +597,9 @@ FittedMesh choose_fit(ReadyFit ready, Backend& backend) {
   if (ready.paired) {
     begun = ready.is_plainly_halved ? kPlainEntered : kQuadsEntered;
     // Mostly that is of no use any more.
-    if (ready.is_plainly_halved) ready.fitted.options.prepared.reset();
+    if (ready.is_plainly_halved) ready.input.prepared.reset();
     ReadyFit paired = std::move(*std::exchange(ready.paired, nullptr));
-    paired.fitted.warnings = ready.fitted.warnings;
+    paired.input.warnings = ready.input.warnings;
     enter_surfaces(contest, std::move(paired), CandidateFaces::Quads, false, backend,
                    share_of(silent, 0, begun));
     is_done = ready.is_plainly_halved && is_sound(contest.best(), {.cancelled = caller.cancelled});
@@ -612,8 +608,8 @@ FittedMesh choose_fit(ReadyFit ready, Backend& backend) {
           "triangles joined to quads, whose halves they are (--quads off leaves them)");
   }
   if (!is_done) {
-    auto& prepared = ready.fitted.options.prepared;
-    if (!prepared) prepared = prepare_mesh(ready.fitted.mesh, name);
+    auto& prepared = ready.input.prepared;
+    if (!prepared) prepared = prepare_mesh(ready.input.mesh, name);
     const bool may_mix = parts.count > 1 && ready.chooses_method;
     if (may_mix) kept = ready;
     enter_surfaces(contest, std::move(ready), CandidateFaces::Given, adds, backend,

@@ -540,17 +540,11 @@ struct CreasedCandidate {
 
 double folded_area(const PolygonMesh& mesh, const Fit& fitted, const FitOptions& options,
                    const Callbacks& callbacks) {
-  EvaluateOptions evaluation;
-  evaluation.weights = options.weights;
-  evaluation.sharp = options.sharp;
-  const auto surface = fitted_surface(mesh, fitted, evaluation);
-  const FoldedEdges folds = folded_edges(mesh, *fitted.prepared->topology);
+  const SurfaceMeter meter(mesh, fitted, {.weights = options.weights, .sharp = options.sharp});
   double area = 0;
   for (int level = 1; level <= 3; ++level) {
-    const SurfaceQuality quality =
-        surface_quality(*surface->level(level), mesh, folds.is_beside,
-                        share_of(callbacks, (level - 1) / 3.0, level / 3.0));
-    area = std::max(area, quality.folded_area_elsewhere);
+    const Callbacks share = share_of(callbacks, (level - 1) / 3.0, level / 3.0);
+    area = std::max(area, meter.at(level, share).folded_area_elsewhere);
   }
   return area;
 }

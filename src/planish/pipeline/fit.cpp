@@ -100,23 +100,11 @@ struct Measured {
   }
 };
 
-SurfaceQuality quality_at(int level, const PolygonMesh& mesh, const Fit& fit, Backend& backend,
-                          const FitOptions& options) {
-  EvaluateOptions evaluation;
-  evaluation.level = level;
-  evaluation.scheme = options.scheme;
-  evaluation.weights = options.weights;
-  evaluation.sharp = options.sharp;
-  if (options.scheme != Scheme::DooSabin)
-    return surface_quality(evaluate(mesh, fit, backend, evaluation), mesh);
-  return surface_quality(*fitted_surface(mesh, fit, evaluation)->level(level), mesh,
-                         folded_edges(mesh, *fit.prepared->topology).is_beside, {});
-}
-
-Measured measured_surface(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
-                          const FitOptions& options) {
-  Measured result{quality_at(kBendingLevel, mesh, fit, backend, options)};
-  const SurfaceQuality finer = quality_at(kBendingLevel + 1, mesh, fit, backend, options);
+Measured measured_surface(const PolygonMesh& mesh, const Fit& fit, const FitOptions& options) {
+  const SurfaceMeter meter(
+      mesh, fit, {.scheme = options.scheme, .weights = options.weights, .sharp = options.sharp});
+  Measured result{meter.at(kBendingLevel)};
+  const SurfaceQuality finer = meter.at(kBendingLevel + 1);
   result.folds = {result.quality.folded_area, result.quality.folded_area_elsewhere,
                   finer.folded_area, finer.folded_area_elsewhere};
   return result;
@@ -158,7 +146,7 @@ void leave_vertices(const PolygonMesh& mesh, Backend& backend, const FitOptions&
   WithinFit& within = result.within.emplace(leave_within(options.within, table, given));
   const double bound = within.bound(options.tolerance);
   if (!(bound > 0)) return;
-  const Measured exact = measured_surface(mesh, result, backend, options);
+  const Measured exact = measured_surface(mesh, result, options);
   within.exact = within.left = exact.quality;
   FitOptions trying = options;
   trying.prepared = result.prepared;
@@ -173,7 +161,7 @@ void leave_vertices(const PolygonMesh& mesh, Backend& backend, const FitOptions&
       points[used.vertices[v]] = result.placement.to_model(given[v] + least.moves[v]);
     });
     Fit next = fit_through(mesh, std::move(points), backend, trying);
-    const Measured found = measured_surface(mesh, next, backend, options);
+    const Measured found = measured_surface(mesh, next, options);
     const bool is_better = found.quality.bending < result.within->left->bending &&
                            !found.folds_more_than(exact) &&
                            (next.interpolation.converged || !result.interpolation.converged);
@@ -424,6 +412,26 @@ SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
   const EvaluateOptions posed = posed_options(mesh, fit, options);
   return fit.fair ? evaluate(mesh, fit.fair->level_one, backend, posed)
                   : evaluate(fit.cage, backend, posed);
+}
+
+SurfaceMeter::SurfaceMeter(const PolygonMesh& mesh, const Fit& fit, const EvaluateOptions& options)
+    : mesh_(mesh), fit_(fit), options_(posed_options(mesh, fit, options)) {
+  if (options_.scheme != Scheme::DooSabin) return;
+  surface_ = fitted_surface(mesh, fit, options_);
+  is_beside_folds_ = folded_edges(mesh, *fit.prepared->topology).is_beside;
+}
+
+SurfaceQuality SurfaceMeter::at(int level, const Callbacks& callbacks) const {
+  if (surface_) return surface_quality(*surface_->level(level), mesh_, is_beside_folds_, callbacks);
+  EvaluateOptions options = options_;
+  options.level = level;
+  options.callbacks = callbacks;
+  return surface_quality(evaluate(mesh_, fit_, *make_cpu_backend(), options), mesh_);
+}
+
+std::vector<PartSums> SurfaceMeter::parts_at(int level, const PartOfFaces& parts,
+                                             const Callbacks& callbacks) const {
+  return quality_of_parts(*surface_->level(level), mesh_, is_beside_folds_, parts, callbacks);
 }
 
 PolygonMesh control_cage(const PolygonMesh& mesh, const Fit& fit,

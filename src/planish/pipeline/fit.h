@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/fair/fair_net.h"
+#include "planish/measure/figures.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/primal/scheme.h"
@@ -119,6 +121,27 @@ struct Fit {
 /// Error{UnusableMesh}.
 [[nodiscard]] std::unique_ptr<const DooSabinSurface> fitted_surface(
     const PolygonMesh& mesh, const Fit& fit, const EvaluateOptions& options = {});
+
+/// Measures the surface of a fitted mesh against the mesh's faces, at any level of 1 or more. Makes
+/// of Doo-Sabin surfaces only pieces at a time; the options' level is not looked at. Mesh and fit
+/// must outlive it.
+class SurfaceMeter {
+ public:
+  SurfaceMeter(const PolygonMesh& mesh, const Fit& fit, const EvaluateOptions& options);
+
+  /// See surface_quality(). Throws Error{Cancelled}.
+  [[nodiscard]] SurfaceQuality at(int level, const Callbacks& callbacks = {}) const;
+  /// The same of each part of a Doo-Sabin surface.
+  [[nodiscard]] std::vector<PartSums> parts_at(int level, const PartOfFaces& parts,
+                                               const Callbacks& callbacks) const;
+
+ private:
+  const PolygonMesh& mesh_;
+  const Fit& fit_;
+  EvaluateOptions options_;
+  std::unique_ptr<const DooSabinSurface> surface_;  // of Doo-Sabin
+  std::vector<std::uint8_t> is_beside_folds_;
+};
 
 /// The cage as it is written to files: fit.cage, or with the fair method level_one_mesh().
 [[nodiscard]] PolygonMesh control_cage(const PolygonMesh& mesh, const Fit& fit,

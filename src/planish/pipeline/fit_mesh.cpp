@@ -205,53 +205,11 @@ Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod me
           .stands_alone = options.stands_alone};
 }
 
-void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
-          const WarningList& warnings) {
-  for (Warning change : ready.changes) {
+void tell_changes(ReadyMesh& ready, std::string_view name, const WarningList& warnings) {
+  for (Warning& change : std::exchange(ready.changes, {})) {
     change.message = std::string(name) + ": " + change.message;
     warnings.add(change);
   }
-  result.mesh = std::move(ready.mesh);
-  result.welded_count = ready.welded_count;
-  result.paired_count = ready.paired_count;
-  result.changed_faces = std::move(ready.changed_faces);
-  result.separated_edges = std::move(ready.separated_edges);
-  result.source_vertices = std::move(ready.source_vertices);
-  result.source_faces = std::move(ready.source_faces);
-  result.options.prepared = std::move(ready.prepared);
-  result.found = std::move(ready.found);
-}
-
-FittedMesh without_fit(const FittedMesh& fitted) {
-  FittedMesh result;
-  result.options = fitted.options;
-  result.repairs = fitted.repairs;
-  result.uses_tags = fitted.uses_tags;
-  result.finds_features = fitted.finds_features;
-  result.crease_degrees = fitted.crease_degrees;
-  result.weld = fitted.weld;
-  result.split_normals = fitted.split_normals;
-  result.pairs_triangles = fitted.pairs_triangles;
-  result.welded_count = fitted.welded_count;
-  result.density = fitted.density;
-  result.changed_faces = fitted.changed_faces;
-  result.separated_edges = fitted.separated_edges;
-  result.warnings = fitted.warnings;
-  return result;
-}
-
-ReadyMesh ready_again(const FittedMesh& fitted) {
-  ReadyMesh ready;
-  ready.mesh = fitted.mesh;
-  ready.welded_count = fitted.welded_count;
-  ready.paired_count = fitted.paired_count;
-  ready.changed_faces = fitted.changed_faces;
-  ready.separated_edges = fitted.separated_edges;
-  ready.source_vertices = fitted.source_vertices;
-  ready.source_faces = fitted.source_faces;
-  ready.prepared = fitted.options.prepared;
-  ready.found = fitted.found;
-  return ready;
 }
 
 namespace {
@@ -280,7 +238,7 @@ const SurfaceQuality* FittedMesh::chosen_quality() const {
   return level_one_quality ? &*level_one_quality : nullptr;
 }
 
-std::string FittedMesh::creases() const {
+std::string MeshToFit::creases() const {
   return split_normals ? "normals" : creases_text(uses_tags, finds_features, crease_degrees);
 }
 
@@ -331,7 +289,7 @@ ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   ReadyFit ready;
   ready.name = name;
   ready.options = options;
-  FittedMesh& result = ready.fitted;
+  MeshToFit& result = ready.input;
   result.options = options.fit;
   result.options.callbacks = {};  // the caller's end with the call
   result.options.method = options.method.value_or(InterpolationMethod::Progressive);
@@ -358,13 +316,13 @@ ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   };
   const WarningList warnings(result.warnings, options.fit.callbacks);
   try {
-    ReadyMesh made = make_ready(std::move(mesh), preparation);
-    take(result, std::move(made), name, warnings);
+    static_cast<ReadyMesh&>(result) = make_ready(std::move(mesh), preparation);
+    tell_changes(result, name, warnings);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::UnusableMesh) require_usable(mesh, name);
     throw;
   }
-  if (!result.options.prepared) require_usable(result.mesh, name);
+  if (!result.prepared) require_usable(result.mesh, name);
   return ready;
 }
 
@@ -376,24 +334,23 @@ std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<Po
   pairing.quads = QuadChoice::On;
   pairing.fit.callbacks = {.cancelled = pairing.fit.callbacks.cancelled};
   const auto is_worth_it = [&](std::int64_t pairs) {
-    return static_cast<double>(2 * pairs) > kWorthPairing * ready.fitted.mesh.face_count();
+    return static_cast<double>(2 * pairs) > kWorthPairing * ready.input.mesh.face_count();
   };
   if (given) {
     auto paired = std::make_shared<ReadyFit>(
         prepare_one(std::move(*given), ready.name, pairing, std::move(may_join)));
-    return is_worth_it(paired->fitted.paired_count) ? std::move(paired) : nullptr;
+    return is_worth_it(paired->input.paired_count) ? std::move(paired) : nullptr;
   }
-  ReadyMesh made = ready_again(ready.fitted);
-  if (!pair_up(made, ready.options.crease_degrees, may_join) || !is_worth_it(made.paired_count))
+  MeshToFit joined = ready.input;
+  if (!pair_up(joined, ready.options.crease_degrees, may_join) || !is_worth_it(joined.paired_count))
     return nullptr;
+  joined.pairs_triangles = true;
+  if (!joined.prepared) require_usable(joined.mesh, ready.name);
   auto paired = std::make_shared<ReadyFit>();
+  paired->input = std::move(joined);
   paired->name = ready.name;
-  paired->chooses_method = ready.chooses_method;
-  FittedMesh& result = paired->fitted = without_fit(ready.fitted);
-  result.pairs_triangles = true;
-  take(result, std::move(made), ready.name, {result.warnings, pairing.fit.callbacks});
-  if (!result.options.prepared) require_usable(result.mesh, ready.name);
   paired->options = std::move(pairing);
+  paired->chooses_method = ready.chooses_method;
   paired->may_join = std::move(may_join);
   return paired;
 }
@@ -402,14 +359,14 @@ std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<Po
 
 void prepare_refined(ReadyFit& ready) {
   if (!may_refine(ready)) return;
-  auto made = refine_mesh(ready.fitted.mesh, *ready.fitted.options.prepared);
+  auto made = refine_mesh(ready.input.mesh, *ready.input.prepared);
   if (!made) return;
   ready.refined = std::make_shared<ReadyFit>();
-  FittedMesh& refined = ready.refined->fitted;
-  refined.options.prepared = prepare_mesh(made->mesh, ready.name);
+  MeshToFit& refined = ready.refined->input;
+  refined.prepared = prepare_mesh(made->mesh, ready.name);
   refined.mesh = std::move(made->mesh);
   refined.added_vertices = std::move(made->added);
-  refined.density = ready.fitted.density;
+  refined.density = ready.input.density;
   refined.density.is_refined = true;
 }
 
@@ -418,11 +375,11 @@ ReadyFit cage_fit(const ReadyFit& ready) {
   cage.name = ready.name;
   cage.options = ready.options;
   if (cage.options.refine == RefineChoice::Auto) cage.options.refine = RefineChoice::Off;
-  cage.fitted = ready.fitted;
+  cage.input = ready.input;
   if (!ready.chooses_method) return cage;
   cage.options.method = InterpolationMethod::Progressive;
-  cage.fitted.options.method = InterpolationMethod::Progressive;
-  cage.fitted.choice.emplace().reason =
+  cage.input.options.method = InterpolationMethod::Progressive;
+  cage.reason =
       "progressive: the control cage has the mesh's faces, as that of --interpolation fair does "
       "not";
   return cage;
@@ -456,15 +413,14 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   if (may_pair && (options.crease_degrees || options.method == InterpolationMethod::Fair))
     given = mesh;
   ReadyFit ready = prepare_one(std::move(mesh), name, options);
-  const MeshDensity density =
-      mesh_density(ready.fitted.mesh, *ready.fitted.options.prepared->topology);
+  const MeshDensity density = mesh_density(ready.input.mesh, *ready.input.prepared->topology);
   if (options.faces_are_given)
-    if (const auto torn = torn_warning(ready.fitted, name))
-      WarningList(ready.fitted.warnings, options.fit.callbacks).add(*torn);
+    if (const auto torn = torn_warning(ready.input, name))
+      WarningList(ready.input.warnings, options.fit.callbacks).add(*torn);
   if (may_pair) {
     report(kOneReady);
-    ready.looks = look_halved_by_parts(ready.fitted.mesh, *ready.fitted.options.prepared,
-                                       options.crease_degrees);
+    ready.looks =
+        look_halved_by_parts(ready.input.mesh, *ready.input.prepared, options.crease_degrees);
     const auto are_all = [&](Halves look) {
       return std::ranges::all_of(ready.looks, [&](Halves one) { return one == look; });
     };
@@ -472,7 +428,7 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
     // What does not look like halves is worth a try where that costs little.
     const bool is_large = density.vertex_count >= kDenseVertices;
     if (is_large && !are_all(Halves::Maybe) && !are_all(Halves::Plain))
-      for (const std::int32_t part : mesh_parts(ready.fitted.mesh).of_faces(ready.fitted.mesh))
+      for (const std::int32_t part : mesh_parts(ready.input.mesh).of_faces(ready.input.mesh))
         may_join.push_back(ready.looks[part] != Halves::No ? 1 : 0);
     if (!is_large || !are_all(Halves::No)) {
       report(kLookedHalved);
@@ -482,7 +438,7 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   }
   for (ReadyFit* one : {&ready, ready.paired.get()}) {
     if (one == nullptr) continue;
-    one->fitted.density = density;
+    one->input.density = density;
   }
   report(1);
   return ready;
@@ -496,7 +452,7 @@ constexpr double kChosen = 0.5;
 // And without added vertices: where the given ones may be left, these would be left behind.
 void set_exact(ReadyFit& ready, const Callbacks& callbacks) {
   ready.options.refine = RefineChoice::Off;
-  ready.options.fit.within = ready.fitted.options.within = 0.0;
+  ready.options.fit.within = ready.input.options.within = 0.0;
   ready.options.fit.callbacks = callbacks;
   if (ready.paired) set_exact(*ready.paired, callbacks);
 }
@@ -512,6 +468,7 @@ FittedMesh fit_within(ReadyFit ready, Backend& backend) {
   FittedMesh fitted = choose_fit(std::move(ready), backend);
   FitOptions leaving = fitted.options;
   leaving.within = within;
+  leaving.prepared = fitted.prepared;
   leaving.callbacks = share_of(caller, kChosen, 1);
   const WarningList warnings(fitted.warnings, caller);
   leaving.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };

@@ -16,6 +16,7 @@
 #include "planish/adaptive/adaptive_tessellation.h"
 #include "planish/core/callbacks.h"
 #include "planish/features/find_features.h"
+#include "planish/mend/repair.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/statistics.h"
@@ -103,7 +104,7 @@ struct FitFigures {
   BoundaryRule boundary = BoundaryRule::Edge;
   std::int32_t polish_steps = 0;
   double tolerance = 0;
-  std::string creases;  ///< as FittedMesh::creases() has them
+  std::string creases;  ///< as MeshToFit::creases() has them
   bool repairs = true;
   std::optional<double> weld;
   std::optional<Choice> choice;
@@ -121,33 +122,40 @@ struct FitFigures {
   double spectral_bound = 0;
 };
 
-/// A mesh that anybody made, with the fit of it.
-struct FittedMesh {
-  PolygonMesh mesh;  ///< what was fitted: the given one, repaired and tagged
-  Fit fit;           ///< of `mesh`
-  FitOptions options;
+/// A mesh that anybody made, repaired and tagged, and what was found of it. The lists of source
+/// vertices and faces are empty where they are the same.
+struct ReadyMesh : RepairedMesh {
+  std::int64_t welded_count = 0;  ///< vertices that became another
+  std::int64_t paired_count = 0;  ///< triangles that became quads, each a diagonal less
+  FoundCreases found;             ///< of `mesh`, and tagged
+  /// The last vertices of `mesh`, those that refine_mesh() added; of these source_vertices has -1.
+  std::vector<AddedVertex> added_vertices;
+  std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
+};
+
+/// With the rules that it is to be fitted by.
+struct MeshToFit : ReadyMesh {
+  FitOptions options;  ///< without `prepared`
   bool repairs = true, uses_tags = true;
   bool finds_features = false;
   std::optional<double> crease_degrees, weld;
-  bool split_normals = false;    ///< see FitFileOptions
+  bool split_normals = false;     ///< see FitFileOptions
+  bool pairs_triangles = false;   ///< whether they were joined: with it the cage can be verified
+  MeshDensity density;            ///< before triangles are joined by measurement
+  std::vector<Warning> warnings;  ///< of repair and of the fit
+
+  /// What is sharp, as the command's --creases has it.
+  [[nodiscard]] std::string creases() const;
+};
+
+/// And fitted: `mesh` is what was. What was found sharp and taken back is not among `found`.
+struct FittedMesh : MeshToFit {
+  Fit fit;
   std::optional<Choice> choice;  ///< where something was left open
   /// Of the surface at level 1, where it was measured to choose it.
   std::optional<SurfaceQuality> level_one_quality;
-  bool pairs_triangles = false;   ///< whether they were joined: with it the cage can be verified
-  std::int64_t paired_count = 0;  ///< triangles that became quads, each a diagonal less
-  /// The last vertices of `mesh`, those that refine_mesh() added; of these source_vertices has -1.
-  std::vector<AddedVertex> added_vertices;
   double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
-  std::int64_t welded_count = 0;   ///< vertices that became another
-  MeshDensity density;             ///< before triangles are joined by measurement
-  /// For each vertex and face of `mesh` the given one's; empty: the same.
-  std::vector<std::int32_t> source_vertices, source_faces;
-  std::vector<std::int32_t> changed_faces;  ///< the given mesh's that repair changed
-  FoundCreases found;                       ///< of `mesh`, and not taken back
-  std::int64_t rounded_count = 0;           ///< edges that were, for they fold a fair surface
-  /// For sheet_gap(): along which repair separated sheets, pairs of vertices of the given mesh.
-  std::vector<std::pair<std::int32_t, std::int32_t>> separated_edges;
-  std::vector<Warning> warnings;  ///< of repair and of the fit
+  std::int64_t rounded_count = 0;  ///< edges that were, for they fold a fair surface
   /// Of a mesh whose vertices have moved since (edit/editor.h): where they were, for its rules stay
   /// those of that pose. Empty: `mesh`'s own.
   std::vector<glm::dvec3> rest_positions;
@@ -161,17 +169,16 @@ struct FittedMesh {
   }
   /// At level 1, where measurement chose it or how far it leaves the vertices; else null.
   [[nodiscard]] const SurfaceQuality* chosen_quality() const;
-  /// What is sharp, as the command's --creases has it.
-  [[nodiscard]] std::string creases() const;
   [[nodiscard]] FitFigures figures() const;
 };
 
-/// A mesh that can be fitted, repaired and tagged.
+/// A mesh that can be fitted, and what may be chosen.
 struct ReadyFit {
-  FittedMesh fitted;  ///< all but the fit; the method may change where measurement chooses it
+  MeshToFit input;  ///< the method may change where measurement chooses it
   std::string name;
   MeshFitOptions options;
   bool chooses_method = false;       ///< by measurement
+  std::string reason;                ///< of a method that is not, and was not named: Choice::reason
   std::optional<PolygonMesh> given;  ///< as it was, where that needs it
   /// The same with triangles joined, where these may be better, or plainly are.
   std::shared_ptr<ReadyFit> paired;

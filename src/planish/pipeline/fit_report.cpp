@@ -95,9 +95,9 @@ std::string fold_remedy(const FittedMesh& fitted, bool only_the_input_is) {
 
 }  // namespace
 
-std::optional<Warning> torn_warning(const FittedMesh& ready, std::string_view name) {
+std::optional<Warning> torn_warning(const MeshToFit& ready, std::string_view name) {
   if (ready.weld || !ready.separated_edges.empty()) return std::nullopt;
-  const UsedPart used = used_part(ready.mesh, ready.options.prepared);
+  const UsedPart used = used_part(ready.mesh, ready.prepared);
   const TornVertices torn = torn_vertices(used.mesh, *used.prepared->topology);
   if (torn.count == 0) return std::nullopt;
   const std::int32_t first = used.vertices[static_cast<std::size_t>(torn.first)];

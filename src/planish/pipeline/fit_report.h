@@ -19,7 +19,7 @@ namespace planish {
 
 /// "torn-vertices" of a mesh that is ready: see torn_vertices(). None where somebody has welded it,
 /// or sheets of it were separated: whoever did knows of vertices at one place.
-[[nodiscard]] std::optional<Warning> torn_warning(const FittedMesh& ready, std::string_view name);
+[[nodiscard]] std::optional<Warning> torn_warning(const MeshToFit& ready, std::string_view name);
 
 /// "not-converged" of a fit that misses its tolerance, with what helps.
 [[nodiscard]] std::optional<Warning> convergence_warning(const FittedMesh& fitted,

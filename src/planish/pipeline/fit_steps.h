@@ -42,15 +42,6 @@ struct Preparation {
   std::function<void(double)> features_done = {};  ///< told parts of 1, for these take a while
 };
 
-/// A mesh to be fitted, with what was found of it. The lists of source vertices and faces are empty
-/// where nothing was welded, repaired or cut.
-struct ReadyMesh : RepairedMesh {
-  std::int64_t welded_count = 0;
-  std::int64_t paired_count = 0;                 ///< diagonals that went
-  FoundCreases found;                            ///< and tagged
-  std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
-};
-
 /// How triangles are joined for a fit: edges that may be found as creases, which turn by more than
 /// `crease_degrees`, stay.
 [[nodiscard]] PairOptions pair_options(std::optional<double> crease_degrees,
@@ -93,15 +84,8 @@ class WarningList {
 [[nodiscard]] Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method,
                                          std::span<const std::uint8_t> may_join = {});
 
-/// Puts what make_ready() made into a fit, and says what was changed.
-void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
-          const WarningList& warnings);
-
-/// Of another mesh with the same options, of which nothing is made yet.
-[[nodiscard]] FittedMesh without_fit(const FittedMesh& fitted);
-
-/// What take() took, once more. What was said of it was said.
-[[nodiscard]] ReadyMesh ready_again(const FittedMesh& fitted);
+/// Says what was changed on the way, once.
+void tell_changes(ReadyMesh& ready, std::string_view name, const WarningList& warnings);
 
 /// Fits a mesh that is ready: as its options say, and where these leave the method, joined
 /// triangles or added vertices open, by each way that may be the best, of which the one with the

@@ -620,18 +620,7 @@ VerifyOptions verify_options(const FitSettings& settings) {
   if (settings.within.is_measured)
     refuse("within", "\"auto\" does not say how far; take what the fit allowed");
   VerifyOptions options;
-  options.method = settings.interpolation == InterpolationChoice::Fair
-                       ? InterpolationMethod::Fair
-                       : InterpolationMethod::Progressive;
-  options.scheme = settings.scheme;
-  options.weights = settings.weights;
-  options.sharp = {settings.boundary, settings.creases.use_tags};
-  options.repairs = settings.repair == RepairChoice::Safe;
-  options.finds_features = settings.creases.finds_features;
-  options.crease_degrees = settings.creases.dihedral_degrees;
-  options.weld = settings.weld;
-  options.quads = settings.quads;
-  options.refine = settings.refine;
+  options.fit = mesh_fit_options(settings);
   options.tolerance = std::max(settings.tolerance, settings.within.of_diagonal.value_or(0.0));
   return options;
 }

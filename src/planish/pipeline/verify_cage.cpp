@@ -41,8 +41,9 @@ void require_same_faces(const PolygonMesh& cage, const PolygonMesh& given,
 std::vector<glm::dvec3> progressive_limits(const PolygonMesh& cage, const PolygonMesh& given,
                                            const VerifyOptions& options) {
   require_same_faces(cage, given, options);
-  const LimitOptions how{options.scheme, options.weights, {options.sharp.boundary, true}};
-  if (options.cage_has_tags && options.sharp.use_tags) {
+  const FitOptions& fit = options.fit.fit;
+  const LimitOptions how{fit.scheme, fit.weights, {fit.sharp.boundary, true}};
+  if (options.cage_has_tags && fit.sharp.use_tags) {
     require_usable(cage, options.cage_name);
     return limit_positions(cage, how);
   }
@@ -56,7 +57,7 @@ std::vector<glm::dvec3> progressive_limits(const PolygonMesh& cage, const Polygo
 std::vector<glm::dvec3> fair_limits(const PolygonMesh& cage, const PolygonMesh& given,
                                     const VerifyOptions& options) {
   // What make_ready() left has no tags but those that count.
-  const SharpFeatureOptions sharp{options.sharp.boundary, true};
+  const SharpFeatureOptions sharp{options.fit.fit.sharp.boundary, true};
   try {
     return limit_positions(given, level_one_of_cage(given, cage, sharp), sharp);
   } catch (const Error& error) {
@@ -76,10 +77,11 @@ struct Limits {
 
 Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const VerifyOptions& options,
                  bool pairs_triangles, bool refines) {
-  ReadyMesh ready = make_ready(
-      PolygonMesh(given),
-      {options.repairs, options.sharp.use_tags, options.finds_features, options.crease_degrees,
-       options.method, options.weld, options.found, pairs_triangles});
+  const auto method = options.fit.method.value_or(InterpolationMethod::Progressive);
+  Preparation preparation = preparation_of(options.fit, method);
+  preparation.found = options.found;
+  preparation.pairs_triangles = pairs_triangles;
+  ReadyMesh ready = make_ready(PolygonMesh(given), preparation);
   require_usable(ready.mesh, options.given_name);
   if (refines)
     if (auto refined = refine_mesh(ready.mesh, *prepare_mesh(ready.mesh, options.given_name)))
@@ -87,15 +89,15 @@ Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const Verify
   Limits made{std::move(ready.mesh), {}};
   // What is compared or taken for control points later may hold anything as yet.
   require_sound_indices(arrays_of(cage), options.cage_name, ErrorCode::UnusableMesh);
-  made.points = options.method == InterpolationMethod::Fair
-                    ? fair_limits(cage, made.mesh, options)
-                    : progressive_limits(cage, made.mesh, options);
+  made.points = method == InterpolationMethod::Fair ? fair_limits(cage, made.mesh, options)
+                                                    : progressive_limits(cage, made.mesh, options);
   return made;
 }
 
 // As the options say; what they leave open, as the first that the cage fits.
 Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const VerifyOptions& options) {
-  const bool pairs = options.quads == QuadChoice::On, adds = options.refine == RefineChoice::On;
+  const MeshFitOptions& fit = options.fit;
+  const bool pairs = fit.quads == QuadChoice::On, adds = fit.refine == RefineChoice::On;
   try {
     return limits_of(cage, given, options, pairs, adds);
   } catch (const Error& error) {
@@ -108,9 +110,9 @@ Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const Verify
         return std::nullopt;
       }
     };
-    if (options.quads == QuadChoice::Auto)
+    if (fit.quads == QuadChoice::Auto)
       if (auto made = as(true, adds)) return std::move(*made);
-    if (options.refine == RefineChoice::Auto && options.method == InterpolationMethod::Fair)
+    if (fit.refine == RefineChoice::Auto && fit.method == InterpolationMethod::Fair)
       if (auto made = as(pairs, true)) return std::move(*made);
     throw;
   }

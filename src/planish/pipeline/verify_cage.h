@@ -1,36 +1,22 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
-#include "planish/doosabin/subdivision.h"
-#include "planish/fair/fair_net.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/primal/scheme.h"
-#include "planish/quads/pair_triangles.h"
-#include "planish/refine/refine_mesh.h"
 #include "planish/solve/backend.h"
 
 namespace planish {
 
 struct VerifyOptions {
-  InterpolationMethod method = InterpolationMethod::Progressive;
-  Scheme scheme = Scheme::DooSabin;
-  Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
-  SharpFeatureOptions sharp;
-  bool repairs = true;                   ///< of the given mesh, as when it was fitted
-  bool finds_features = false;           ///< the same
-  std::optional<double> crease_degrees;  ///< the same
-  std::optional<double> weld;            ///< the same
-  /// FittedMesh::found, in place of a search by the two.
+  /// What the given mesh was fitted with. An empty method is the progressive one; quads and added
+  /// vertices that are left open: where the cage is of no other faces. Callbacks, and how it was
+  /// solved, are not looked at.
+  MeshFitOptions fit;
+  /// FittedMesh::found, in place of a search.
   const FoundCreases* found = nullptr;
-  /// Of the given mesh, as when it was fitted; auto: joined where the cage is of no other faces.
-  QuadChoice quads = QuadChoice::Auto;
-  /// The same, of the fair method; auto: added where the cage is of no other faces.
-  RefineChoice refine = RefineChoice::Auto;
-  double tolerance = 1e-6;
+  double tolerance = 1e-6;                              ///< of the diagonal
   bool cage_has_tags = true;                            ///< false: it takes the given mesh's
   std::string cage_name = "cage", given_name = "mesh";  ///< in messages
 };
