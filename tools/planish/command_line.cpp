@@ -131,10 +131,10 @@ void check_names(const CLI::App& app, const std::vector<std::string>& arguments)
     if (!command->get_description().empty()) names.push_back(command->get_name());
   }
   if (looks_like_a_file(*first))
-    throw usage_error("\"" + visible(*first) +
-                      "\" is a file and no command; did you mean: " + line_for(*first));
+    throw usage_error(in_double_quotes(*first) +
+                      " is a file and no command; did you mean: " + line_for(*first));
   const std::vector<std::string_view> known(names.begin(), names.end());
-  throw usage_error("\"" + visible(*first) + "\" is no command" + did_you_mean(*first, known) +
+  throw usage_error(in_double_quotes(*first) + " is no command" + did_you_mean(*first, known) +
                     " (planish -h lists them)");
 }
 

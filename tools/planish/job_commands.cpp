@@ -129,7 +129,7 @@ int workers_of(const FitFlags& flags) {
   if (flags.workers.empty()) return 1;
   std::int64_t workers = 0;
   if (!parse_integer(flags.workers, workers))
-    refuse("--jobs", "\"" + visible(flags.workers) + "\" is no whole number");
+    refuse("--jobs", in_double_quotes(flags.workers) + " is no whole number");
   if (workers < 1 || workers > kMost)
     refuse("--jobs", "{} is out of range; 1 to 256 is wanted", workers);
   return static_cast<int>(workers);

@@ -144,7 +144,7 @@ constexpr std::size_t kAnswerGrain = 16;
 
 glm::dvec3 parse_direction(const std::string& text) {
   const auto fail = [&] {
-    refuse("--rays", "\"" + visible(text) + "\" is no direction such as 0,0,-1");
+    refuse("--rays", in_double_quotes(text) + " is no direction such as 0,0,-1");
   };
   glm::dvec3 direction(0.0);
   const char* at = text.data();

@@ -115,6 +115,7 @@ std::string with_escapes(std::string_view text, std::string (*escape)(std::uint3
 std::size_t utf8_length(std::string_view text) { return decode_utf8(text).length; }
 
 std::string visible(std::string_view text) { return with_escapes(text, escaped); }
+std::string in_double_quotes(std::string_view text) { return formatted("\"{}\"", visible(text)); }
 
 std::string without_controls(std::string_view text, char other) {
   std::string out;

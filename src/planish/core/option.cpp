@@ -9,8 +9,6 @@
 namespace planish {
 namespace {
 
-std::string in_double_quotes(std::string_view text) { return "\"" + visible(text) + "\""; }
-
 std::string joined(std::span<const std::string_view> words, std::string_view separator) {
   std::string all;
   for (const std::string_view word : words)

@@ -64,6 +64,8 @@ namespace planish {
 [[nodiscard]] inline std::string visible(const std::filesystem::path& path) {
   return visible(std::string_view(path.native()));
 }
+/// The same in double quotes.
+[[nodiscard]] std::string in_double_quotes(std::string_view text);
 
 /// Text as it may stand in a line of a file that others read: each control (error.cpp) is `other`.
 /// Bytes that are no UTF-8 stay: they are letters of an older encoding.

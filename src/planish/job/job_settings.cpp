@@ -73,7 +73,7 @@ std::int32_t parse_vertex(std::string_view text, const std::string& where) {
   std::int64_t vertex = 0;
   if (!parse_integer(text, vertex) || vertex < 0 ||
       vertex > std::numeric_limits<std::int32_t>::max())
-    refuse(where, "\"" + visible(text) + "\" is no vertex; 0 to 2147483647 is wanted");
+    refuse(where, in_double_quotes(text) + " is no vertex; 0 to 2147483647 is wanted");
   return static_cast<std::int32_t>(vertex);
 }
 

@@ -47,7 +47,7 @@ bool parse_angle(std::string_view text, double& degrees) {
 // text and what is wanted.
 CreaseChoice parse_creases(std::string_view text, std::string_view where) {
   constexpr std::array<std::string_view, 5> kKnown{"choose", "use", "ignore", "normals", "auto"};
-  const std::string shown = "\"" + visible(text) + "\"";
+  const std::string shown = in_double_quotes(text);
   const std::string no_choice = shown + " is not one of choose, use, ignore, normals, auto:DEGREES";
   double degrees = 0;
   if (text == "choose") return {.chooses = true};
@@ -60,7 +60,7 @@ CreaseChoice parse_creases(std::string_view text, std::string_view where) {
   if (!text.starts_with("auto:")) refuse(where, no_choice + did_you_mean(text, kKnown));
   const std::string_view angle = text.substr(5);
   if (!parse_angle(angle, degrees))
-    refuse(where, "\"" + visible(angle) + "\" is no angle of 0 to 180 degrees such as 22.5");
+    refuse(where, in_double_quotes(angle) + " is no angle of 0 to 180 degrees such as 22.5");
   return {.dihedral_degrees = degrees};
 }
 
@@ -389,7 +389,7 @@ FitOption within_option() {
             }
             double within = 0;
             if (!parse_number(value.text, within) || !(within >= 0 && within < kMostWithin))
-              refuse(where, "\"" + visible(value.text) + "\" is neither; " + std::string(kWanted));
+              refuse(where, in_double_quotes(value.text) + " is neither; " + std::string(kWanted));
             settings.within.of_diagonal = within;
           },
           [](const FitSettings& settings) {

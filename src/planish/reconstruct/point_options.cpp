@@ -14,8 +14,6 @@ namespace {
 using Kind = OptionKind;
 using Where = std::string_view;
 
-std::string shown(std::string_view value) { return "\"" + visible(value) + "\""; }
-
 // "12,2"
 void set_distance_rule(CleanOptions& clean, std::string_view text, Where where) {
   const std::size_t comma = text.find(',');
@@ -23,10 +21,10 @@ void set_distance_rule(CleanOptions& clean, std::string_view text, Where where) 
   double factor = 0;
   const bool is_count = parse_integer(text.substr(0, comma), count);
   if (!is_count || count < 1 || count > 100)
-    refuse(where, shown(text.substr(0, comma)) + " is no whole number from 1 to 100");
+    refuse(where, in_double_quotes(text.substr(0, comma)) + " is no whole number from 1 to 100");
   const std::string_view rest = text.substr(comma + 1);
   if (!parse_number(rest, factor) || factor < 0.1 || factor > 1e6)
-    refuse(where, shown(rest) + " is no number from 0.1 to 1e+06");
+    refuse(where, in_double_quotes(rest) + " is no number from 0.1 to 1e+06");
   clean.outliers = OutlierRule::Distance;
   clean.neighbour_count = static_cast<std::int32_t>(count);
   clean.factor = factor;
@@ -39,7 +37,7 @@ void set_outliers(ReconstructOptions& options, const OptionValue& value, Where w
   } else if (value.text == "K,FACTOR") {
     refuse(where, "numbers are wanted for K and FACTOR, such as 12,2");
   } else if (value.text.find(',') == std::string_view::npos) {
-    refuse(where, shown(value.text) + " is not one of off, auto, K,FACTOR" +
+    refuse(where, in_double_quotes(value.text) + " is not one of off, auto, K,FACTOR" +
                       did_you_mean(value.text, kKnown));
   } else {
     set_distance_rule(options.clean, value.text, where);
@@ -58,7 +56,8 @@ void set_components(ReconstructOptions& options, const OptionValue& value, Where
   } else if (parse_integer(value.text, least) && least >= 1) {
     options.components = {Keep::AtLeast, least};
   } else {
-    refuse(where, shown(value.text) + " is neither auto, largest, all nor a least number of faces");
+    refuse(where, in_double_quotes(value.text) +
+                      " is neither auto, largest, all nor a least number of faces");
   }
 }
 

@@ -440,7 +440,7 @@ struct RunRest {
 double parse_seconds(const std::string& text) {
   double seconds = 0;
   if (!parse_number(text, seconds) || seconds < 0)
-    refuse("--watchdog", "\"" + visible(text) + "\" is no number of seconds from 0");
+    refuse("--watchdog", in_double_quotes(text) + " is no number of seconds from 0");
   return seconds;
 }
 
