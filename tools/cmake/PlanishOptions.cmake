@@ -41,6 +41,6 @@ endfunction()
 # planish_widest(TARGET SOURCE...): loops become vectors, of several widths with the same bits (core/widest.h).
 function(planish_widest target)
   set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES COMPILE_OPTIONS
-                              "-O3;-fno-math-errno;-fno-trapping-math;-ffp-contract=off"
+                              "-O3;-fno-math-errno;-fno-trapping-math"
                               SKIP_PRECOMPILE_HEADERS ON)
 endfunction()

@@ -17,6 +17,7 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/patches/bezier_net.h"
 
@@ -50,7 +51,7 @@ Cone cone_of(std::span<const glm::dvec3> directions) {
 
 // Between any two of its directions.
 double turn_of(const Cone& cone) {
-  return cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
+  return cone.cosine > 0 ? 2 * portable::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
 }
 
 double slope(double cosine) { return std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine; }

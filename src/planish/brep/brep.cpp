@@ -19,6 +19,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/words.h"
 #include "planish/surface/memory_need.h"
 
@@ -359,8 +360,9 @@ class Nesting {
   // Van Oosterom and Strackee 1983.
   static double solid_angle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     const double x = glm::length(a), y = glm::length(b), z = glm::length(c);
-    return 2 * std::atan2(glm::dot(a, glm::cross(b, c)),
-                          x * y * z + glm::dot(a, b) * z + glm::dot(b, c) * x + glm::dot(c, a) * y);
+    return 2 * portable::atan2(
+                   glm::dot(a, glm::cross(b, c)),
+                   x * y * z + glm::dot(a, b) * z + glm::dot(b, c) * x + glm::dot(c, a) * y);
   }
 
   const MeshTopology& topology_;

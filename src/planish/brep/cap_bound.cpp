@@ -9,6 +9,7 @@
 #include <span>
 
 #include "planish/brep/brep.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/mesh/face_geometry.h"
 
@@ -180,7 +181,7 @@ class JumpSearch {
         is_bounded = is_bounded && with.points[k] > 0;
         tangent = std::max(tangent, std::abs(across.points[k]) / with.points[k]);
       }
-      if (is_bounded) angle = std::atan(tangent * longest(along.all()));
+      if (is_bounded) angle = portable::atan(tangent * longest(along.all()));
     }
     const glm::dvec3 middle =
         bezier_blossom(sides_.line.data(), sides_.degree, same_arguments(0.5 * (from + to)));

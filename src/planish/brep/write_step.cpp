@@ -23,6 +23,7 @@
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
 #include "planish/files/shared/ordered_stream.h"
@@ -440,7 +441,7 @@ int step_decimals(double diagonal) {
   constexpr double kDigits = 12.5;  // of the diagonal
   constexpr int kMost = 300;
   if (!(diagonal > 0)) return 15;
-  return std::clamp(static_cast<int>(std::ceil(kDigits - std::log10(diagonal))), 0, kMost);
+  return std::clamp(static_cast<int>(std::ceil(kDigits - portable::log10(diagonal))), 0, kMost);
 }
 
 std::string step_string(std::string_view utf8) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <glm/matrix.hpp>
 
+#include "planish/core/portable_math.h"
+
 namespace planish {
 
 glm::dmat3 eigenvectors(glm::dmat3& matrix) {
@@ -17,8 +19,9 @@ glm::dmat3 eigenvectors(glm::dmat3& matrix) {
       for (int q = p + 1; q < 3; ++q) {
         if (matrix[p][q] == 0) continue;
         const double theta = (matrix[q][q] - matrix[p][p]) / (2 * matrix[p][q]);
-        const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
-        const double c = 1 / std::hypot(t, 1.0), s = t * c;
+        const double t =
+            std::copysign(1.0, theta) / (std::abs(theta) + portable::hypot(theta, 1.0));
+        const double c = 1 / portable::hypot(t, 1.0), s = t * c;
         glm::dmat3 rotation(1.0);
         rotation[p][p] = rotation[q][q] = c;
         rotation[p][q] = -s;

@@ -9,6 +9,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "planish/core/portable_math.h"
+
 namespace planish {
 
 /// 0 where the vector has no length.
@@ -22,7 +24,7 @@ namespace planish {
 [[nodiscard]] inline double safe_length(const glm::dvec3& vector) {
   if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
     return std::numeric_limits<double>::infinity();
-  return std::hypot(vector.x, vector.y, vector.z);
+  return portable::hypot(vector.x, vector.y, vector.z);
 }
 
 /// Of the box around points.

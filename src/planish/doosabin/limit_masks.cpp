@@ -14,6 +14,7 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/solve/stencil_builder.h"
 
 namespace planish {
@@ -69,7 +70,8 @@ StencilTable FaceSums::table(const MeshTopology& topology) const {
         const double angle = angle_of(i, vertices.size());
         sums.indices.push_back(vertices[i]);
         sums.weights.push_back(
-            which == 0 ? share : 2 * share * (which == 1 ? std::cos(angle) : std::sin(angle)));
+            which == 0 ? share
+                       : 2 * share * (which == 1 ? portable::cos(angle) : portable::sin(angle)));
       }
     }
   }
@@ -136,8 +138,8 @@ struct MaskEmitter {
     const std::int32_t source = sums.source_of(face);
     row.add(source, share * sums.rule().mean);
     if (sums.per_face() == 1) return;
-    row.add(source + 1, share * sums.rule().turn * std::cos(angle));
-    row.add(source + 2, share * sums.rule().turn * std::sin(angle));
+    row.add(source + 1, share * sums.rule().turn * portable::cos(angle));
+    row.add(source + 2, share * sums.rule().turn * portable::sin(angle));
   }
 
   void crease(std::int32_t vertex, StencilRow& row) const {

@@ -8,6 +8,7 @@
 
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "planish/mesh/face_geometry.h"
 #include "planish/solve/stencil_builder.h"
@@ -29,7 +30,7 @@ std::vector<double> face_weights(Weights weights, std::int32_t m) {
     c[m - 1] += 0.125;
   } else {
     for (std::int32_t j = 0; j < m; ++j) {
-      c[j] = (3.0 + 2.0 * std::cos(2.0 * std::numbers::pi * j / m)) / (4.0 * m);
+      c[j] = (3.0 + 2.0 * portable::cos(2.0 * std::numbers::pi * j / m)) / (4.0 * m);
     }
     c[0] += 0.25;
   }
@@ -49,7 +50,7 @@ std::span<const double> FaceWeights::of(std::int32_t m, std::vector<double>& scr
 double smallest_face_eigenvalue(Weights weights, std::int32_t m) {
   if (weights == Weights::Averaged) {
     // 1/2 + cos(2 pi k / m) / 4 with the k nearest to m/2.
-    return m % 2 == 0 ? 0.25 : 0.5 - std::cos(std::numbers::pi / m) / 4.0;
+    return m % 2 == 0 ? 0.25 : 0.5 - portable::cos(std::numbers::pi / m) / 4.0;
   }
   return m <= 3 ? 0.5 : 0.25;
 }
@@ -94,7 +95,7 @@ double interior_angle(FaceAreas& areas, std::int32_t face, std::int32_t corner) 
   const glm::dvec3 next = positions[vertices[(corner + 1) % m]] - apex;
   const glm::dvec3 previous = positions[vertices[(corner + m - 1) % m]] - apex;
   const glm::dvec3 turn = glm::cross(next, previous);
-  const double angle = std::atan2(glm::length(turn), glm::dot(next, previous));
+  const double angle = portable::atan2(glm::length(turn), glm::dot(next, previous));
   return glm::dot(turn, areas.of(face)) < 0 ? 2.0 * std::numbers::pi - angle : angle;
 }
 
@@ -390,8 +391,8 @@ struct RegularPolygon {
   explicit RegularPolygon(std::int32_t n) {
     for (std::int32_t i = 0; i < n; ++i) {
       const double angle = 2 * kPi * i / n;
-      cosines.push_back(std::cos(angle));
-      sines.push_back(std::sin(angle));
+      cosines.push_back(portable::cos(angle));
+      sines.push_back(portable::sin(angle));
     }
     // Two opposite points span no plane: rounding must not make one up.
     if (n == 2) sines = {0, 0};
@@ -410,7 +411,7 @@ double half_plane_angle(std::int32_t i, std::int32_t k) { return kPi * (2 * i + 
 
 // b_i = (1/2 + q_i) w0 + (1/2 - q_i) w1 with this q_i.
 double half_plane_offset(std::int32_t i, std::int32_t k) {
-  return std::cos(half_plane_angle(i, k)) / std::numbers::sqrt2;
+  return portable::cos(half_plane_angle(i, k)) / std::numbers::sqrt2;
 }
 
 struct HalfPlaneRule {
@@ -455,8 +456,9 @@ void add_refined_fan_face(const VertexRing& ring, const VertexRing::Sector& sect
                           double scale, StencilRow& row) {
   const double opening = sector.corner == CornerSector::Reflex ? 1.5 * kPi : 0.5 * kPi;
   const double t = (i + 0.5) / sector.count;
-  const double alpha = std::numbers::sqrt2 * std::sin((1 - t) * opening) / std::sin(opening);
-  const double beta = std::numbers::sqrt2 * std::sin(t * opening) / std::sin(opening);
+  const double alpha =
+      std::numbers::sqrt2 * portable::sin((1 - t) * opening) / portable::sin(opening);
+  const double beta = std::numbers::sqrt2 * portable::sin(t * opening) / portable::sin(opening);
   row.add(ring.faces[sector.first + i], scale / 4);
   row.add(sector.curve0, scale * alpha / 4);
   row.add(sector.curve1, scale * beta / 4);
@@ -490,7 +492,7 @@ void add_sector_limit(const VertexRing& ring, const VertexRing::Sector& sector, 
   const std::int32_t k = sector.count;
   double w0 = 0, w1 = 0;
   for (std::int32_t j = 0; j < k; ++j) {
-    const double s = std::sin(half_plane_angle(j, k));
+    const double s = portable::sin(half_plane_angle(j, k));
     const double q = half_plane_offset(j, k);
     row.add(ring.faces[sector.first + j], 0.0, 0.0, s);
     w0 -= s * (0.5 + q);

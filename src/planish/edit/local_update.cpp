@@ -7,6 +7,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/edit/editor_impl.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/patches/doo_sabin_step.h"
@@ -155,11 +156,11 @@ bool LocalSolve::reaches_many(std::span<const std::int32_t> vertices,
     rings_[left].push_back(vertex);
   };
   const double face_size = static_cast<double>(topology_->corner_count()) / topology_->face_count();
-  const double rings_per_e = face_size / kQuadSize / -std::log(kDecay);
+  const double rings_per_e = face_size / kQuadSize / -portable::log(kDecay);
   constexpr double kMostRings = 64;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const double way = glm::length(points[i] - given_[vertices[i]]);
-    const double rings = std::log(way / bound_) * rings_per_e;  // of none: below 0
+    const double rings = portable::log(way / bound_) * rings_per_e;  // of none: below 0
     enter(vertices[i], rings > 0 ? std::lround(std::min(rings, kMostRings)) : 0);
   }
   for (std::size_t left = rings_.size(); left-- > 0 && reached.members().size() <= most;) {

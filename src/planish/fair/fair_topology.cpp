@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/work.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "planish/fair/fair_net.h"
@@ -163,7 +164,7 @@ void fill_unit_circle(FairTopology& topology) {
     circle.offsets[n] = static_cast<std::int32_t>(circle.points.size());
     for (std::size_t i = 0; i < n; ++i) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
-      circle.points.emplace_back(std::cos(angle), std::sin(angle));
+      circle.points.emplace_back(portable::cos(angle), portable::sin(angle));
     }
   }
 }
@@ -250,7 +251,7 @@ double own_normal_part(const dvec3& a, const dvec3& b, const dvec3& turn, double
 // The angle from a to b counter-clockwise about a unit normal, 0 to a full turn.
 double angle_about(const dvec3& a, const dvec3& b, const dvec3& turn, const dvec3& normal) {
   const double cosine = glm::dot(a, b) - glm::dot(a, normal) * glm::dot(b, normal);
-  const double angle = std::atan2(glm::dot(turn, normal), cosine);
+  const double angle = portable::atan2(glm::dot(turn, normal), cosine);
   return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
 
@@ -278,7 +279,7 @@ dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3>
     double own_part = 0;
     if (length > 0) {
       own_part = own_normal_part(a, b, turn, length, face_normals[face]);
-      const double own_angle = own_part * std::atan2(length, glm::dot(a, b));
+      const double own_angle = own_part * portable::atan2(length, glm::dot(a, b));
       angles += own_angle;
       sum += own_angle / length * turn;
     } else if (topology.face_size(face) == 3) {
@@ -349,7 +350,7 @@ glm::vec2 lean_towards(const FairTopology& topology, std::span<const dvec3> give
   const dvec2 flat(glm::dot(target, axes.along), glm::dot(target, axes.left));
   const double sine = glm::length(flat);
   if (!(sine > 0)) return glm::vec2(0.0F);
-  return glm::vec2(std::atan2(sine, glm::dot(target, normal)) / sine * flat);
+  return glm::vec2(portable::atan2(sine, glm::dot(target, normal)) / sine * flat);
 }
 
 dvec3 leaning_normal(const FairTopology& topology, std::span<const dvec3> given,
@@ -358,8 +359,8 @@ dvec3 leaning_normal(const FairTopology& topology, std::span<const dvec3> given,
   const double angle = glm::length(wanted);
   if (!(angle > 0)) return normal;
   const RingAxes axes = ring_axes(topology, given, vertex, normal);
-  return std::cos(angle) * normal +
-         std::sin(angle) / angle * (wanted.x * axes.along + wanted.y * axes.left);
+  return portable::cos(angle) * normal +
+         portable::sin(angle) / angle * (wanted.x * axes.along + wanted.y * axes.left);
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/core/work.h"
 #include "planish/fair/fair_topology.h"
@@ -308,7 +309,7 @@ std::vector<dvec4> side_conditions(const FairTopology& topology, std::span<const
   for (std::int32_t i = 0; i < n; ++i) {
     const dvec3 edge = unit_or_zero(given[ring.next[i]] - given[vertex]);
     const double angle = std::numbers::pi * (2 * i - 1) / n;
-    const dvec2 side(-std::sin(angle), std::cos(angle));
+    const dvec2 side(-portable::sin(angle), portable::cos(angle));
     for (const std::int32_t place : {i, (i + n - 1) % n}) {
       const std::int32_t face = topology.corner_faces[ring.corners[place]];
       const dvec3 inward = glm::cross(face_normals[face], edge);
@@ -587,7 +588,7 @@ void Cure::change(std::int32_t vertex, std::int32_t times, bool is_new,
     }
     --times;
   }
-  if (times > 0) scale_curve_vertex(site, std::pow(kQuarter, times));
+  if (times > 0) scale_curve_vertex(site, portable::pow(kQuarter, times));
 }
 
 bool Cure::exchange(bool any) {

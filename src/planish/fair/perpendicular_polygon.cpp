@@ -7,6 +7,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/core/work.h"
 #include "planish/fair/fair_topology.h"
@@ -94,7 +95,7 @@ dvec2 rotated(const dvec2& point, const dvec2& by) {
 // point to, so that the points stand near to the bisectors of their faces.
 dvec2 circle_start(const dvec2& direction, std::int32_t count) {
   const double half_step = std::numbers::pi / count;
-  return rotated(direction, {std::cos(half_step), std::sin(half_step)});
+  return rotated(direction, {portable::cos(half_step), portable::sin(half_step)});
 }
 
 }  // namespace
@@ -238,10 +239,10 @@ dvec3 sector_normal(const CurveSite& site, const FairTopology::Sector& sector, c
     const dvec3 tilted = tilted_sector_normal(site, sector, own, along);
     lean = tilted == own
                ? 0.0F
-               : static_cast<float>(std::atan2(glm::dot(tilted, left), glm::dot(tilted, own)));
+               : static_cast<float>(portable::atan2(glm::dot(tilted, left), glm::dot(tilted, own)));
   }
   if (lean == 0) return own;
-  return std::cos(double{lean}) * own + std::sin(double{lean}) * left;
+  return portable::cos(double{lean}) * own + portable::sin(double{lean}) * left;
 }
 
 // Fills the chain of a sector for a handle of length 1; returns how far it is to be used.
@@ -334,7 +335,7 @@ void build_perpendicular_crease(const CurveSite& site, glm::vec2& lean,
     if (chain > 0) (void)shape_sector(site, sector, plane, scratch);
     for (std::int32_t i = 0; i < sector.count; ++i) {
       const double angle = std::numbers::pi * (2 * i + 1) / (2.0 * sector.count);
-      dvec2 point = radius * dvec2(std::cos(angle), std::sin(angle));
+      dvec2 point = radius * dvec2(portable::cos(angle), portable::sin(angle));
       if (chain > 0) point += length * scratch.points[i];
       site.offsets[corners[i]] = point.x * plane.along + point.y * plane.across;
     }
@@ -353,8 +354,8 @@ double least_sector_cosine(const FairTopology& topology, std::span<const dvec3> 
     const auto corners = topology.ring(sector).corners;
     dvec3 across(0.0);
     for (std::int32_t i = 0; i < sector.count; ++i) {
-      across +=
-          std::sin(std::numbers::pi * (2 * i + 1) / (2.0 * sector.count)) * offsets[corners[i]];
+      across += portable::sin(std::numbers::pi * (2 * i + 1) / (2.0 * sector.count)) *
+                offsets[corners[i]];
     }
     const dvec3 normal =
         unit_or_zero(glm::cross(offsets[sector.curve0] - offsets[sector.curve1], across));
@@ -421,14 +422,15 @@ bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   const auto draw = [&](std::int32_t curve, const dvec3& direction, std::int32_t place,
                         double sign) {
     const double least = std::min(kLeastGap, kGapShare * face_angle(place));
-    const double own = sign * std::atan2(glm::dot(direction, side), glm::dot(direction, middle));
+    const double own =
+        sign * portable::atan2(glm::dot(direction, side), glm::dot(direction, middle));
     const double angle = std::max(own, least);
     const double share =
         reflex_share * std::clamp((kWideGap - angle) / (kWideGap - least), 0.0, 1.0);
     dvec3& offset = site.offsets[curve];
-    offset +=
-        share *
-        (glm::length(offset) * (std::cos(angle) * middle + sign * std::sin(angle) * side) - offset);
+    offset += share * (glm::length(offset) *
+                           (portable::cos(angle) * middle + sign * portable::sin(angle) * side) -
+                       offset);
   };
   draw(sector.curve0, a, 0, 1);
   draw(sector.curve1, b, ring.size() - 1, -1);
@@ -517,8 +519,8 @@ double farthest_fan_point(const FairTopology& topology, std::span<const dvec3> g
     for (std::int32_t i = 0; i < sector.count; ++i) {
       // The convex corner's fan; wider ones reach no farther.
       const double t = (i + 0.5) / sector.count * std::numbers::pi / 2;
-      const dvec3 fan = std::numbers::sqrt2 * (std::cos(t) * offsets[sector.curve0] +
-                                               std::sin(t) * offsets[sector.curve1]);
+      const dvec3 fan = std::numbers::sqrt2 * (portable::cos(t) * offsets[sector.curve0] +
+                                               portable::sin(t) * offsets[sector.curve1]);
       const dvec3 point = (fan + offsets[ring.corners[i]]) / 4.0;
       const dvec3 next = given[ring.next[i]] - given[vertex];
       const dvec3 previous = given[ring.previous[i]] - given[vertex];

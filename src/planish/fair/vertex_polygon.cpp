@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "planish/core/portable_math.h"
 #include "planish/core/work.h"
 #include "planish/fair/fair_topology.h"
 
@@ -33,7 +34,7 @@ double ramp(double value, double limit) { return std::clamp(2 - value / limit, 0
 double set_weights(std::span<const dvec2> points, const dvec2& y, std::span<double> weights) {
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    weights[i] = std::exp(-glm::dot(y, points[i]));
+    weights[i] = portable::exp(-glm::dot(y, points[i]));
     sum += weights[i];
   }
   return sum;

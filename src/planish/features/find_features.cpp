@@ -13,6 +13,7 @@
 #include "planish/core/error.h"
 #include "planish/core/group_by.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/features/jumps.h"
 #include "planish/mesh/check.h"
@@ -277,7 +278,7 @@ class CornerFinder {
   const RegionMap& map_;
   std::span<const char> is_sharp_;
   const FeatureRules& rules_;
-  double cosine_ = std::cos(glm::radians(rules_.jump) / 2);
+  double cosine_ = portable::cos(glm::radians(rules_.jump) / 2);
   // By vertex: how many sharp edges and boundaries it has; the far ends of two of them; of a vertex
   // with two how the line turns there, in degrees, and about what.
   std::vector<std::int32_t> count_;
@@ -395,7 +396,7 @@ class CornerFinder {
       if (is_smooth(way.vertex) && turns_[way.vertex] > 0)
         around = std::max(around, jump(way.vertex));
     }
-    return own >= std::hypot(rules_.jump, rules_.spread * around);
+    return own >= portable::hypot(rules_.jump, rules_.spread * around);
   }
 
   // Whether one side of the line is a plane for sure.
@@ -446,7 +447,7 @@ class CornerFinder {
     if (least < rules_.jump) return false;
     for (const std::int32_t corner : corners)
       spread += std::abs(lean(region_of(corner)) - mean) / count;
-    const double scale = std::hypot(rules_.jump, rules_.spread * spread);
+    const double scale = portable::hypot(rules_.jump, rules_.spread * spread);
     return std::ranges::all_of(corners, [&](std::int32_t corner) {
       const std::int32_t region = region_of(corner);
       const double own = lean(region);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/mesh/edge_groups.h"
 #include "planish/mesh/face_geometry.h"
@@ -95,7 +96,7 @@ class RegionMaker {
     return square / (cosine * cosine);
   }
   [[nodiscard]] static double bend_by(double degrees) {
-    const double tangent = std::tan(glm::radians(degrees));
+    const double tangent = portable::tan(glm::radians(degrees));
     return tangent * tangent;
   }
 
@@ -458,7 +459,7 @@ struct Sample {
 
 // Of the ratios: half of the weights are at or below, half at or above.
 double weighted_median(std::vector<Sample>& samples, double weights) {
-  std::ranges::sort(samples, {}, &Sample::ratio);
+  std::ranges::stable_sort(samples, {}, &Sample::ratio);
   double sum = 0;
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     sum += samples[i].weight;
@@ -590,8 +591,8 @@ Explained SegmentJumps::fitted(std::int32_t segment, std::int32_t region,
     const glm::dvec3 to = there.centre - own.centre;
     const double distance = glm::dot(to, away), length = glm::length(to);
     if (!(distance > std::max(0.0, 0.25 * reach)) || !(length > 0)) return;
-    const double turn = sign * glm::degrees(std::atan2(glm::dot(there.normal, away),
-                                                       glm::dot(there.normal, own.normal)));
+    const double turn = sign * glm::degrees(portable::atan2(glm::dot(there.normal, away),
+                                                            glm::dot(there.normal, own.normal)));
     weight *= distance / length;
     samples.push_back({turn / distance, weight, distance, turn});
     weights += weight;
@@ -655,7 +656,7 @@ SegmentJumps::Jump SegmentJumps::jump(std::int32_t segment, std::span<const char
     return is_plane(region) && map_.outlines.of(region).size() > 4;
   };
   if (!is_whole(a) && !is_whole(b))
-    result.scale = std::hypot(rules_.jump, rules_.spread * (left.spread + right.spread));
+    result.scale = portable::hypot(rules_.jump, rules_.spread * (left.spread + right.spread));
   return result;
 }
 

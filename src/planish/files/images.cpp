@@ -11,6 +11,7 @@
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/output_file.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/core/words.h"
 #include "planish/files/gltf/gltf_json.h"
@@ -236,7 +237,7 @@ NormalTexture::NormalTexture(RgbImage image, const json& lists, const json& mate
 
 glm::dvec3 NormalTexture::at(const glm::dvec2& uv) const {
   const glm::dvec2 given(uv.x * stretch_.x, (1 - uv.y) * stretch_.y);
-  const double c = std::cos(rotation_), s = std::sin(rotation_);
+  const double c = portable::cos(rotation_), s = portable::sin(rotation_);
   const glm::dvec2 place(c * given.x + s * given.y + offset_.x,
                          c * given.y - s * given.x + offset_.y);
   // Farther, texels of a texture that repeats are told apart no more.

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/words.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/files/gltf/gltf_json.h"
@@ -122,10 +123,7 @@ std::optional<glm::dvec3> GltfMaterials::display_color(std::string_view name) co
                             .value("baseColorFactor", json::array());
     if (factor.size() < 3) return std::nullopt;
     glm::dvec3 color;
-    for (int k = 0; k < 3; ++k) {
-      const double linear = std::clamp(factor[k].get<double>(), 0.0, 1.0);
-      color[k] = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-    }
+    for (int k = 0; k < 3; ++k) color[k] = srgb_of_linear(factor[k].get<double>());
     return color;
   }
   return std::nullopt;
@@ -656,8 +654,9 @@ class UsdConverter {
     line("float2 inputs:in.connect = " + connected("st.outputs:result"));
     input("float2 inputs:scale", tuple_text(scale));
     input("float inputs:rotation", shortest(turn * 180 / std::numbers::pi));
-    input("float2 inputs:translation", tuple_text({offset[0] + scale[1] * std::sin(turn),
-                                                   1 - offset[1] - scale[1] * std::cos(turn)}));
+    input("float2 inputs:translation",
+          tuple_text({offset[0] + scale[1] * portable::sin(turn),
+                      1 - offset[1] - scale[1] * portable::cos(turn)}));
     line("float2 outputs:result");
     end_shader();
   }

@@ -69,8 +69,10 @@ class ColumnValues {
     bool any = false;
     for (std::size_t i = 0; i < count_; ++i) {
       double square = 0;
-      for (const std::size_t column : columns)
-        square += std::pow(static_cast<double>((*this)(i, column)), 2);
+      for (const std::size_t column : columns) {
+        const double value = (*this)(i, column);
+        square += value * value;
+      }
       if (square == 0) continue;
       if (std::abs(std::sqrt(square) - 1) > kRounding) return false;
       any = true;

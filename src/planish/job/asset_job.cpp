@@ -253,8 +253,10 @@ using Details = std::list<std::list<PartLevel>>;
 // each level, finest first. The coarsest never vanishes.
 std::vector<double> least_coverages(std::span<const double> left_out) {
   std::vector<double> coverages;
-  for (std::size_t i = 1; i < left_out.size(); ++i)
-    coverages.push_back(std::pow(left_out.front() / left_out[i], 2));
+  for (std::size_t i = 1; i < left_out.size(); ++i) {
+    const double share = left_out.front() / left_out[i];
+    coverages.push_back(share * share);
+  }
   coverages.push_back(0);
   return coverages;
 }

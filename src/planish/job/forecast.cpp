@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/words.h"
 #include "planish/files/gltf/asset/asset_vertices.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -54,7 +55,7 @@ std::vector<double> turns_at_edges(const PolygonMesh& mesh, const PreparedMesh& 
       continue;
     const double cosine =
         glm::dot(normals[topology.face_of(corner)], normals[topology.face_of(twin)]);
-    turns[e] = std::acos(std::clamp(cosine, -1.0, 1.0));
+    turns[e] = portable::acos(std::clamp(cosine, -1.0, 1.0));
   }
   return turns;
 }
@@ -95,8 +96,10 @@ double expected_triangles(const PolygonMesh& mesh, const PreparedMesh& prepared,
     double count = static_cast<double>(face.size() - 2);
     if (std::ranges::max(cuts) >= 0.5) {
       count = 0;
-      for (std::size_t i = 0; i < cuts.size(); ++i)
-        count += 2 * std::pow(std::max({1.0, cuts[i], cuts[(i + 1) % cuts.size()]}), 2);
+      for (std::size_t i = 0; i < cuts.size(); ++i) {
+        const double most = std::max({1.0, cuts[i], cuts[(i + 1) % cuts.size()]});
+        count += 2 * most * most;
+      }
     }
     sum += share * count;
   }

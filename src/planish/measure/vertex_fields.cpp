@@ -17,6 +17,7 @@
 #include "planish/core/group_by.h"
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/raw_vector.h"
 #include "planish/core/work.h"
 #include "planish/measure/figures.h"
@@ -101,7 +102,7 @@ std::array<double, 3> form_at(const SurfaceMesh& surface, std::size_t vertex,
     const glm::dvec3 along = surface.positions[other] - surface.positions[vertex];
     const double square = glm::dot(along, along);
     double x = glm::dot(along, tangents.u), y = glm::dot(along, tangents.v);
-    const double length = std::hypot(x, y);
+    const double length = portable::hypot(x, y);
     if (!(length > 0)) return;
     x /= length;
     y /= length;

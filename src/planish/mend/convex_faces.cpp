@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/portable_math.h"
 #include "planish/core/work.h"
 #include "planish/mend/faults.h"
 #include "planish/mend/repair.h"
@@ -86,7 +87,7 @@ class Parts {
       HalfEdge& edge = edges_[h];
       const dvec2 along = place(edges_[edge.next].from) - place(edge.from);
       const dvec2 back = place(edges_[edge.previous].from) - place(edge.from);
-      edge.angle = std::atan2(along.x * back.y - along.y * back.x, glm::dot(along, back));
+      edge.angle = portable::atan2(along.x * back.y - along.y * back.x, glm::dot(along, back));
       if (h < edge.twin && edge.twin != kOutside)
         diagonals.emplace_back(-glm::dot(along, along), h);
     }
@@ -370,8 +371,8 @@ double corner_swirl(std::span<const dvec2> polygon) {
   for (const dvec2& p : polygon) mean += p / n;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const double angle = step * static_cast<double>(i);
-    even += std::cos(angle) * (polygon[i] - mean);
-    odd += std::sin(angle) * (polygon[i] - mean);
+    even += portable::cos(angle) * (polygon[i] - mean);
+    odd += portable::sin(angle) * (polygon[i] - mean);
   }
   const double area = cross(even, odd);
   if (!(area > 0)) return n / 2;
@@ -380,8 +381,8 @@ double corner_swirl(std::span<const dvec2> polygon) {
     const double angle = step * static_cast<double>(i);
     const dvec2 own = polygon[i] - mean;
     const dvec2 place = dvec2(cross(own, odd), cross(even, own)) / area;
-    const dvec2 wanted(std::cos(angle), std::sin(angle));
-    most = std::max(most, std::abs(std::atan2(cross(wanted, place), glm::dot(wanted, place))));
+    const dvec2 wanted(portable::cos(angle), portable::sin(angle));
+    most = std::max(most, std::abs(portable::atan2(cross(wanted, place), glm::dot(wanted, place))));
   }
   return most / step;
 }
@@ -436,7 +437,7 @@ constexpr std::size_t kMostCorners = 32;
 
 // From a to b counter-clockwise, 0 to a full turn.
 double turn_between(const dvec2& a, const dvec2& b) {
-  const double angle = std::atan2(cross(a, b), glm::dot(a, b));
+  const double angle = portable::atan2(cross(a, b), glm::dot(a, b));
   return angle < 0 ? angle + 2 * pi : angle;
 }
 
@@ -531,7 +532,7 @@ bool meets_an_edge(std::span<const dvec2> points, const Part& part, std::size_t 
 // How good the diagonal from corner i to corner j is; below every number where it leaves the part.
 // Good ones leave wide angles, none of which is nearly straight, and are short.
 double merit(std::span<const dvec2> points, const Part& part, std::size_t i, std::size_t j) {
-  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  constexpr double kWorst = -std::numeric_limits<double>::infinity();
   constexpr double kNearlyStraight = 0.9 * pi, kStraightCost = 3.0, kLengthCost = 0.2;
   const std::size_t m = part.size();
   const dvec2& from = points[part[i]];
@@ -542,7 +543,7 @@ double merit(std::span<const dvec2> points, const Part& part, std::size_t i, std
   const double far_after = turn_between(points[part[(j + 1) % m]] - to, from - to);
   const double far_before = interior_angle(points, part, j) - far_after;
   const double least = std::min({before, after, far_before, far_after});
-  if (!(least > 0) || !(glm::length(along) > 0)) return kNone;
+  if (!(least > 0) || !(glm::length(along) > 0)) return kWorst;
   const double straightest = std::max({before, after, kNearlyStraight}) - kNearlyStraight;
   return least - kStraightCost * straightest -
          kLengthCost * glm::distance(from, to) / glm::length(along);

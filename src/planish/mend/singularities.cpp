@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/mend/faults.h"
 #include "planish/mesh/edge_groups.h"
 #include "planish/mesh/face_geometry.h"
@@ -247,7 +248,7 @@ PolygonMesh with_cusp_corners(const PolygonMesh& mesh) {
     }
   }
   PolygonMesh result = mesh;
-  const double least_cosine = std::cos(kCuspDegrees * std::numbers::pi / 180);
+  const double least_cosine = portable::cos(kCuspDegrees * std::numbers::pi / 180);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (next[v] < 0 || previous[v] < 0 || tagged[v]) continue;
     const glm::dvec3 in = mesh.positions[v] - mesh.positions[previous[v]];

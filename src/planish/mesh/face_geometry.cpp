@@ -97,9 +97,10 @@ void ReflexCorners::split(std::size_t node, std::uint32_t begin, std::uint32_t e
   }
   const int axis = high.x - low.x >= high.y - low.y ? 0 : 1;
   const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(
-      own.begin(), own.begin() + (middle - begin), own.end(),
-      [&](std::uint32_t a, std::uint32_t b) { return places_[a][axis] < places_[b][axis]; });
+  std::nth_element(own.begin(), own.begin() + (middle - begin), own.end(),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     return std::pair(places_[a][axis], a) < std::pair(places_[b][axis], b);
+                   });
   split(2 * node + 1, begin, middle);
   split(2 * node + 2, middle, end);
 }

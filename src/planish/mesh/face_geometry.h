@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -10,12 +9,14 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/portable_math.h"
+
 namespace planish {
 
 /// In radians, 0 to pi, of vectors of any length; 0 where one has none.
 [[nodiscard]] inline double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   if (glm::length(a) == 0 || glm::length(b) == 0) return 0;
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+  return portable::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
 /// The vector area of a polygon: along its Newell normal, as long as the area it encloses where it

@@ -13,6 +13,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/core/words.h"
 #include "planish/mesh/check.h"
@@ -152,7 +153,7 @@ Box box_of(std::size_t count, const PositionOf& position_of) {
 Placement placement_of(const Box& box) {
   const glm::dvec3 extent = box.high - box.low;
   // hypot neither overflows nor underflows on the way, as the root of a sum of squares would.
-  const double diagonal = std::hypot(extent.x, extent.y, extent.z);
+  const double diagonal = portable::hypot(extent.x, extent.y, extent.z);
   return {.centre = 0.5 * box.low + 0.5 * box.high, .diagonal = diagonal > 0 ? diagonal : 1.0};
 }
 

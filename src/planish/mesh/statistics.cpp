@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/edge_groups.h"
 #include "planish/mesh/face_geometry.h"
@@ -85,7 +86,7 @@ class FaceAreas {
   [[nodiscard]] std::size_t count() const { return areas_.size(); }
 
   [[nodiscard]] bool are_folded(std::int32_t f, std::int32_t g) const {
-    static const double least_cosine = std::cos(kFoldedEdgeDegrees * std::numbers::pi / 180);
+    static const double least_cosine = portable::cos(kFoldedEdgeDegrees * std::numbers::pi / 180);
     const glm::dvec3 &a = areas_[f], &b = areas_[g];
     const double cosine = glm::dot(a, b);
     // Most edges need no length.
@@ -272,7 +273,7 @@ class EvenFaces {
  private:
   // Of a face without area nothing can be told.
   [[nodiscard]] bool turns(std::int32_t f, std::int32_t g) const {
-    static const double least_cosine = std::cos(kEvenDegrees * std::numbers::pi / 180);
+    static const double least_cosine = portable::cos(kEvenDegrees * std::numbers::pi / 180);
     return glm::dot(areas_[f], areas_[g]) < least_cosine * area(f) * area(g);
   }
 

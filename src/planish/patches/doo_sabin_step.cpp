@@ -1,11 +1,11 @@
 #include "planish/patches/doo_sabin_step.h"
 
-#include <cmath>
 #include <glm/vec2.hpp>
 #include <numbers>
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/work.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "planish/patches/patch_mesh.h"
@@ -168,8 +168,8 @@ PatchRings::PatchRings(const PatchClass& patch)
                   patch.face_column_beside(-1),
                   patch.ring_sums_column(),
                   patch.has_vertex() ? patch.vertex_column() : -1,
-                  std::cos(step),
-                  std::sin(step)};
+                  portable::cos(step),
+                  portable::sin(step)};
   } else {
     rings_[0] = ring_at_vertex(patch);
   }
@@ -180,7 +180,8 @@ PatchRings::PatchRings(const PatchClass& patch)
   sharp_ = {patch.is_leading_sharp(), false, false, patch.is_trailing_sharp()};
   if (patch.has_face_sums) {
     const double step = ring_angles(PatchKind::Smooth, m).step;
-    summed_[2] = {0, next, previous, patch.face_sums_column(), -1, std::cos(step), std::sin(step)};
+    summed_[2] = {
+        0, next, previous, patch.face_sums_column(), -1, portable::cos(step), portable::sin(step)};
   } else {
     std::vector<std::int32_t> face(static_cast<std::size_t>(m), 0);
     for (std::int32_t i = 1; i < m; ++i) face[i] = patch.ring_column(i);
@@ -312,7 +313,7 @@ void refine_large_face(std::span<const std::int32_t> vertices, const FaceSumRule
   const double step = 2 * std::numbers::pi / static_cast<double>(m);
   const auto turn = [&](std::size_t i) {
     const double angle = step * static_cast<double>(i);
-    return glm::dvec2(std::cos(angle), std::sin(angle));
+    return glm::dvec2(portable::cos(angle), portable::sin(angle));
   };
   glm::dvec3 mean(0.0), even(0.0), odd(0.0);
   for (std::size_t i = 0; i < m; ++i) {

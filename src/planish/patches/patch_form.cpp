@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planish/core/guards.h"
+#include "planish/core/portable_math.h"
 #include "planish/patches/bezier_net.h"
 #include "planish/patches/doo_sabin_step.h"
 
@@ -39,15 +40,15 @@ void add_doo_sabin_ring(std::span<const std::int32_t> ring, std::int32_t first_s
   };
   for (const std::int32_t column : ring) step.sums.add(column, 1);
   step.sums.end_row();
-  for (std::size_t j = 0; j < ring.size(); ++j) step.sums.add(ring[j], std::cos(angle(j)));
+  for (std::size_t j = 0; j < ring.size(); ++j) step.sums.add(ring[j], portable::cos(angle(j)));
   step.sums.end_row();
-  for (std::size_t j = 0; j < ring.size(); ++j) step.sums.add(ring[j], std::sin(angle(j)));
+  for (std::size_t j = 0; j < ring.size(); ++j) step.sums.add(ring[j], portable::sin(angle(j)));
   step.sums.end_row();
   for (std::size_t i = 0; i < ring.size(); ++i) {
     step.rows.add(ring[i], 0.25);
     step.rows.add(first_sum, 0.75 / n);
-    step.rows.add(first_sum + 1, 0.5 / n * std::cos(angle(i)));
-    step.rows.add(first_sum + 2, 0.5 / n * std::sin(angle(i)));
+    step.rows.add(first_sum + 1, 0.5 / n * portable::cos(angle(i)));
+    step.rows.add(first_sum + 2, 0.5 / n * portable::sin(angle(i)));
     step.rows.end_row();
   }
 }
@@ -352,10 +353,10 @@ void PatchForms::make_corner(PatchForm& form) const {
   const bool closed_form = weights_.weights() == Weights::DooSabin || form.patch.ring_size == 4;
   if (form.patch.kind == PatchKind::Smooth && closed_form) {
     const std::int32_t n = form.patch.ring_size;
-    const auto cosine = [&](std::int32_t j) { return std::cos(2 * std::numbers::pi * j / n); };
+    const auto cosine = [&](std::int32_t j) { return portable::cos(2 * std::numbers::pi * j / n); };
     if (form.patch.has_ring_sums) {
       const auto sums = static_cast<std::size_t>(form.patch.ring_sums_column());
-      const double even = 1 + cosine(1), odd = std::sin(2 * std::numbers::pi / n);
+      const double even = 1 + cosine(1), odd = portable::sin(2 * std::numbers::pi / n);
       for (const std::size_t row : {std::size_t{3}, std::size_t{4}}) {
         double* const weights = form.corner.data() + row * count + sums;
         weights[1] = even;
@@ -444,11 +445,11 @@ PointCurvature curvature_of(const PatchPoint& point) {
                yy = b * b * uu + 2 * b * d * uv + d * d * vv;
   result.mean = 0.5 * (xx + yy);
   result.gaussian = xx * yy - xy * xy;
-  const double half = 0.5 * (xx - yy), root = std::hypot(half, xy);
+  const double half = 0.5 * (xx - yy), root = portable::hypot(half, xy);
   result.largest = result.mean + root;
   result.smallest = result.mean - root;
-  const double turn = 0.5 * std::atan2(xy, half);
-  result.largest_direction = std::cos(turn) * along + std::sin(turn) * across;
+  const double turn = 0.5 * portable::atan2(xy, half);
+  result.largest_direction = portable::cos(turn) * along + portable::sin(turn) * across;
   result.smallest_direction = glm::cross(normal, result.largest_direction);
   result.is_known = true;
   return result;

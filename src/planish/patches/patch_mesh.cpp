@@ -1,7 +1,6 @@
 #include "planish/patches/patch_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -9,6 +8,7 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/work.h"
 
 namespace planish {
@@ -76,9 +76,9 @@ std::vector<glm::dvec3> ring_weights(const LargeRing& ring) {
   double sines = 0;
   for (std::size_t j = 0; j < size; ++j) {
     const double angle = first + step * static_cast<double>(j);
-    rows[j].z = 2 * share * std::sin(angle);
+    rows[j].z = 2 * share * portable::sin(angle);
     sines += rows[j].z;
-    if (!ring.is_sector()) rows[j] = {share, 2 * share * std::cos(angle), rows[j].z};
+    if (!ring.is_sector()) rows[j] = {share, 2 * share * portable::cos(angle), rows[j].z};
   }
   if (!ring.is_sector()) return rows;
   // The curve's own shares in b_j have no sine sum.
@@ -102,7 +102,7 @@ void write_ring_sums(const LargeRing& ring, std::span<const glm::dvec3> points, 
   }
   const auto [first, step] = ring_angles(ring.kind, ring.size);
   for (std::int32_t i = 0; i < ring.size; ++i) {
-    const double c = std::cos(first + step * i), s = std::sin(first + step * i);
+    const double c = portable::cos(first + step * i), s = portable::sin(first + step * i);
     for (std::int32_t which = 0; which < 3; ++which) {
       const glm::dvec3 share = turned(which, c, s);
       *sums++ = origin + (mean + (share.y * even + share.z * odd));
@@ -113,7 +113,7 @@ void write_ring_sums(const LargeRing& ring, std::span<const glm::dvec3> points, 
 std::vector<double> sum_weights(const LargeRing& ring, std::int32_t sum) {
   const auto [first, step] = ring_angles(ring.kind, ring.size);
   const double angle = first + step * (sum / 3);
-  const glm::dvec3 share = turned(sum % 3, std::cos(angle), std::sin(angle));
+  const glm::dvec3 share = turned(sum % 3, portable::cos(angle), portable::sin(angle));
   std::vector<double> result;
   for (const glm::dvec3& row : ring_weights(ring))
     result.push_back(row.x + share.y * row.y + share.z * row.z);

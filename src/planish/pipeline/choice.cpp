@@ -12,6 +12,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/words.h"
 #include "planish/measure/figures.h"
 #include "planish/mesh/mesh_parts.h"
@@ -64,7 +65,7 @@ std::string faces_name(CandidateFaces faces) {
 
 double PartFigures::cost() const {
   const ChoiceWeights& weights = kChoiceWeights;
-  double cost = std::log(bending + weights.flat);
+  double cost = portable::log(bending + weights.flat);
   if (folded_area >= kSoundFoldedArea) cost += weights.folds * folded_area;
   cost += weights.doubt * doubt;
   if (is_by_lot) cost += weights.by_lot;

@@ -167,7 +167,7 @@ void leave_vertices(const PolygonMesh& mesh, Backend& backend, const FitOptions&
                            (next.interpolation.converged || !result.interpolation.converged);
     if (!is_better && !result.points.empty()) return;
     if (!is_better) continue;
-    next.within = std::move(result.within);
+    next.within.emplace(*std::move(result.within));
     next.within->left = found.quality;
     next.within->bending_after = least.bending_after;
     next.within->distance = {};

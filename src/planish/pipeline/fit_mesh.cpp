@@ -9,6 +9,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/version.h"
 #include "planish/mend/faults.h"
 #include "planish/mend/repair.h"
@@ -533,7 +534,7 @@ glm::dvec3 storage_origin(const Placement& placement) {
   constexpr double kFarFromOrigin = 10.0;  // diagonals, from which float32 loses a digit and more
   const glm::dvec3& centre = placement.centre;
   const bool is_far =
-      std::hypot(centre.x, centre.y, centre.z) > kFarFromOrigin * placement.diagonal;
+      portable::hypot(centre.x, centre.y, centre.z) > kFarFromOrigin * placement.diagonal;
   return is_far ? centre : glm::dvec3(0.0);
 }
 

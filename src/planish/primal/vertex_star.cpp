@@ -9,6 +9,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
+#include "planish/core/portable_math.h"
 #include "planish/primal/primal_stencils.h"
 #include "planish/solve/refiner.h"
 
@@ -476,7 +477,7 @@ void StarLimits::fan_tangents(const Sector& faces, bool corner) {
     }
     limit_.du.edges[last] -= 1.0;
     for (std::int32_t i = 1; i < k; ++i) {
-      const double weight = std::sin(std::numbers::pi * i / k);
+      const double weight = portable::sin(std::numbers::pi * i / k);
       limit_.dv.edges[(faces.first_edge + i) % n] += weight;
       limit_.dv.vertex -= weight;
     }

@@ -17,6 +17,7 @@
 
 #include "planish/core/group_by.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/mesh/edge_groups.h"
 #include "planish/mesh/face_geometry.h"
 #include "planish/mesh/mesh_parts.h"
@@ -43,9 +44,9 @@ class QuadRule {
 };
 
 QuadRule::QuadRule(const PairOptions& options)
-    : least_cosine_(std::cos(options.largest_turn * (std::numbers::pi / 180) + kAsGood)),
+    : least_cosine_(portable::cos(options.largest_turn * (std::numbers::pi / 180) + kAsGood)),
       largest_angle_(options.largest_angle * (std::numbers::pi / 180) + kAsGood),
-      widest_(std::tan(largest_angle_ - std::numbers::pi / 2)) {}
+      widest_(portable::tan(largest_angle_ - std::numbers::pi / 2)) {}
 
 // Tangents tell the corners whose angle counts.
 std::optional<double> QuadRule::badness_of(std::span<const glm::dvec3> positions,
@@ -74,7 +75,7 @@ std::optional<double> QuadRule::badness_of(std::span<const glm::dvec3> positions
   for (std::size_t i = 0; i < 4; ++i) {
     const bool may_be_wide = tangents[i] >= widest_ - kRounding * (1 + std::abs(widest_));
     if (!may_be_wide && std::abs(tangents[i]) < (1 - kRounding) * steepest) continue;
-    const double angle = std::atan2(sines[i], cosines[i]);
+    const double angle = portable::atan2(sines[i], cosines[i]);
     if (angle > largest_angle_) return std::nullopt;
     worst = std::max(worst, std::abs(angle - std::numbers::pi / 2));
   }

@@ -11,6 +11,7 @@
 #include <limits>
 #include <utility>
 
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/patches/bezier_net.h"
 #include "planish/patches/patch_form.h"
@@ -134,6 +135,14 @@ const PatchRing* PatchPieces::ring(std::size_t quarter, std::size_t halving) {
 
 namespace {
 
+// Of a coefficient, and of differences of some: far above what is lost.
+constexpr double kCoefficientRounding = 4e-15;
+
+constexpr std::array<double, 3> kQuadratic = {1, 2, 1};  // binomial coefficients
+constexpr std::array<double, 5> kQuartic = {1, 4, 6, 4, 1};
+
+}  // namespace
+
 // The square of a point's distance from a piece, a polynomial of degree 4 along u and along v, by
 // its Bernstein coefficients: they bound it and its derivatives over the piece's whole square.
 class DistanceNet {
@@ -172,12 +181,6 @@ class DistanceNet {
 
   std::array<double, kSide * kSide> values_{};  // (i, j) at i + 5 j
 };
-
-// Of a coefficient, and of differences of some: far above what is lost.
-constexpr double kCoefficientRounding = 4e-15;
-
-constexpr std::array<double, 3> kQuadratic = {1, 2, 1};  // binomial coefficients
-constexpr std::array<double, 5> kQuartic = {1, 4, 6, 4, 1};
 
 // The product of two Bernstein polynomials: coefficients times binomial coefficients multiply like
 // those of powers.
@@ -282,6 +285,8 @@ DistanceNet DistanceNet::border(bool along_v, bool upper) const {
   }
   return result;
 }
+
+namespace {
 
 // A part of a polynomial as a sheet over the plane that touches it in its middle, about a point:
 // what tells how near the point it comes, however long and thin it is and however aslant its
@@ -550,9 +555,9 @@ struct Descent {
     if (h11 > 0 && both > kLeastBend * (h11 + h22))
       return (h12 * g2 - h22 * g1) / both * first + (h12 * g1 - h11 * g2) / both * second;
     const double middle = 0.5 * (h11 + h22), half = 0.5 * (h11 - h22);
-    const double root = std::hypot(half, h12);
-    const double turn = 0.5 * std::atan2(h12, half);
-    const double c = std::cos(turn), s = std::sin(turn);
+    const double root = portable::hypot(half, h12);
+    const double turn = 0.5 * portable::atan2(h12, half);
+    const double c = portable::cos(turn), s = portable::sin(turn);
     const double one = -(c * g1 + s * g2) / size(middle + root, 1);
     const double other = -(c * g2 - s * g1) / size(middle - root, 1);
     return (c * one - s * other) * first + (s * one + c * other) * second;
@@ -844,7 +849,9 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target)
   std::array<Start, 4> starts;
   const glm::dvec3 point = target - pieces.own();
   for (std::size_t q = 0; q < 4; ++q) starts[q] = {square_distance(pieces.box(q), point), q};
-  std::ranges::sort(starts, {}, &Start::square_distance);
+  std::ranges::sort(starts, {}, [](const Start& start) {
+    return std::pair(start.square_distance, start.quarter);
+  });
   for (const auto& [_, q] : starts) {
     if (!is_near(pieces.box(q), point)) break;
     if (const PatchPiece* const piece = pieces.piece(q)) {

@@ -12,11 +12,13 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/patches/bezier_net.h"
 #include "planish/patches/patch_form.h"
@@ -330,7 +332,7 @@ bool is_seen_once(const BezierNet& net) {
 bool is_beside(const BezierNet& net) {
   const glm::dvec3 a = net[8] - net[0], b = net[6] - net[2];
   const glm::dvec3& along = a.x * a.x + a.y * a.y > b.x * b.x + b.y * b.y ? a : b;
-  const double size = std::hypot(along.x, along.y);
+  const double size = portable::hypot(along.x, along.y);
   double least = cross(along, net[0]), most = least;
   for (const glm::dvec3& p : net) {
     least = std::min(least, cross(along, p));
@@ -513,7 +515,8 @@ const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm:
     waiting.push_back(far);
     waiting.push_back(near);
   }
-  std::ranges::sort(places_, {}, &RayPlace::t);
+  std::ranges::sort(places_, {},
+                    [](const RayPlace& place) { return std::pair(place.t, place.corner); });
   // What is found from both sides of a border is entered or left on both.
   const auto is_same = [&](const RayPlace& a, const RayPlace& b) {
     const double near = a.is_singular || b.is_singular ? kSameSingularPlace : kSamePlace;

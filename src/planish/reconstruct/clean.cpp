@@ -116,7 +116,8 @@ LocalFit fit_at(const glm::dvec3& point, const Points& points,
   }
   const glm::dmat3 axes = eigenvectors(covariance);
   std::array<int, 3> order = {0, 1, 2};
-  std::ranges::sort(order, [&](int a, int b) { return covariance[a][a] > covariance[b][b]; });
+  std::ranges::stable_sort(order,
+                           [&](int a, int b) { return covariance[a][a] > covariance[b][b]; });
   const glm::dvec3 e1 = axes[order[0]], e2 = axes[order[1]], normal = axes[order[2]];
 
   std::array<Terms, kTerms> matrix{};
@@ -636,9 +637,12 @@ bool PointCritic::is_outlier(std::int32_t point, double farthest) const {
     if (i != point) nearest[count++] = {glm::dot(offset, offset), i};
   }
   if (count >= wanted) {
-    std::ranges::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(wanted),
-                             nearest.begin() + static_cast<std::ptrdiff_t>(count), {},
-                             &Neighbour::squared_distance);
+    const auto by_distance = [](const Neighbour& n) {
+      return std::pair(n.squared_distance, n.index);
+    };
+    std::ranges::partial_sort(
+        nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(wanted),
+        nearest.begin() + static_cast<std::ptrdiff_t>(count), {}, by_distance);
     if (mean_distance(std::span(nearest).first(count), wanted) <= farthest) return false;
   }
   const std::size_t found = tree_->find_nearest(place, point, std::span(nearest).first(wanted + 1));

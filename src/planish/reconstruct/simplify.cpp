@@ -8,6 +8,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "planish/reconstruct/reconstruct_steps.h"
 #include "planish/reconstruct/simplify_state.h"
@@ -187,7 +188,7 @@ constexpr double kAngleWeight = 0.01;
 constexpr double kLeastGain = 1e-5;
 
 double smallest_angle(const TriangleQuality& quality) {
-  return std::acos(std::min(quality.largest_cosine, 1.0));
+  return portable::acos(std::min(quality.largest_cosine, 1.0));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 
 namespace planish {
 
@@ -243,7 +244,7 @@ ShapeJudge::ShapeJudge(std::span<const glm::dvec3> positions, std::span<const Tr
       const glm::dvec3 c = positions[t[(i + 2) % 3]] - positions[t[i]];
       const glm::dvec3 cross = glm::cross(b, c);
       const double length = glm::length(cross);
-      if (length > 0) sums[t[i]] += std::atan2(length, glm::dot(b, c)) / length * cross;
+      if (length > 0) sums[t[i]] += portable::atan2(length, glm::dot(b, c)) / length * cross;
     }
   }
   for (std::size_t v = 0; v < sums.size(); ++v) {
@@ -400,7 +401,7 @@ SimplifyState::SimplifyState(const OrderedPoints& given_points, WitnessedMesh wi
       due(positions.size(), 0) {
   const double degrees =
       options.least_angle < 0 ? default_least_angle(options.spacing) : options.least_angle;
-  largest_cosine = std::cos(degrees * std::numbers::pi / 180);
+  largest_cosine = portable::cos(degrees * std::numbers::pi / 180);
   max_valence =
       options.max_valence < 0 ? default_max_valence(options.spacing) : options.max_valence;
   for (const Triangle& t : witnessed.triangles) add_plane(t);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/mesh/face_geometry.h"
 
 namespace planish {
@@ -505,7 +506,7 @@ struct Axes {
 };
 
 Axes axes_of(double xx, double xy, double yy) {
-  const double middle = (xx + yy) / 2, half = (xx - yy) / 2, reach = std::hypot(half, xy);
+  const double middle = (xx + yy) / 2, half = (xx - yy) / 2, reach = portable::hypot(half, xy);
   glm::dvec2 first(1, 0);
   if (reach > 0) {
     // The longer of two equal directions.

@@ -9,6 +9,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/raw_vector.h"
 #include "planish/solve/iteration.h"
 
@@ -92,7 +93,7 @@ std::vector<StepCoefficients> chebyshev_steps(double bound, std::int32_t count) 
 double chebyshev_step_count(double bound, double factor) {
   const double root = std::sqrt(1.0 / bound);
   const double sigma = (root - 1) / (root + 1);
-  return std::max(std::ceil(std::log(2 / factor) / -std::log(sigma)), 0.0);
+  return std::max(std::ceil(portable::log(2 / factor) / -portable::log(sigma)), 0.0);
 }
 
 namespace {
@@ -197,8 +198,8 @@ class ProgressWatch {
   // steps that are allowed do.
   void tell(const Interpolation& result, const InterpolationOptions& options) {
     const double steps = static_cast<double>(result.iterations) / options.max_iterations;
-    const double decades = std::log(initial_ / result.history.back().max) /
-                           std::log(initial_ / (kStopMargin * options.tolerance));
+    const double decades = portable::log(initial_ / result.history.back().max) /
+                           portable::log(initial_ / (kStopMargin * options.tolerance));
     if (decades > done_) done_ = std::min(decades, 1.0);
     done_ = std::max(done_, steps);
     options.callbacks.report("solve", std::lerp(kSolveBegins, kSolveEnds, done_));

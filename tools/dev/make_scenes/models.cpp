@@ -11,6 +11,7 @@
 #include "make_scenes/implicit.h"
 #include "make_scenes/sample_points.h"
 #include "make_scenes/shapes.h"
+#include "planish/core/portable_math.h"
 #include "planish/reconstruct/reconstruct.h"
 
 namespace planish::shapes {
@@ -60,7 +61,7 @@ double ring_density(std::span<const glm::dvec2> curve, std::size_t i) {
   const glm::dvec2 after = curve[high] - curve[i];
   const double length = glm::length(before) + glm::length(after);
   const double turn =
-      std::abs(std::atan2(before.x * after.y - before.y * after.x, glm::dot(before, after)));
+      std::abs(portable::atan2(before.x * after.y - before.y * after.x, glm::dot(before, after)));
   return 1.0 / kFlatSpacing + 2.0 * turn / length / kRadiansPerRing +
          kThinShare / (curve[i].x + 0.05);
 }
@@ -118,7 +119,7 @@ Disc relaxed_disc(std::int32_t side) {
     auto& points = disc.rings.emplace_back();
     for (std::int32_t i = 0; i < around; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / around - 0.75 * std::numbers::pi;
-      const glm::dvec2 rim(std::cos(angle), std::sin(angle));
+      const glm::dvec2 rim(portable::cos(angle), portable::sin(angle));
       const double t = static_cast<double>(ring) / kCapRings;
       points.push_back(disc.grid[border_index(i, side)] * (1.0 - t) + rim * t);
     }
@@ -224,7 +225,8 @@ PolygonMesh revolve(std::span<const glm::dvec2> profile, const RevolveOptions& o
     if (&ring == &rings.front() || &ring == &rings.back()) ring.x = options.cap_radius;
     for (std::int32_t i = 0; i < around; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / around - 0.75 * std::numbers::pi;
-      mesh.positions.emplace_back(ring.x * std::cos(angle), ring.y, -ring.x * std::sin(angle));
+      mesh.positions.emplace_back(ring.x * portable::cos(angle), ring.y,
+                                  -ring.x * portable::sin(angle));
     }
   }
   for (std::int32_t ring = 0; ring + 1 < ring_count; ++ring) {
@@ -396,13 +398,13 @@ double waves(const glm::dvec3& p) {
   // the back of the head.
   constexpr glm::dvec3 kPole(0.0, 0.1, 0.994987437106620);
   constexpr glm::dvec3 kUp(0.0, 0.994987437106620, -0.1);
-  const double away = std::acos(std::clamp(glm::dot(direction, kPole), -1.0, 1.0));
-  const double around = std::atan2(direction.x, glm::dot(direction, kUp));
-  const double strand = kWaveCount * around + 1.6 * std::sin(4.5 * away + 2.0 * around) +
-                        0.8 * std::sin(3.0 * around + 1.0);
-  const double curl = 0.75 + 0.25 * std::sin(8.0 * away + 1.5 * std::sin(5.0 * around));
+  const double away = portable::acos(std::clamp(glm::dot(direction, kPole), -1.0, 1.0));
+  const double around = portable::atan2(direction.x, glm::dot(direction, kUp));
+  const double strand = kWaveCount * around + 1.6 * portable::sin(4.5 * away + 2.0 * around) +
+                        0.8 * portable::sin(3.0 * around + 1.0);
+  const double curl = 0.75 + 0.25 * portable::sin(8.0 * away + 1.5 * portable::sin(5.0 * around));
   const double fade = smooth_step(0.3, 0.9, away) * smooth_step(2.95, 2.25, away);
-  return kHeight * fade * curl * (0.5 + 0.5 * std::cos(strand));
+  return kHeight * fade * curl * (0.5 + 0.5 * portable::cos(strand));
 }
 
 bool grows_hair(const glm::dvec3& p) {
@@ -411,8 +413,8 @@ bool grows_hair(const glm::dvec3& p) {
 }
 
 glm::dvec3 turned(const glm::dvec3& v, const glm::dvec3& axis, double angle) {
-  return v * std::cos(angle) + glm::cross(axis, v) * std::sin(angle) +
-         axis * (glm::dot(axis, v) * (1.0 - std::cos(angle)));
+  return v * portable::cos(angle) + glm::cross(axis, v) * portable::sin(angle) +
+         axis * (glm::dot(axis, v) * (1.0 - portable::cos(angle)));
 }
 
 // Combed back from the forehead, disordered, each curling to one side with its tip off the head.
@@ -457,7 +459,8 @@ std::vector<Lock> bust_locks() {
     const double height = 1.0 - 2.0 * (i + 0.5) / kDirections;
     const double angle = 2.0 * std::numbers::pi * i / std::numbers::phi;
     const double radius = std::sqrt(1.0 - height * height);
-    const glm::dvec3 direction(radius * std::cos(angle), height, radius * std::sin(angle));
+    const glm::dvec3 direction(radius * portable::cos(angle), height,
+                               radius * portable::sin(angle));
     Lock lock = lock_at(direction, random);
     if (grows_hair(lock.points[0])) locks.push_back(std::move(lock));
   }
@@ -488,7 +491,8 @@ namespace {
 double cravat(const glm::dvec3& p) {
   const auto band = [&](double height, double radius, double thickness) {
     const glm::dvec3 q = p - glm::dvec3(0.0, height, -0.08);
-    return std::hypot(std::hypot(q.x, q.z) - radius, 0.8 * (q.y + 0.25 * q.z)) - thickness;
+    return portable::hypot(portable::hypot(q.x, q.z) - radius, 0.8 * (q.y + 0.25 * q.z)) -
+           thickness;
   };
   const double wrapped = smooth_union(band(-0.71, 0.265, 0.065), band(-0.84, 0.29, 0.075), 0.03);
   const double knot = Ellipsoid{{0.0, -0.93, 0.27}, {0.12, 0.09, 0.10}}(p);
@@ -507,7 +511,7 @@ double coat(const glm::dvec3& p) {
 }
 
 double socle(const glm::dvec3& p) {
-  const double distance = std::hypot(p.x, p.z + 0.10);
+  const double distance = portable::hypot(p.x, p.z + 0.10);
   const double radius = 0.22 + 0.16 * smooth_step(-1.75, -2.1, p.y);
   const double stem = extruded(distance - radius, p.y + 1.85, 0.28, 0.03);
   const double plate = extruded(distance - 0.44, p.y + 2.10, 0.09, 0.06);
@@ -518,8 +522,8 @@ double socle(const glm::dvec3& p) {
 // keeps the quads of the face alike on both sides.
 glm::dvec3 in_body(const glm::dvec3& p) {
   constexpr double kTurn = 0.22;
-  const double cosine = std::cos(kTurn);
-  const double sine = std::sin(kTurn);
+  const double cosine = portable::cos(kTurn);
+  const double sine = portable::sin(kTurn);
   return {cosine * p.x - sine * (p.z + 0.1), p.y, cosine * (p.z + 0.1) + sine * p.x - 0.1};
 }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "make_scenes/sample_points.h"
+#include "planish/core/portable_math.h"
 #include "planish/files/shared/attributes.h"
 
 namespace planish::shapes {
@@ -56,7 +57,7 @@ glm::dvec3 face_normal(const PolygonMesh& mesh, std::int32_t face) {
 }
 
 void crease_sharp_edges(PolygonMesh& mesh, double degrees) {
-  const double least_cosine = std::cos(degrees * std::acos(-1.0) / 180.0);
+  const double least_cosine = portable::cos(degrees * portable::acos(-1.0) / 180.0);
   std::unordered_map<std::uint64_t, std::int32_t> first_face;
   for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
     const auto corners = mesh.face(face);
@@ -244,9 +245,9 @@ PolygonMesh torus(const TorusOptions& options) {
     const double along = kTurn * i / rings;
     for (std::int32_t j = 0; j < tubes; ++j) {
       const double around = kTurn * j / tubes;
-      const double distance = options.radius + options.tube_radius * std::cos(around);
-      mesh.positions.emplace_back(distance * std::cos(along), distance * std::sin(along),
-                                  options.tube_radius * std::sin(around));
+      const double distance = options.radius + options.tube_radius * portable::cos(around);
+      mesh.positions.emplace_back(distance * portable::cos(along), distance * portable::sin(along),
+                                  options.tube_radius * portable::sin(around));
     }
   }
   mesh.face_vertices.reserve(static_cast<std::size_t>(rings) * tubes * 4);
@@ -281,8 +282,9 @@ PolygonMesh pole_sphere(std::int32_t segment_count, std::int32_t ring_count) {
     const double latitude = std::numbers::pi * (ring + 1) / (ring_count + 2);
     for (std::int32_t i = 0; i < segment_count; ++i) {
       const double longitude = kTurn * i / segment_count;
-      mesh.positions.emplace_back(std::sin(latitude) * std::cos(longitude),
-                                  std::sin(latitude) * std::sin(longitude), -std::cos(latitude));
+      mesh.positions.emplace_back(portable::sin(latitude) * portable::cos(longitude),
+                                  portable::sin(latitude) * portable::sin(longitude),
+                                  -portable::cos(latitude));
     }
   }
   const std::int32_t pole = mesh.vertex_count();
@@ -326,7 +328,7 @@ glm::dvec3 square_point(std::int32_t index, std::int32_t side_count, double half
 glm::dvec3 circle_point(std::int32_t index, std::int32_t side_count, double radius) {
   const double angle =
       2.0 * std::numbers::pi * index / (4.0 * side_count) - 0.75 * std::numbers::pi;
-  return {radius * std::cos(angle), radius * std::sin(angle), 0.0};
+  return {radius * portable::cos(angle), radius * portable::sin(angle), 0.0};
 }
 
 }  // namespace
@@ -355,7 +357,8 @@ PolygonMesh wavy_patch(std::int32_t columns, std::int32_t rows) {
   constexpr double kHeight = 0.1;
   PolygonMesh mesh = open_grid(columns, rows);
   for (glm::dvec3& p : mesh.positions) {
-    p.z = kHeight * std::sin(2.0 * std::numbers::pi * p.x) * std::cos(2.0 * std::numbers::pi * p.y);
+    p.z = kHeight * portable::sin(2.0 * std::numbers::pi * p.x) *
+          portable::cos(2.0 * std::numbers::pi * p.y);
   }
   return mesh;
 }

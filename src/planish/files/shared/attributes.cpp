@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/words.h"
 #include "planish/files/shared/text_lines.h"
 
@@ -95,14 +96,14 @@ bool are_whole(std::span<const glm::vec4> colors) {
 double linear_of_srgb(double encoded) {
   if (encoded >= 1) return 1;
   if (encoded <= 0.04045) return std::max(encoded, 0.0) / 12.92;
-  return std::pow((encoded + 0.055) / 1.055, 2.4);
+  return portable::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
 double srgb_of_linear(double linear) {
   // Exactly 1, which the power below may miss by a bit.
   if (linear >= 1) return 1;
   if (linear <= 0.0031308) return 12.92 * std::max(linear, 0.0);
-  return 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  return 1.055 * portable::pow(linear, 1 / 2.4) - 0.055;
 }
 
 glm::vec4 linear_of_srgb(const glm::dvec4& encoded) {

@@ -17,6 +17,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/raw_vector.h"
 #include "planish/core/words.h"
 #include "planish/files/read_file.h"
@@ -227,7 +228,7 @@ class NormalsDiffer {
 
  private:
   const std::vector<glm::vec3>& values_;
-  double least_cosine_ = std::cos(glm::radians(kSplitDegrees));
+  double least_cosine_ = portable::cos(glm::radians(kSplitDegrees));
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/json.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
 #include "planish/job/digest.h"
@@ -142,7 +143,7 @@ struct Axes {
     return kLeft + (kWidth - kLeft - kRight) * iteration / last;
   }
   [[nodiscard]] double y(double error) const {
-    const double power = std::log10(std::max(error, std::pow(10.0, low)));
+    const double power = portable::log10(std::max(error, portable::pow(10.0, low)));
     return kTop + (kHeight - kTop - kBottom) * (high - power) / (high - low);
   }
 };
@@ -157,8 +158,8 @@ Axes axes_for(const Json& history, double tolerance) {
     }
   }
   Axes axes;
-  axes.low = static_cast<int>(std::floor(std::log10(least)));
-  axes.high = std::max(axes.low + 1, static_cast<int>(std::ceil(std::log10(most))));
+  axes.low = static_cast<int>(std::floor(portable::log10(least)));
+  axes.high = std::max(axes.low + 1, static_cast<int>(std::ceil(portable::log10(most))));
   axes.last = std::max(1.0, static_cast<double>(history.size()) - 1);
   return axes;
 }
@@ -173,7 +174,7 @@ std::string grid(const Axes& axes) {
   std::string svg;
   const int step = (axes.high - axes.low + 7) / 8;
   for (int power = axes.low; power <= axes.high; power += step) {
-    const double y = axes.y(std::pow(10.0, power));
+    const double y = axes.y(portable::pow(10.0, power));
     svg += "<line class=\"grid\" x1=\"" + at(kLeft) + "\" x2=\"" + at(kWidth - kRight) +
            "\" y1=\"" + at(y) + "\" y2=\"" + at(y) + "\"/><text x=\"" + at(kLeft - 6) + "\" y=\"" +
            at(y + 4) + "\" text-anchor=\"end\">" + power_text(power) + "</text>";

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/files/images.h"
 #include "planish/job/page/page.h"
@@ -31,15 +32,16 @@ glm::vec3 Camera::ray(const glm::vec2& image) const {
 }
 
 Camera frame(std::span<const glm::vec3> points, int width, int height, const ViewOptions& options) {
-  const float azimuth = glm::radians(options.azimuth_degrees);
-  const float elevation = glm::radians(options.elevation_degrees);
+  const double azimuth = glm::radians(options.azimuth_degrees);
+  const double elevation = glm::radians(options.elevation_degrees);
   Camera camera;
-  camera.forward = -glm::vec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                              std::cos(azimuth) * std::cos(elevation));
-  camera.right = glm::vec3(std::cos(azimuth), 0, -std::sin(azimuth));
+  camera.forward =
+      -glm::vec3(portable::sin(azimuth) * portable::cos(elevation), portable::sin(elevation),
+                 portable::cos(azimuth) * portable::cos(elevation));
+  camera.right = glm::vec3(portable::cos(azimuth), 0, -portable::sin(azimuth));
   camera.up = glm::cross(camera.right, camera.forward);
-  camera.focal =
-      0.5f * static_cast<float>(height) / std::tan(glm::radians(kFieldOfViewDegrees / 2));
+  camera.focal = static_cast<float>(0.5 * height /
+                                    portable::tan(glm::radians(double{kFieldOfViewDegrees} / 2)));
   camera.principal = {0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)};
 
   // The planes of the image's four sides pass through the eye: along each of their normals the

@@ -5,28 +5,35 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>
-#include <glm/exponential.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "planish/core/portable_math.h"
+
 namespace planish::render {
 
+inline glm::vec3 raised(const glm::vec3& base, double exponent) {
+  return {portable::pow(base.x, exponent), portable::pow(base.y, exponent),
+          portable::pow(base.z, exponent)};
+}
+
 /// sRGB to linear light, by a power of 2.2.
-inline glm::vec3 linear(const glm::vec3& srgb) { return glm::pow(srgb, glm::vec3(2.2f)); }
+inline glm::vec3 linear(const glm::vec3& srgb) { return raised(srgb, 2.2); }
 
 /// Linear light, clamped, to sRGB.
 inline glm::vec3 displayed(const glm::vec3& light) {
-  return glm::pow(glm::clamp(light, 0.0f, 1.0f), glm::vec3(1 / 2.2f));
+  return raised(glm::clamp(light, 0.0f, 1.0f), 1 / 2.2);
 }
 
 /// Leaves darks and mid tones alone and bends what is brighter towards 1.
 inline glm::vec3 soft_shoulder(const glm::vec3& light) {
-  constexpr float kStart = 0.6f;
-  const auto bend = [](float x) {
-    return x < kStart ? x : kStart + (1 - kStart) * (1 - std::exp((kStart - x) / (1 - kStart)));
+  constexpr double kStart = 0.6;
+  const auto bend = [](double x) {
+    return x < kStart ? x
+                      : kStart + (1 - kStart) * (1 - portable::exp((kStart - x) / (1 - kStart)));
   };
   return {bend(light.x), bend(light.y), bend(light.z)};
 }
@@ -38,9 +45,10 @@ inline glm::vec3 heat_colour(float curvature) {
       glm::vec3(0.27f, 0.23f, 0.52f), glm::vec3(0.20f, 0.45f, 0.56f),
       glm::vec3(0.16f, 0.64f, 0.52f), glm::vec3(0.55f, 0.80f, 0.32f),
       glm::vec3(0.99f, 0.90f, 0.25f)};
-  constexpr float kOctaves = 6;
-  const float place =
-      std::clamp(std::log2(std::max(curvature, 1.0f)) / kOctaves, 0.0f, 1.0f) * (kStops.size() - 1);
+  constexpr double kOctaves = 6;
+  const double octaves = portable::log2(std::max(curvature, 1.0f));
+  const auto place =
+      static_cast<float>(std::clamp(octaves / kOctaves, 0.0, 1.0) * (kStops.size() - 1));
   const auto below = std::min(static_cast<std::size_t>(place), kStops.size() - 2);
   return linear(glm::mix(kStops[below], kStops[below + 1], place - static_cast<float>(below)));
 }

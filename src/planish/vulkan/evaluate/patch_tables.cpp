@@ -15,6 +15,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/portable_math.h"
 #include "planish/patches/patch_mesh.h"
 
 namespace planish::vulkan {
@@ -75,7 +76,7 @@ std::uint32_t add_large_faces(const MeshTopology& topology, std::vector<std::uin
     if (!turns.try_emplace(size, static_cast<std::uint32_t>(words.size())).second) continue;
     const double step = 2 * std::numbers::pi / size;
     for (std::int32_t i = 0; i < size; ++i)
-      for (const double part : {std::cos(step * i), std::sin(step * i)})
+      for (const double part : {portable::cos(step * i), portable::sin(step * i)})
         words.push_back(float_bits(part));
   }
   const auto first = static_cast<std::uint32_t>(words.size());
@@ -501,8 +502,8 @@ void add_rings(const PatchMesh& mesh, PatchRecords& records) {
         for (int i = 0; i < 3; ++i) add_float(row[i]);
       const auto [first, step] = ring_angles(ring.kind, ring.size);
       for (std::int32_t i = 0; i < ring.size; ++i) {
-        add_float(std::cos(first + step * i));
-        add_float(std::sin(first + step * i));
+        add_float(portable::cos(first + step * i));
+        add_float(portable::sin(first + step * i));
       }
     }
     for (const auto word :

@@ -1,11 +1,11 @@
 // Based on: directions of u in the plane of du and dv, a derivation of our own: a patch's
 // derivatives are linear maps of the tangents that its row is evaluated from, the same for all
 // patches of a class.
+#include "planish/core/portable_math.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat2x2.hpp>
 #include <map>
@@ -49,7 +49,7 @@ struct Direction {
 // Of tangents that are turned by `place` of so many equal parts of a circle.
 glm::dmat2 turned_by(std::int32_t place, std::int32_t parts) {
   const double angle = 2 * std::numbers::pi * place / parts;
-  const double cosine = std::cos(angle), sine = std::sin(angle);
+  const double cosine = portable::cos(angle), sine = portable::sin(angle);
   return {cosine, sine, -sine, cosine};
 }
 
