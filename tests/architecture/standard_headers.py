@@ -27,12 +27,12 @@ STANDARD = """
     typeindex typeinfo unordered_map unordered_set utility valarray variant vector version
     cassert cctype cerrno cfenv cfloat cinttypes climits clocale cmath csetjmp csignal cstdarg cstddef cstdint cstdio
     cstdlib cstring ctime cuchar cwchar cwctype
-    guards.h complex.h ctype.h errno.h fenv.h float.h inttypes.h iso646.h limits.h locale.h math.h setjmp.h signal.h
-    stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h string.h tgmath.h build_info.h time.h
+    assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h iso646.h limits.h locale.h math.h setjmp.h signal.h
+    stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h string.h tgmath.h threads.h time.h
     uchar.h wchar.h wctype.h
 """.split()
 # Of C alone, or said to be going by a warning.
-NOT_COMPILED = {"stdatomic.h", "build_info.h", "strstream", "codecvt"}
+NOT_COMPILED = {"stdatomic.h", "threads.h", "strstream", "codecvt"}
 PROGRAM = "".join(f"#if __has_include(<{name}>)\n#include <{name}>\n#endif\n"
                   for name in STANDARD if name not in NOT_COMPILED)
 SEARCHED = re.compile(r"-(I|iquote|isystem|idirafter)(.*)")
