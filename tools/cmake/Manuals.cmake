@@ -1,7 +1,13 @@
+# Whether what is built runs here.
+set(PLANISH_RUNS_HERE ON)
+if(EMSCRIPTEN OR (CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR))
+  set(PLANISH_RUNS_HERE OFF)
+endif()
+
 # planish_install_manuals(TARGET COMPONENT PAGE=ARGUMENTS...): manual pages that a program prints of its own
 # flags when it is given these arguments, installed for section 1.
 function(planish_install_manuals target component)
-  if(CMAKE_CROSSCOMPILING)
+  if(NOT PLANISH_RUNS_HERE)
     return()
   endif()
   set(folder ${CMAKE_CURRENT_BINARY_DIR}/help)

@@ -3,9 +3,12 @@
 
     tools/dev/checks/same_bytes.py BEFORE AFTER [--only WORD] [--without WORD] [--jobs N] [FILE ...]
 
-BEFORE and AFTER are planish programs. Every scene of scenes/ (meshes, scene files, files with a
-fault) goes through both with the calls below, and so does every FILE, a mesh or points, in all
-formats and by all methods. Times, memory and program versions of reports are left out; all other
+BEFORE and AFTER are planish programs, or how they are called, for another processor for example:
+
+    same_bytes.py build/bin/planish "qemu-aarch64-static build-arm64/bin/planish"
+
+Every scene of scenes/ (meshes, scene files, files with a fault) goes through both with the calls
+below, and so does every FILE, a mesh or points, in all formats and by all methods. Times, memory and program versions of reports are left out; all other
 bytes, exit codes and messages must be the same. Says what differs and ends with 1, else with 0.
 """
 
@@ -16,6 +19,7 @@ import hashlib
 import json
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -102,7 +106,7 @@ def messages(text):
 
 
 def run(program, arguments, folder):
-    done = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True,
+    done = subprocess.run([*program, *arguments], cwd=folder, capture_output=True, text=True,
                           errors="replace", timeout=1800, stdin=subprocess.DEVNULL)
     return done.returncode, messages(done.stdout + done.stderr)
 
@@ -135,16 +139,21 @@ def compare(name, arguments, before, after):
         return differences
 
 
+def call_of(text):
+    *caller, program = shlex.split(text)
+    return [*caller, str(pathlib.Path(program).resolve())]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("before", type=pathlib.Path)
-    parser.add_argument("after", type=pathlib.Path)
+    parser.add_argument("before", type=call_of)
+    parser.add_argument("after", type=call_of)
     parser.add_argument("files", nargs="*", type=pathlib.Path)
     parser.add_argument("--only", default="", help="calls whose name has this word")
     parser.add_argument("--without", help="no calls whose name has this word")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
-    programs = [str(path.resolve()) for path in (options.before, options.after)]
+    programs = options.before, options.after
     wanted = [call for call in calls([path.resolve() for path in options.files])
               if options.only in call[0] and (not options.without or options.without not in call[0])]
     if not wanted:
