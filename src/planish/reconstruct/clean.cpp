@@ -116,8 +116,7 @@ LocalFit fit_at(const glm::dvec3& point, const Points& points,
   }
   const glm::dmat3 axes = eigenvectors(covariance);
   std::array<int, 3> order = {0, 1, 2};
-  std::ranges::stable_sort(order,
-                           [&](int a, int b) { return covariance[a][a] > covariance[b][b]; });
+  std::ranges::sort(order, {}, [&](int axis) { return std::pair(-covariance[axis][axis], axis); });
   const glm::dvec3 e1 = axes[order[0]], e2 = axes[order[1]], normal = axes[order[2]];
 
   std::array<Terms, kTerms> matrix{};

@@ -22,10 +22,10 @@ class MeshBlocks : public SurfaceBlocks {
   }
   DegenerateRows rows(RowRange rows, const RowTarget& target) const override;
   void face_vertices(RowRange faces, std::span<std::int32_t> rows) const override {
-    copy(surface_.face_vertices, corners_of(faces), rows);
+    copy(surface_.face_vertices, corner_range(faces), rows);
   }
   void face_uvs(RowRange faces, std::span<std::int32_t> uvs) const override {
-    copy(surface_.face_uvs, corners_of(faces), uvs);
+    copy(surface_.face_uvs, corner_range(faces), uvs);
   }
   void face_groups(RowRange faces, std::span<std::int32_t> groups) const override {
     copy(surface_.face_groups, faces, groups);
@@ -44,7 +44,7 @@ class MeshBlocks : public SurfaceBlocks {
   static void copy(const Values& from, RowRange range, std::span<T> to) {
     if (!to.empty()) std::copy_n(from.begin() + range.first, range.count, to.begin());
   }
-  [[nodiscard]] RowRange corners_of(RowRange faces) const {
+  [[nodiscard]] RowRange corner_range(RowRange faces) const {
     const std::int64_t first = info_.first_corner(faces.first);
     return {first, info_.first_corner(faces.first + faces.count) - first};
   }

@@ -250,7 +250,7 @@ void MeshBlocks::ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) c
 
 void MeshBlocks::corners(RowRange faces, std::span<glm::dvec3> positions,
                          std::span<glm::vec3> normals) const {
-  const RowRange range = corners_of(faces);
+  const RowRange range = corner_range(faces);
   for (std::int64_t i = 0; i < range.count; ++i) {
     const std::int32_t row = surface_.face_vertices[range.first + i];
     positions[i] = surface_.positions[row];

@@ -260,12 +260,12 @@ void PageCoder::put(std::size_t plane, std::size_t count, std::size_t i, int wid
 }
 
 void PageCoder::add_list(const std::string& name, std::span<const std::int32_t> values) {
-  constexpr int kWidth = 4;
+  constexpr int kBytes = 4;
   const std::size_t plane = bytes_.size();
-  begin(name, values.size(), kWidth, 1);
+  begin(name, values.size(), kBytes, 1);
   std::int64_t last = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    put(plane, values.size(), i, kWidth, values[i] - last);
+    put(plane, values.size(), i, kBytes, values[i] - last);
     last = values[i];
   }
 }
