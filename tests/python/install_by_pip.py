@@ -21,6 +21,11 @@ assert folder.parent.name == "site", folder
 assert (folder / "py.typed").exists() and (folder / "_planish.pyi").exists()
 from importlib.metadata import version
 assert version("planish") == planish.__version__
+own = str(folder.parent / "planish.libs") + "/"
+mapped = {line.split()[-1] for line in open("/proc/self/maps") if "/" in line}
+assert any(path.startswith(own) for path in mapped), mapped
+for name in "libosdCPU", "libtbb", "libmeshoptimizer":
+    assert all(path.startswith(own) for path in mapped if f"/{name}" in path), mapped
 """
 
 

@@ -11,7 +11,7 @@ common_libraries() {
     [ -d "$_folder" ] || continue
     _name=${_folder##*/}
     _system=$(printf '%s\n' "$_cache" |
-      sed -n "s/^[[:space:]]*$(printf '%s' "$_name" | sed 's/\./\\&/g') (libc6,x86-64.*) => //p" | head -n 1)
+      sed -n "s/^[[:space:]]*$(printf '%s' "$_name" | sed 's/\./\\&/g') (libc6,\(x86-64\|AArch64\).*) => //p" | head -n 1)
     if [ -n "$_system" ]; then
       [ "$_name" = libstdc++.so.6 ] || continue
       [ "$(newest_symbols "$_system")" -lt "$(newest_symbols "$_folder/$_name")" ] || continue
