@@ -124,6 +124,37 @@ TEST_F(PageFile, OfASceneHoldsAllJobsAndThoseThatFailed) {
   }
 }
 
+// A folder: a page of each file, and of several a contact sheet.
+TEST_F(PageFile, AFolderHasAPageOfEachAndAContactSheet) {
+  write("torus#1.obj", torus_obj(6));
+  write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+  run("fit plate.obj torus#1.obj bad.obj --page pages/", 8);
+  EXPECT_THAT(said_, HasSubstr("pages/index.html: "));
+  EXPECT_THAT(said_, HasSubstr("contact sheet of 3 files"));
+  const std::string sheet = read("pages/index.html");
+  EXPECT_THAT(sheet, HasSubstr("1 failed or not converged, the worst first"));
+  EXPECT_THAT(sheet, HasSubstr("<a href=\"torus%231.html\">torus#1</a>"));
+  EXPECT_THAT(sheet, HasSubstr("failed: bad.obj:2: "));
+  const auto at = [&](const char* text) { return sheet.find(text); };
+  EXPECT_LT(at(">bad<"), at(">plate<"));
+  std::size_t pictures = 0;
+  for (std::size_t i = sheet.find("<img"); i != std::string::npos; i = sheet.find("<img", i + 1))
+    ++pictures;
+  EXPECT_EQ(pictures, 4u);
+  EXPECT_EQ(head_of(read("pages/plate.html"))["name"], "plate");
+  EXPECT_EQ(head_of(read("pages/torus#1.html"))["name"], "torus#1");
+  EXPECT_FALSE(std::filesystem::exists(path("pages/bad.html")));
+  // One file has its page alone.
+  run("fit plate.obj --page one/");
+  EXPECT_TRUE(std::filesystem::exists(path("one/plate.html")));
+  EXPECT_FALSE(std::filesystem::exists(path("one/index.html")));
+  run("fit plate.obj torus#1.obj --page pages/", 7);
+  EXPECT_THAT(said_, HasSubstr("pages/index.html exists; --force overwrites it"));
+  run("fit plate.obj torus#1.obj --page pages/ --dry-run -f");
+  EXPECT_THAT(run("fit plate.obj torus#1.obj --page pages/ --dry-run -f").out,
+              HasSubstr("would write  pages/index.html  (page of all jobs)"));
+}
+
 TEST(PageFlags, SizesHaveUnits) {
   EXPECT_EQ(command::parse_page_limit("123", "x"), 123u);
   EXPECT_EQ(command::parse_page_limit("500K", "x"), 500u << 10);

@@ -80,6 +80,8 @@ def make_pages(planish, scenes, folder):
     (folder / "two.json").write_text(json.dumps(
         {"version": 1, "defaults": {"device": "cpu"}, "jobs": jobs}))
     run("run", "two.json", "--page", "two.html", "-f")
+    run("fit", hostile.name, *(str(scenes / f"{name}.obj") for name in ("torus", "bust", "open_grid")),
+        "-o", "sheet/", "--page", "sheet/", "--levels", "0", "--device", "cpu", "-f")
     return json.loads((folder / "one.json").read_text())
 
 
@@ -274,6 +276,28 @@ def check_hostile(chromium, folder):
     tab.close()
 
 
+def check_sheet(chromium, folder):
+    tab = chromium.open(folder / "sheet/index.html")
+    rows = "[...document.querySelectorAll('.sheet tbody tr')]"
+    check("sheet: a file a row, a picture of input and surface each", tab.evaluate(
+        f"{rows}.length === 4 && {rows}.every((row) => [...row.querySelectorAll('img')].filter("
+        "(i) => i.naturalWidth === 144).length === 2)"))
+    names = f"{rows}.map((row) => row.querySelector('th').textContent)"
+    check("sheet: the worst first", tab.evaluate(names)[0] == "bust", tab.evaluate(names))
+    press = "[...document.querySelectorAll('.sheet thead button')].find((b) => b.textContent === '{}').click()"
+    tab.evaluate(press.format("vertices"))
+    check("sheet: the most vertices first", tab.evaluate(names)[:2] == ["bust", "torus"])
+    tab.evaluate(press.format("vertices"))
+    check("sheet: once more turns round", tab.evaluate(names)[2:] == ["torus", "bust"])
+    tab.evaluate(press.format("file"))
+    check("sheet: names from a to z", tab.evaluate(names)[-3:] == ["bust", "open_grid", "torus"])
+    check("sheet: a hostile name is text", tab.evaluate("window.hit === undefined"))
+    links = tab.evaluate("[...document.querySelectorAll('.sheet a')].map((a) => decodeURIComponent(a.getAttribute('href')))")
+    check("sheet: each opens its own page", all((folder / "sheet" / link).is_file() for link in links), links)
+    check_quiet(tab, "sheet")
+    tab.close()
+
+
 def check_no_script(chromium, folder):
     tab = chromium.open(folder / "two.html", script=False)
     time.sleep(1)
@@ -316,6 +340,7 @@ def main():
         check_two(chromium, folder)
         check_looks(chromium, folder)
         check_hostile(chromium, folder)
+        check_sheet(chromium, folder)
         check_no_script(chromium, folder)
     check_no_webgl(folder)
     print(f"{len(failures)} failed, {time.monotonic() - start:.1f} s")

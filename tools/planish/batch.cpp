@@ -23,6 +23,7 @@
 #include "planish/job/job_outputs.h"
 #include "planish/job/job_text.h"
 #include "planish/job/page/page.h"
+#include "planish/job/page/sheet.h"
 #include "planish/job/staged_files.h"
 #include "planish/pipeline/option_table.h"
 #include "terminal.h"
@@ -52,25 +53,31 @@ JobOutcome failed(const PlannedJob& planned, Console& console, ExitCode exit_cod
   return {.report = {},
           .exit_code = exit_code,
           .message = message,
-          .page_jobs = {{.name = planned.job.name, .failure = message}}};
+          .page_jobs = {{.name = planned.job.name, .failure = message}},
+          .pictures = {}};
 }
 
 JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, Console& console,
                    JobDisplay& display, const BatchOptions& options) {
   try {
-    JobPage page(options.page);
     Job job = planned.job;
     job.page_options = options.page;
+    job.page_options.small_pictures = options.wants_sheet;
+    JobPage page(job.page_options);
+    const bool shows = options.wants_page || options.wants_sheet;
     job.digests = options.wants_report || options.wants_page || is_reported(job);
     job.arguments = options.arguments;
     job.mesher = require_counted_mesher;
     JobReport report = run_job(job, planned.outputs, backends.get(planned),
-                               watch_of(console, display, options.wants_page ? &page : nullptr))
+                               watch_of(console, display, shows ? &page : nullptr))
                            .report;
     console.clear_status();
     console.debug(summary(report, true));
-    JobOutcome outcome{
-        .report = {}, .exit_code = exit_code_of(report), .message = {}, .page_jobs = {}};
+    JobOutcome outcome{.report = {},
+                       .exit_code = exit_code_of(report),
+                       .message = {},
+                       .page_jobs = {},
+                       .pictures = page.small_pictures()};
     if (options.wants_page) outcome.page_jobs = std::move(page).jobs();
     outcome.report = std::move(report);
     return outcome;
@@ -202,50 +209,17 @@ std::string batch_table(const std::vector<PlannedJob>& jobs,
 
 namespace {
 
-// What tells a bad surface from a good one; of an asset the sums and the worst of its meshes.
-struct SurfaceFigures {
-  std::int64_t creases = 0, joined = 0, warnings = 0;
-  double normals = 0, folded = 0;
-  bool is_measured = false, converged = true;
-
-  void add(const JobReport& report) {
-    creases += report.fit.sharp_edges;
-    joined += report.fit.joined;
-    warnings += std::ssize(report.warnings);
-    converged &= report.fit.interpolation.converged;
-    if (!report.surface) return;
-    is_measured = true;
-    normals = std::max(normals, report.surface->quality.rms_normal_deviation);
-    folded = std::max(folded, report.surface->quality.folded_area);
-  }
-};
-
-std::string method_of(const JobReport& report) {
-  if (report.meshes.empty())
-    return std::string(report.settings.scheme == Scheme::DooSabin
-                           ? word_of(kMethodWords, report.fit.method)
-                           : word_of(kSchemeWords, report.settings.scheme));
-  const auto fair = std::ranges::count(report.meshes, InterpolationMethod::Fair,
-                                       [](const JobReport& mesh) { return mesh.fit.method; });
-  return formatted("{} of {} fair", fair, std::ssize(report.meshes));
-}
-
 std::vector<std::string> file_row(const JobReport& report, std::string name) {
-  SurfaceFigures figures;
-  if (report.meshes.empty()) figures.add(report);
-  for (const JobReport& mesh : report.meshes) figures.add(mesh);
-  if (!report.meshes.empty()) figures.warnings += std::ssize(report.warnings);
-  const std::int64_t vertices =
-      report.meshes.empty() ? report.input.statistics.vertex_count : report.input.file_vertices;
+  const SheetRow row = sheet_row(report);
   return {std::move(name),
-          with_separators(vertices),
-          figures.converged ? method_of(report) : "not converged",
-          with_separators(figures.creases),
-          with_separators(figures.joined),
-          figures.is_measured ? fixed(figures.normals, 1) : "-",
-          figures.is_measured ? percent(figures.folded) : "-",
-          with_separators(figures.warnings),
-          duration(report.timing.total)};
+          with_separators(row.vertices),
+          row.converged ? row.method : "not converged",
+          with_separators(row.creases),
+          with_separators(row.joined),
+          row.is_measured ? fixed(row.normals, 1) : "-",
+          row.is_measured ? percent(row.folded) : "-",
+          with_separators(row.warnings),
+          duration(row.milliseconds)};
 }
 
 // Names of files as far as a line has room for them.
@@ -309,6 +283,28 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
   staged.write(path, text);
   staged.commit();
   console.info(formatted("{}: {}, page of {}", visible(path), byte_size(text.size()), all));
+}
+
+void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& jobs,
+                       std::vector<JobOutcome>& outcomes, const PageOptions& options,
+                       Console& console, bool overwrites) {
+  std::vector<SheetRow> rows;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    JobOutcome& outcome = outcomes[i];
+    SheetRow& row = rows.emplace_back(outcome.report ? sheet_row(*outcome.report) : SheetRow());
+    row.name = jobs[i].job.name;
+    row.failure = relative_to(std::filesystem::current_path(), outcome.message);
+    row.page = std::filesystem::path(jobs[i].job.page).filename().string();
+    row.given = std::move(outcome.pictures.given);
+    row.surface = std::move(outcome.pictures.surface);
+  }
+  const std::string all = counted(std::ssize(rows), "file");
+  const std::string text = make_sheet(std::move(rows), options.times);
+  StagedFiles staged(overwrites);
+  staged.write(path, text);
+  staged.commit();
+  console.info(
+      formatted("{}: {}, contact sheet of {}", visible(path), byte_size(text.size()), all));
 }
 
 nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,

@@ -29,6 +29,7 @@ struct BatchOptions {
   std::vector<std::string> arguments;  ///< argv, for the reports
   PageOptions page;
   bool wants_page = false;    ///< one of all jobs
+  bool wants_sheet = false;   ///< a contact sheet of them
   bool wants_report = false;  ///< the same
 };
 
@@ -38,6 +39,7 @@ struct JobOutcome {
   ExitCode exit_code = ExitCode::Done;
   std::string message;             ///< of the failure
   std::vector<PageJob> page_jobs;  ///< its part of a page of all jobs
+  SmallPictures pictures;          ///< of a contact sheet
 };
 
 /// Asks for devices as far as the jobs can take them, and notes each job's. Throws as
@@ -73,6 +75,12 @@ void write_batch_report(const std::string& path, const nlohmann::ordered_json& j
 /// Error{UnwritableOutput}.
 void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes,
                       const PageOptions& options, Console& console, bool overwrites);
+
+/// Writes a contact sheet of all jobs to the path, with links to their pages, and says so. Throws
+/// Error{UnwritableOutput}.
+void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& jobs,
+                       std::vector<JobOutcome>& outcomes, const PageOptions& options,
+                       Console& console, bool overwrites);
 
 /// Schema planish.batch/1: the reports of all jobs, those that failed with their message.
 [[nodiscard]] nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,

@@ -225,12 +225,8 @@ void add_option_flag(CLI::App& command, OptionTexts& texts, const OptionInfo& op
       ->group(group);
 }
 
-void add_page_flags(CLI::App& command, const PageFlags& flags) {
-  command
-      .add_option("--page", flags.path,
-                  "HTML page to look at: the surface in 3-D, figures, plots; - for stdout")
-      ->type_name("FILE")
-      ->group("Page");
+void add_page_flags(CLI::App& command, const PageFlags& flags, const char* help) {
+  command.add_option("--page", flags.path, help)->type_name("FILE")->group("Page");
   command
       .add_option("--page-limit", flags.limit,
                   "largest page; a coarser level is shown where the surface needs more [8M]")

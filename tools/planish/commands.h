@@ -62,7 +62,7 @@ struct PageFlags {
 };
 
 /// The flags of a page, for `fit` and `run`.
-void add_page_flags(CLI::App& command, const PageFlags& flags);
+void add_page_flags(CLI::App& command, const PageFlags& flags, const char* help);
 
 // What --color and --progress say before arguments are parsed: errors in them obey it, too.
 [[nodiscard]] MessageStyle early_style(const std::vector<std::string>& arguments);

@@ -97,7 +97,9 @@ bool has_flag(const FitOption& option) {
 
 void add_fit_flags(CLI::App& command, FitFlags& flags) {
   add_file_flags(command, flags);
-  add_page_flags(command, {flags.page, flags.page_limit, flags.page_no_times});
+  add_page_flags(command, {flags.page, flags.page_limit, flags.page_no_times},
+                 "HTML page to look at, - for stdout; a folder: a page each and index.html, the "
+                 "worst first");
   for (const FitOption& option : option_table())
     if (!is_of_files(option) && has_flag(option))
       add_option_flag(command, flags.options, option, kSurface);
@@ -183,6 +185,20 @@ bool is_batch(const FitPlan& plan) {
   return plan.inputs.has_folder || plan.inputs.paths.size() > 1;
 }
 
+// A folder has a page of each input and, of several, a contact sheet.
+std::string page_of_input(const FitFlags& flags, const std::string& input) {
+  if (!names_folder(flags.page)) return {};
+  std::filesystem::path path = path_in_folder(flags.page, input, FileFormat::Glb);
+  return path.replace_extension(".html").string();
+}
+bool has_page_of_all(const FitFlags& flags, const FitPlan& plan) {
+  return !flags.page.empty() && (is_batch(plan) || !names_folder(flags.page));
+}
+std::string page_of_all(const FitFlags& flags) {
+  if (!names_folder(flags.page)) return flags.page;
+  return (std::filesystem::path(flags.page) / "index.html").string();
+}
+
 // `planish fit -- a.obj -o b.glb`, `planish fit a.obj b.glb`: slips that end among the inputs.
 std::string slip_among_inputs(const FitFlags& flags, const std::string& path) {
   std::error_code error;
@@ -236,7 +252,7 @@ FitPlan plan_fit(const FitFlags& flags) {
   faults.note([&] { inputs = expand_inputs(flags.inputs); });
   const bool into_folders = inputs.paths.size() > 1 || inputs.has_folder ||
                             std::ranges::any_of(flags.outputs, names_folder) ||
-                            names_folder(flags.cage);
+                            names_folder(flags.cage) || names_folder(flags.page);
   FitPlan plan{.inputs = std::move(inputs),
                .jobs = {},
                .devices = {},
@@ -264,12 +280,14 @@ FitPlan plan_fit(const FitFlags& flags) {
     PlannedJob planned;
     faults.note([&] { planned.job = job_of(flags, settings, path, is_batch(plan)); });
     claim_outputs(planned, claims, faults);
+    planned.job.page = page_of_input(flags, path);
+    if (!planned.job.page.empty())
+      faults.note([&] { claims.add_page(planned.job.page, "--page"); });
     plan.jobs.push_back(std::move(planned));
   }
   if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });
-  if (!flags.page.empty()) {
-    faults.note([&] { claims.add_page(flags.page, "--page"); });
-  }
+  if (has_page_of_all(flags, plan))
+    faults.note([&] { claims.add_page(page_of_all(flags), "--page"); });
   faults.note([&] { plan.page = page_options(flags.page_limit, flags.page_no_times); });
   faults.note([&] { plan.devices = settle_devices(plan.jobs); });
   faults.throw_if_any();
@@ -280,7 +298,7 @@ ExitCode run_one(const FitFlags& flags, const FitPlan& plan, Console& console,
                  const std::vector<std::string>& arguments) {
   PlannedJob planned = plan.jobs.front();
   planned.job.report = flags.report;
-  planned.job.page = flags.page;
+  if (planned.job.page.empty()) planned.job.page = flags.page;
   const auto backend = open_backend(plan.devices.devices[planned.device], planned.job.settings);
   Progress progress(console, flags.messages.progress_mode());
   JobDisplay display(progress, planned.job.name);
@@ -303,12 +321,18 @@ ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& consol
                              .progress = flags.messages.progress_mode(),
                              .arguments = arguments,
                              .page = plan.page,
-                             .wants_page = !flags.page.empty(),
+                             .wants_page = !flags.page.empty() && !names_folder(flags.page),
+                             .wants_sheet = names_folder(flags.page),
                              .wants_report = !flags.report.empty()});
   console.info(files_table(plan.jobs, outcomes));
   if (!flags.report.empty())
     write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments), flags.force);
-  if (!flags.page.empty()) write_batch_page(flags.page, outcomes, plan.page, console, flags.force);
+  const std::string page = page_of_all(flags);
+  if (names_folder(flags.page)) {
+    write_batch_sheet(page, plan.jobs, outcomes, plan.page, console, flags.force);
+  } else if (!page.empty()) {
+    write_batch_page(page, outcomes, plan.page, console, flags.force);
+  }
   const ExitCode exit_code = exit_code_of(outcomes);
   if (exit_code != ExitCode::Done) console.error(failed_jobs_text(outcomes));
   return exit_code;
@@ -320,7 +344,8 @@ ExitCode run_fit_command(const FitFlags& flags, const std::vector<std::string>& 
   flags.memory.apply(flags.outputs.empty() ? flags.cage : flags.outputs.front());
   if (flags.dry_run)
     return describe_jobs(plan.jobs, plan.devices, plan.claims,
-                         {flags.report, flags.page, plan.page.limit_bytes});
+                         {flags.report, has_page_of_all(flags, plan) ? page_of_all(flags) : "",
+                          plan.page.limit_bytes});
   return is_batch(plan) ? run_several(flags, plan, console, arguments)
                         : run_one(flags, plan, console, arguments);
 }
@@ -469,7 +494,8 @@ void add_run_command(CLI::App& app, Invocation& invocation) {
   command->add_option("--report", flags->report, "one JSON report of all jobs; - for stdout")
       ->type_name("FILE")
       ->group(group);
-  add_page_flags(*command, {flags->page, flags->page_limit, flags->page_no_times});
+  add_page_flags(*command, {flags->page, flags->page_limit, flags->page_no_times},
+                 "HTML page to look at: surfaces in 3-D, figures, plots; - for stdout");
   command->add_flag("--json", flags->json, "the same as --report -")->group(group);
   command->add_flag("-f,--force", flags->force, "overwrite existing files")->group(group);
   command

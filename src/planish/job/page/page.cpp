@@ -15,11 +15,13 @@
 #include "planish/core/guards.h"
 #include "planish/core/json.h"
 #include "planish/core/portable_math.h"
+#include "planish/core/vectors.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
 #include "planish/job/digest.h"
 #include "planish/job/job_text.h"
 #include "planish/job/page/page_scene.h"
+#include "planish/mesh/face_geometry.h"
 
 namespace planish {
 namespace {
@@ -532,13 +534,6 @@ std::string csp_hash(std::string_view text) {
   return "'sha256-" + base64_text(sha256_bytes(std::as_bytes(std::span(text)))) + "'";
 }
 
-std::string content_security() {
-  return formatted(
-      "default-src 'none'; script-src {}; style-src {}; img-src data: blob:; base-uri 'none'; "
-      "form-action 'none'; require-trusted-types-for 'script'",
-      csp_hash(kPageScript), csp_hash(kPageStyle));
-}
-
 void replace_all(std::string& text, const std::string& old, const std::string& fresh) {
   for (std::size_t at = text.find(old); at != std::string::npos;
        at = text.find(old, at + fresh.size())) {
@@ -546,16 +541,11 @@ void replace_all(std::string& text, const std::string& old, const std::string& f
   }
 }
 
-// A page is mailed round, and absolute paths name who made it.
 void make_relative(Json& value, const std::filesystem::path& folder) {
   if (value.is_structured()) {
     for (Json& entry : value) make_relative(entry, folder);
   } else if (value.is_string()) {
-    std::string text = value.get<std::string>();
-    replace_all(text, (folder / "").string(), "");
-    if (const std::filesystem::path path = text; path.is_absolute())
-      text = path.lexically_relative(folder).string();
-    value = text;
+    value = relative_to(folder, value.get<std::string>());
   }
 }
 
@@ -647,9 +637,24 @@ std::string status_of(std::span<const PageJob> jobs, std::string_view kind) {
   return jobs.size() > 1 ? "all converged" : "";
 }
 
-using Places = std::map<std::string, std::string, std::less<>>;
+}  // namespace
 
-std::string filled(std::string_view form, const Places& places) {
+std::string relative_to(const std::filesystem::path& folder, std::string text) {
+  replace_all(text, (folder / "").string(), "");
+  if (const std::filesystem::path path = text; path.is_absolute())
+    text = path.lexically_relative(folder).string();
+  return text;
+}
+
+std::string content_security(std::string_view script, std::string_view style) {
+  return formatted(
+      "default-src 'none'; script-src {}; style-src {}; img-src data: blob:; base-uri 'none'; "
+      "form-action 'none'; require-trusted-types-for 'script'",
+      csp_hash(script), csp_hash(style));
+}
+
+std::string filled_form(std::string_view form,
+                        const std::map<std::string, std::string, std::less<>>& places) {
   std::string out;
   while (true) {
     const std::size_t open = form.find("{{"), close = form.find("}}");
@@ -660,8 +665,6 @@ std::string filled(std::string_view form, const Places& places) {
     form.remove_prefix(close + 2);
   }
 }
-
-}  // namespace
 
 std::string_view page_script() { return kPageScript; }
 std::string_view page_style() { return kPageStyle; }
@@ -675,13 +678,11 @@ std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
   number_names(reports);
 
   const auto page_with = [&](const ChosenLevels& levels) {
-    Places places;
+    std::map<std::string, std::string, std::less<>> places;
     for (std::size_t j = 0; j < jobs.size(); ++j) {
       if (reports[j].is_null()) {
-        Json message = jobs[j].failure;
-        make_relative(message, folder);
         places["rows"] += failed_row_html(jobs[j].name, j);
-        places["jobs"] += failed_section(jobs[j].name, message.get<std::string>(), j);
+        places["jobs"] += failed_section(jobs[j].name, relative_to(folder, jobs[j].failure), j);
         continue;
       }
       places["rows"] += overview_row(reports[j], j);
@@ -693,7 +694,7 @@ std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
     places["jobs"];
     places["rows"];
     places["scenes"];
-    places["security"] = content_security();
+    places["security"] = content_security(kPageScript, kPageStyle);
     places["style"] = kPageStyle;
     places["script"] = kPageScript;
     const bool alone = jobs.size() == 1;
@@ -706,7 +707,7 @@ std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
     places["time"] = options.times ? "<th scope=\"col\">time" : "";
     places["status"] = status_of(jobs, kind);
     places["tool"] = "planish " PLANISH_VERSION;
-    return filled(kPageForm, places);
+    return filled_form(kPageForm, places);
   };
   // The words are needed to know how much room they leave.
   const std::string words = page_with(ChosenLevels(jobs.size(), -1));
@@ -754,6 +755,30 @@ std::vector<PagePayload> make_payloads(const PageScene& scene, const Settings& s
   return payloads;
 }
 
+namespace {
+
+std::string in_base64(const std::vector<std::byte>& bytes) {
+  return base64_text({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+}
+
+// A mesh as flat faces.
+SurfaceMesh faceted(const PolygonMesh& mesh) {
+  SurfaceMesh flat;
+  flat.face_offsets.assign(mesh.face_offsets.begin(), mesh.face_offsets.end());
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    const glm::vec3 normal(unit_or_zero(area_vector(mesh.positions, face)));
+    for (const std::int32_t v : face) {
+      flat.face_vertices.push_back(static_cast<std::int32_t>(flat.positions.size()));
+      flat.positions.push_back(mesh.positions[v]);
+      flat.normals.push_back(normal);
+    }
+  }
+  return flat;
+}
+
+}  // namespace
+
 bool JobPage::show(std::size_t mesh, JobLevel& surface, const FittedMesh& fitted,
                    const Settings& settings, const DooSabinSurface* exact) {
   if (meshes_.size() <= mesh) meshes_.resize(mesh + 1);
@@ -762,8 +787,14 @@ bool JobPage::show(std::size_t mesh, JobLevel& surface, const FittedMesh& fitted
   const auto rows = static_cast<std::uint64_t>(surface.blocks().info().row_count);
   const PageScene scene = job_scene(
       {surface.whole(), fitted.mesh, fitted.fit, settings, fitted.source_vertices, exact});
-  const std::vector<std::byte> still = still_picture(surface.whole(), settings.up);
-  shown.still = base64_text({reinterpret_cast<const std::uint8_t*>(still.data()), still.size()});
+  shown.still = in_base64(still_picture(surface.whole(), settings.up));
+  if (options_.small_pictures && fitted.mesh.vertex_count() >= largest_) {
+    largest_ = fitted.mesh.vertex_count();
+    const auto small = [&](const SurfaceMesh& what) {
+      return in_base64(still_picture(what, settings.up, kSmallWidth, kSmallHeight));
+    };
+    small_ = {small(faceted(fitted.mesh)), small(surface.whole())};
+  }
   surface.let_go();
   shown.payloads = make_payloads(scene, settings, options_);
   const std::uint64_t new_vertices = 3 * rows;

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,8 +53,9 @@ namespace planish {
 
 /// The deepest level that a page shows.
 inline constexpr int kPageLevel = 2;
-/// Of a page's picture.
+/// Of a page's picture, and of a contact sheet's.
 inline constexpr int kStillWidth = 720, kStillHeight = 480;
+inline constexpr int kSmallWidth = 144, kSmallHeight = 96;
 
 /// One job on a page.
 struct PageJob {
@@ -73,6 +76,17 @@ struct PageJob {
 [[nodiscard]] std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
                                     const std::filesystem::path& folder,
                                     const std::string& title = {}, std::string_view kind = "job");
+
+/// A path, or a message that quotes some, without the folder that they are in: a page is mailed
+/// round, and absolute paths name who made it.
+[[nodiscard]] std::string relative_to(const std::filesystem::path& folder, std::string text);
+
+/// A form with each {{name}} replaced by what has that name; all must be there.
+[[nodiscard]] std::string filled_form(
+    std::string_view form, const std::map<std::string, std::string, std::less<>>& places);
+
+/// The policy of a page that runs this script and takes this style, and nothing else.
+[[nodiscard]] std::string content_security(std::string_view script, std::string_view style);
 
 /// Script and style as they stand in every page.
 [[nodiscard]] std::string_view page_script();
@@ -100,6 +114,11 @@ struct PagePayloadInput {
                                                      const Settings& settings,
                                                      const PageOptions& options);
 
+/// A mesh as it was given and its surface, PNG in base64.
+struct SmallPictures {
+  std::string given, surface;
+};
+
 /// What a page shows of one job: its mesh, or those of an asset in their order.
 class JobPage {
  public:
@@ -117,6 +136,8 @@ class JobPage {
   void take(const JobReport& report);
   /// A page of this job alone.
   [[nodiscard]] std::string text() const;
+  /// Of the mesh with the most vertices, where PageOptions ask for them.
+  [[nodiscard]] const SmallPictures& small_pictures() const { return small_; }
   /// Its part of a page of several, where meshes are called after the asset, too.
   [[nodiscard]] std::vector<PageJob> jobs() &&;
 
@@ -124,9 +145,13 @@ class JobPage {
   PageOptions options_;
   std::vector<PageJob> meshes_;
   std::string asset_;  ///< that has several
+  SmallPictures small_;
+  std::int32_t largest_ = -1;  // vertices of the mesh that they show
 };
 
 /// A picture of the surface as PNG, clear around it: what a page shows where no script draws.
-[[nodiscard]] std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up);
+[[nodiscard]] std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up,
+                                                   int width = kStillWidth,
+                                                   int height = kStillHeight);
 
 }  // namespace planish

@@ -204,27 +204,28 @@ struct Picture {
 
 }  // namespace
 
-std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up) {
+std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up, int width, int height) {
   const Upright upright(surface, up);
   std::vector<vec3> points(surface.positions.size());
   parallel_each(points.size(),
                 [&](std::size_t v) { points[v] = upright.place(surface.positions[v]); });
-  render::VisibilityBuffer buffer(kScale * kStillWidth, kScale * kStillHeight);
+  render::VisibilityBuffer buffer(kScale * width, kScale * height);
   const render::Camera camera = render::frame(points, buffer.width, buffer.height, {});
   parallel_each(points.size(), [&](std::size_t v) { points[v] = camera.project(points[v]); });
   const std::vector<std::uint32_t> indices = indices_of(surface);
   constexpr std::size_t kBands = 8;
-  constexpr int kBandRows = kScale * kStillHeight / kBands;
+  const int band_rows = (buffer.height + static_cast<int>(kBands) - 1) / static_cast<int>(kBands);
   parallel_for(kBands, 1, [&](std::size_t begin, std::size_t end) {
-    render::rasterise(points, indices, static_cast<int>(begin) * kBandRows,
-                      static_cast<int>(end) * kBandRows, buffer);
+    render::rasterise(points, indices, static_cast<int>(begin) * band_rows,
+                      std::min(static_cast<int>(end) * band_rows, buffer.height), buffer);
   });
 
   const Picture picture{surface, upright, indices, points, camera};
-  std::vector<std::uint8_t> pixels(std::size_t{4} * kStillWidth * kStillHeight);
-  parallel_for(kStillHeight, 16, [&](std::size_t begin, std::size_t end) {
+  std::vector<std::uint8_t> pixels(std::size_t{4} * static_cast<std::size_t>(width) *
+                                   static_cast<std::size_t>(height));
+  parallel_for(static_cast<std::size_t>(height), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y) {
-      for (int x = 0; x < kStillWidth; ++x) {
+      for (int x = 0; x < width; ++x) {
         vec3 sum(0);
         int hits = 0;
         for (int s = 0; s < kScale * kScale; ++s) {
@@ -237,14 +238,15 @@ std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up) {
         }
         if (hits == 0) continue;
         const vec3 shown = render::displayed(render::soft_shoulder(sum / static_cast<float>(hits)));
-        std::uint8_t* pixel = &pixels[4 * (y * kStillWidth + static_cast<std::size_t>(x))];
+        std::uint8_t* pixel =
+            &pixels[4 * (y * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))];
         for (int k = 0; k < 3; ++k)
           pixel[k] = static_cast<std::uint8_t>(std::lround(255 * shown[k]));
         pixel[3] = static_cast<std::uint8_t>(255 * hits / (kScale * kScale));
       }
     }
   });
-  return png_of(kStillWidth, 4, pixels);
+  return png_of(width, 4, pixels);
 }
 
 }  // namespace planish
