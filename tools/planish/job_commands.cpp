@@ -127,12 +127,12 @@ Settings settings_of(const FitFlags& flags) {
 }
 
 int workers_of(const FitFlags& flags) {
-  constexpr std::int64_t kMost = 256;
+  constexpr std::int64_t kMostWorkers = 256;
   if (flags.workers.empty()) return 1;
   std::int64_t workers = 0;
   if (!parse_integer(flags.workers, workers))
     refuse("--jobs", in_double_quotes(flags.workers) + " is no whole number");
-  if (workers < 1 || workers > kMost)
+  if (workers < 1 || workers > kMostWorkers)
     refuse("--jobs", "{} is out of range; 1 to 256 is wanted", workers);
   return static_cast<int>(workers);
 }

@@ -355,7 +355,7 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
           "and (u, v) on it, as OpenSubdiv's Bfr::Parameterization has them. A ray that meets "
           "nothing has the answer null, in a .ply the face -1 at the point asked for."};
   command->callback([flags, &invocation] {
-    invocation.action = [flags, &invocation] { return run_query(*flags); };
+    invocation.action = [flags] { return run_query(*flags); };
   });
 }
 

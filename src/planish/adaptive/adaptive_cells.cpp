@@ -605,10 +605,10 @@ bool GridFinder::keeps_borders(int u, int v) const {
 }
 
 bool GridFinder::is_slim(int u, int v) const {
-  constexpr double kLongest = 8;
+  constexpr double kSlim = 8;
   const double a = length_u_ / u, b = length_v_ / v;
   const auto ratio = [](double s, double t) { return std::max(s, t) / std::min(s, t); };
-  return (u > 1 || v > 1) && ratio(a, b) > std::max(kLongest, ratio(length_u_, length_v_));
+  return (u > 1 || v > 1) && ratio(a, b) > std::max(kSlim, ratio(length_u_, length_v_));
 }
 
 // A triangle within a row of parts has a part's size, but lies anywhere along the row where a side

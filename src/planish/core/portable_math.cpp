@@ -187,9 +187,9 @@ Turn turn_of(double x) {
           along(at.cosine, -at.sine, r, at.cosine.high * cosine - at.sine.high * sine)};
 }
 
-// --- arc tangent: of the nearest of 33 slopes, and of the rest ---
+// --- arc tangent: of the nearest of 129 slopes, and of the rest ---
 
-constexpr int kSlopes = 32;
+constexpr int kSlopes = 128;
 constexpr std::array<Pair, kSlopes + 1> kAngles = [] {
   std::array<Pair, kSlopes + 1> angles{};
   for (int i = 1; i <= kSlopes; ++i)
@@ -200,22 +200,35 @@ constexpr std::array<Pair, kSlopes + 1> kAngles = [] {
 
 // Of 0 <= y <= x, not both 0, without too large or small ones.
 Pair angle_of(const Pair& y, const Pair& x) {
-  const int slope = static_cast<int>(y.high / x.high * kSlopes + 0.5);
-  const Pair c{static_cast<double>(slope) / kSlopes, 0};
-  const Pair t = slope == 0 ? y / x : quick_sum(y, -(c * x)) / quick_sum(x, c * y);
-  const double q = t.high * t.high;
-  const double rest =
-      t.high * q * (-1.0 / 3 + q * (1.0 / 5 + q * (-1.0 / 7 + q * (1.0 / 9 - q / 11))));
-  const Pair whole = sum(kAngles[slope].high, t.high);
-  return ordered_sum(whole.high, whole.low + (kAngles[slope].low + (t.low + rest)));
+  const double slope = y.high / x.high;
+  const Pair back = product(slope, x.high);
+  const double lost = (((y.high - back.high) - back.low) + (y.low - slope * x.low)) / x.high;
+  // Below it what a slope of the table leaves would be too large a part of the angle.
+  constexpr double kFlat = 1.0 / 16;
+  if (slope < kFlat) {
+    const double q = slope * slope;
+    const double rest =
+        q * (-1.0 / 3 +
+             q * (1.0 / 5 +
+                  q * (-1.0 / 7 + q * (1.0 / 9 + q * (-1.0 / 11 + q * (1.0 / 13 - q / 15))))));
+    return ordered_sum(slope, lost + slope * rest);
+  }
+  const int place = static_cast<int>(slope * kSlopes + 0.5);
+  const double nearest = static_cast<double>(place) / kSlopes;
+  const double t = ((slope - nearest) + lost) / (1 + nearest * slope);
+  const double q = t * t;
+  const Pair& angle = kAngles[place];
+  const Pair whole = ordered_sum(angle.high, t);
+  return ordered_sum(whole.high,
+                     whole.low + (angle.low + t * q * (-1.0 / 3 + q * (1.0 / 5 - q / 7))));
 }
 
 // Of y >= 0, in all four quarters.
 Pair angle_around(const Pair& y, const Pair& x) {
   const Pair along = x.high < 0 ? -x : x;
   const bool is_steep = y.high > along.high;
-  Pair angle = is_steep ? kHalfPi - angle_of(along, y) : angle_of(y, along);
-  if (x.high < 0) angle = kPi - angle;
+  Pair angle = is_steep ? quick_sum(kHalfPi, -angle_of(along, y)) : angle_of(y, along);
+  if (x.high < 0) angle = quick_sum(kPi, -angle);
   return angle;
 }
 

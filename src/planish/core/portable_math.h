@@ -4,7 +4,7 @@ namespace planish::portable {
 
 // Elementary functions with the same bits on every processor, system and compiler: those of the
 // standard library differ, as they may, by what a processor has and by who wrote them. Made of
-// + - * / and sqrt alone, none of them fused. Within 0.51 units in the last place of the true value
+// + - * / and sqrt alone, none of them fused. Within 0.57 units in the last place of the true value
 // (results below 2^-1022: 0.76), special values as in the standard, errno untouched.
 
 /// Of radians. Beyond 2^20 the period is the double nearest to 2 pi.
