@@ -199,7 +199,7 @@ constexpr std::array<Pair, kSlopes + 1> kAngles = [] {
 }();
 
 // Of 0 <= y <= x, not both 0, without too large or small ones.
-Pair angle_of(const Pair& y, const Pair& x) {
+inline Pair angle_of(Pair y, Pair x) {
   const double slope = y.high / x.high;
   const Pair back = product(slope, x.high);
   const double lost = (((y.high - back.high) - back.low) + (y.low - slope * x.low)) / x.high;
@@ -224,7 +224,7 @@ Pair angle_of(const Pair& y, const Pair& x) {
 }
 
 // Of y >= 0, in all four quarters.
-Pair angle_around(const Pair& y, const Pair& x) {
+inline Pair angle_around(Pair y, Pair x) {
   const Pair along = x.high < 0 ? -x : x;
   const bool is_steep = y.high > along.high;
   Pair angle = is_steep ? quick_sum(kHalfPi, -angle_of(along, y)) : angle_of(y, along);
