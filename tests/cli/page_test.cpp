@@ -144,6 +144,9 @@ TEST_F(PageFile, AFolderHasAPageOfEachAndAContactSheet) {
   EXPECT_EQ(head_of(read("pages/plate.html"))["name"], "plate");
   EXPECT_EQ(head_of(read("pages/torus#1.html"))["name"], "torus#1");
   EXPECT_FALSE(std::filesystem::exists(path("pages/bad.html")));
+  // As with -o, a name without an extension will be a folder.
+  run("fit plate.obj torus#1.obj --page new");
+  EXPECT_TRUE(std::filesystem::exists(path("new/index.html")));
   // One file has its page alone.
   run("fit plate.obj --page one/");
   EXPECT_TRUE(std::filesystem::exists(path("one/plate.html")));

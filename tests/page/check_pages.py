@@ -278,6 +278,8 @@ def check_hostile(chromium, folder):
 
 def check_sheet(chromium, folder):
     tab = chromium.open(folder / "sheet/index.html")
+    tab.evaluate("new Promise((done) => document.readyState === 'complete' ? done(true) "
+                 ": addEventListener('load', () => done(true)))")
     rows = "[...document.querySelectorAll('.sheet tbody tr')]"
     check("sheet: a file a row, a picture of input and surface each", tab.evaluate(
         f"{rows}.length === 4 && {rows}.every((row) => [...row.querySelectorAll('img')].filter("

@@ -37,13 +37,17 @@ bool is_of_files(const FitOption& option) {
   return option.stage == OptionStage::Fineness || option.stage == OptionStage::Input;
 }
 
+// Of several inputs a name without an extension is a folder that will be made.
+bool is_folder(const std::string& path, bool one_of_several) {
+  const bool is_new = one_of_several && !path.empty() && path != "-" &&
+                      !std::filesystem::path(path).has_extension();
+  return names_folder(path) || is_new;
+}
+
 // Where an output of that input goes: the path itself, or the input's name in a folder.
 std::string output_path(const std::string& path, const std::string& input, FileFormat format,
                         const char* flag, bool one_of_several) {
-  // Of several inputs a name without an extension is a folder that will be made.
-  const bool is_new_folder =
-      one_of_several && path != "-" && !std::filesystem::path(path).has_extension();
-  if (names_folder(path) || is_new_folder) return path_in_folder(path, input, format);
+  if (is_folder(path, one_of_several)) return path_in_folder(path, input, format);
   if (!one_of_several) return path;
   if (path == "-") refuse(flag, "stdout takes one surface only, and there are several inputs");
   refuse(flag, "{} is one file, and there are several inputs; name a folder: {} {}/", visible(path),
@@ -186,16 +190,18 @@ bool is_batch(const FitPlan& plan) {
 }
 
 // A folder has a page of each input and, of several, a contact sheet.
+bool has_page_folder(const FitFlags& flags, const FitPlan& plan) {
+  return is_folder(flags.page, is_batch(plan));
+}
 std::string page_of_input(const FitFlags& flags, const std::string& input) {
-  if (!names_folder(flags.page)) return {};
   std::filesystem::path path = path_in_folder(flags.page, input, FileFormat::Glb);
   return path.replace_extension(".html").string();
 }
 bool has_page_of_all(const FitFlags& flags, const FitPlan& plan) {
-  return !flags.page.empty() && (is_batch(plan) || !names_folder(flags.page));
+  return !flags.page.empty() && (is_batch(plan) || !has_page_folder(flags, plan));
 }
-std::string page_of_all(const FitFlags& flags) {
-  if (!names_folder(flags.page)) return flags.page;
+std::string page_of_all(const FitFlags& flags, const FitPlan& plan) {
+  if (!has_page_folder(flags, plan)) return flags.page;
   return (std::filesystem::path(flags.page) / "index.html").string();
 }
 
@@ -280,14 +286,15 @@ FitPlan plan_fit(const FitFlags& flags) {
     PlannedJob planned;
     faults.note([&] { planned.job = job_of(flags, settings, path, is_batch(plan)); });
     claim_outputs(planned, claims, faults);
-    planned.job.page = page_of_input(flags, path);
-    if (!planned.job.page.empty())
+    if (has_page_folder(flags, plan)) {
+      planned.job.page = page_of_input(flags, path);
       faults.note([&] { claims.add_page(planned.job.page, "--page"); });
+    }
     plan.jobs.push_back(std::move(planned));
   }
   if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });
   if (has_page_of_all(flags, plan))
-    faults.note([&] { claims.add_page(page_of_all(flags), "--page"); });
+    faults.note([&] { claims.add_page(page_of_all(flags, plan), "--page"); });
   faults.note([&] { plan.page = page_options(flags.page_limit, flags.page_no_times); });
   faults.note([&] { plan.devices = settle_devices(plan.jobs); });
   faults.throw_if_any();
@@ -316,19 +323,20 @@ ExitCode run_one(const FitFlags& flags, const FitPlan& plan, Console& console,
 
 ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& console,
                      const std::vector<std::string>& arguments) {
+  const bool wants_sheet = has_page_folder(flags, plan);
   auto outcomes = run_batch(plan.jobs, plan.devices, console,
                             {.workers = workers_of(flags),
                              .progress = flags.messages.progress_mode(),
                              .arguments = arguments,
                              .page = plan.page,
-                             .wants_page = !flags.page.empty() && !names_folder(flags.page),
-                             .wants_sheet = names_folder(flags.page),
+                             .wants_page = !flags.page.empty() && !wants_sheet,
+                             .wants_sheet = wants_sheet,
                              .wants_report = !flags.report.empty()});
   console.info(files_table(plan.jobs, outcomes));
   if (!flags.report.empty())
     write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments), flags.force);
-  const std::string page = page_of_all(flags);
-  if (names_folder(flags.page)) {
+  const std::string page = page_of_all(flags, plan);
+  if (wants_sheet) {
     write_batch_sheet(page, plan.jobs, outcomes, plan.page, console, flags.force);
   } else if (!page.empty()) {
     write_batch_page(page, outcomes, plan.page, console, flags.force);
@@ -343,9 +351,10 @@ ExitCode run_fit_command(const FitFlags& flags, const std::vector<std::string>& 
   const FitPlan plan = plan_fit(flags);
   flags.memory.apply(flags.outputs.empty() ? flags.cage : flags.outputs.front());
   if (flags.dry_run)
-    return describe_jobs(plan.jobs, plan.devices, plan.claims,
-                         {flags.report, has_page_of_all(flags, plan) ? page_of_all(flags) : "",
-                          plan.page.limit_bytes});
+    return describe_jobs(
+        plan.jobs, plan.devices, plan.claims,
+        {flags.report, has_page_of_all(flags, plan) ? page_of_all(flags, plan) : "",
+         plan.page.limit_bytes});
   return is_batch(plan) ? run_several(flags, plan, console, arguments)
                         : run_one(flags, plan, console, arguments);
 }

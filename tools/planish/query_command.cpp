@@ -354,9 +354,8 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
           "Exact to rounding, on the limit surface itself. `at` names a face of the fitted mesh "
           "and (u, v) on it, as OpenSubdiv's Bfr::Parameterization has them. A ray that meets "
           "nothing has the answer null, in a .ply the face -1 at the point asked for."};
-  command->callback([flags, &invocation] {
-    invocation.action = [flags] { return run_query(*flags); };
-  });
+  command->callback(
+      [flags, &invocation] { invocation.action = [flags] { return run_query(*flags); }; });
 }
 
 }  // namespace planish::command

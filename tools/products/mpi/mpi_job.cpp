@@ -591,7 +591,8 @@ void add_run_flags(CLI::App& run, MpiRequest& request, OwnFlags& own, RunRest& r
   run.add_option("--report", rest.report)->group("");
   run.add_flag("--json", rest.json)->group("");
   run.add_flag("--dry-run", rest.dry_run)->group("");
-  add_page_flags(run, {rest.page, rest.page_limit, rest.page_no_times});
+  add_page_flags(run, {rest.page, rest.page_limit, rest.page_no_times},
+                 "HTML page to look at: the surface in 3-D, figures, plots; - for stdout");
 }
 
 void require_run_available(const CLI::App& run) {
