@@ -97,7 +97,7 @@ fetch_sources() {
   debian bookworm deb-src update
   local sources=() package
   for package in $wasm_sources; do
-    sources+=("$(dpkg-query -W -f='${source:Package}=${source:Version}' "$package")")
+    sources+=("$(dpkg-query -W -f='${source:Package}=${source:Version}' "$package:$(dpkg --print-architecture)")")
   done
   debian bookworm deb-src source --download-only "${sources[@]}"
   for package in *.dsc; do
