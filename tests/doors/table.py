@@ -24,8 +24,6 @@ class Row:
     refused: dict = dataclasses.field(default_factory=dict)
     #: Why the value changes no byte.
     same: str = ""
-    #: Why npm's numbers are off in the last bits.
-    near: str = ""
     #: Why npm makes another thing of `value`.
     other: str = ""
 
@@ -37,8 +35,6 @@ TAGS = {"command": "is no flag of planish fit", "c": "planish_mesh_arrays has it
         "npm": "planish_mesh_arrays has it"}
 # So that points are left out.
 COARSE = {"tolerance_mesh": 0.02}
-# WebAssembly takes musl's, which on triangles and corners are not glibc's to the last bit.
-SINES = "sines and cosines"
 # Of points CGAL makes a mesh, in a program of its own.
 NO_POINTS = {"npm": "planish-reconstruct"}
 # npm's fitFile() has one file in memory, and gives one back.
@@ -46,7 +42,7 @@ NO_TILES = {"npm": "has files beside it"}
 
 
 def of_sheet(value, output="out.obj", **more):
-    return Row(value, output, "sheet.obj", near=SINES, **more)
+    return Row(value, output, "sheet.obj", **more)
 
 
 def of_points(value, **more):
@@ -64,11 +60,11 @@ def of_gltf(value, **more):
 ROWS = {
     "preset": Row("paper", wrong=["papre", ""]),
     "scheme": of_sheet("loop", also=["doo-sabin", "catmull-clark"], wrong=["Loop"]),
-    "interpolation": Row("progressive", "out.obj", near=SINES, also=["auto", "fair"], wrong=["best"]),
+    "interpolation": Row("progressive", "out.obj", also=["auto", "fair"], wrong=["best"]),
     "weights": Row("averaged", also=["doo-sabin"], wrong=["even"]),
     "solver": Row("plain", input="model/box.obj", beside={**PROGRESSIVE, "creases": "ignore"},
                   also=["chebyshev", "cg"], wrong=["jacobi"]),
-    "precision": Row("double", "out.obj", near=SINES, beside=PROGRESSIVE, also=["auto", "float"], wrong=["half"]),
+    "precision": Row("double", "out.obj", beside=PROGRESSIVE, also=["auto", "float"], wrong=["half"]),
     "boundary": of_sheet("edge-and-corner", also=["edge"], wrong=["corner"]),
     "creases": of_sheet("auto:40",
                         also=["choose", "use", "ignore", "normals", "auto", "auto:0", "auto:22.5", "auto:030",
@@ -77,7 +73,7 @@ ROWS = {
                                "auto:5.", "auto:nan", "auto:30 ", "40", "AUTO"]),
     "repair": Row("none", input="notch.obj", also=["safe"], wrong=["all"]),
     "quads": of_sheet("off", also=["auto", "on"], wrong=["yes"]),
-    "refine": Row("off", "out.obj", "uneven.obj", near=SINES, beside={"quads": "off"}, also=["auto", "on"],
+    "refine": Row("off", "out.obj", "uneven.obj", beside={"quads": "off"}, also=["auto", "on"],
                   wrong=["yes"]),
     "up": Row("z", output="out.glb", also=["y"], wrong=["x"]),
     "attributes": Row("error,curvature", also=["fold"], wrong=["normal", "error,,fold"]),
@@ -89,9 +85,9 @@ ROWS = {
     "bake": of_gltf(64, also=[16], wrong=[0, 2**31]),
     "device": Row("cpu", refused={"python": "unexpected keyword"}, wrong=[""],
                   same="it stands for auto, too"),
-    "tolerance": Row(1e-3, "out.obj", near=SINES, beside=PROGRESSIVE, also=[1e-6, 0.5, 1],
+    "tolerance": Row(1e-3, "out.obj", beside=PROGRESSIVE, also=[1e-6, 0.5, 1],
                      wrong=[1.5, 0, -1e-6]),
-    "max_iterations": Row(3, "out.obj", near=SINES, beside=PROGRESSIVE, also=[0, 1, 200, 1_000_000],
+    "max_iterations": Row(3, "out.obj", beside=PROGRESSIVE, also=[0, 1, 200, 1_000_000],
                           wrong=[1_000_001, -1, 2**31]),
     "polish": Row(2, beside=FAIR, also=[0, 8, 50], wrong=[1001, -1, 2**31]),
     "within": Row(0.001, also=[0, "auto", 0.0999, "1e-3"], wrong=[1e-6, 1e-7, 0.1, -1, -0.5, "Auto"]),
@@ -120,7 +116,7 @@ ROWS = {
 }
 
 # Several options: some contradict each other.
-SEVERAL = Row(None, "out.obj", near=SINES)
+SEVERAL = Row(None, "out.obj")
 TOGETHER = [
     {"preset": "paper", "solver": "chebyshev"},
     {"scheme": "loop", "weights": "averaged"},

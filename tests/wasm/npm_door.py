@@ -28,21 +28,12 @@ class Npm:
             raise doors.Refused(answer["refused"])
 
 
-def is_near(one, other):
-    """Texts of the same words, but for numbers that are off by rounding."""
-    pairs = list(zip(*(re.split(rb"[\s,()]+", text) for text in (one, other))))
-    return one.count(b"\n") == other.count(b"\n") and all(
-        a == b or abs(float(a) - float(b)) <= 1e-11 for a, b in pairs)
-
-
-def difference(row, is_other, made, wanted):
+def difference(is_other, made, wanted):
     """What is wrong with what npm made; None: nothing."""
     if isinstance(made, doors.Refused) or isinstance(wanted, doors.Refused):
         is_right = isinstance(made, doors.Refused) and isinstance(wanted, doors.Refused)
     elif is_other:
         is_right = made != wanted
-    elif row.near:
-        is_right = made.keys() == wanted.keys() and all(is_near(made[name], wanted[name]) for name in made)
     else:
         is_right = made == wanted
     return None if is_right else f"{doors.shown(made)} instead of {doors.shown(wanted)}"
@@ -63,7 +54,7 @@ def main():
             return doors.outcome(door, folder / row.input, row.output, options, folder / str(count))
 
         def compare(row, options, is_other=False):
-            found = difference(row, is_other, outcome(npm, row, options), outcome(doors.command, row, options))
+            found = difference(is_other, outcome(npm, row, options), outcome(doors.command, row, options))
             if found:
                 wrong.append(f"{options}: {found}")
 
