@@ -278,8 +278,7 @@ def check_hostile(chromium, folder):
 
 def check_sheet(chromium, folder):
     tab = chromium.open(folder / "sheet/index.html")
-    tab.evaluate("new Promise((done) => document.readyState === 'complete' ? done(true) "
-                 ": addEventListener('load', () => done(true)))")
+    tab.ready()
     rows = "[...document.querySelectorAll('.sheet tbody tr')]"
     check("sheet: a file a row, a picture of input and surface each", tab.evaluate(
         f"{rows}.length === 4 && {rows}.every((row) => [...row.querySelectorAll('img')].filter("

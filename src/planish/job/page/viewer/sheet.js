@@ -20,3 +20,5 @@ for (const head of heads) {
     body.append(...[...body.rows].sort((a, b) => sign * compare(a, b)));
   });
 }
+// As pages say it, once pictures are there.
+addEventListener('load', () => { document.documentElement.dataset.ready = 'sheet'; });
