@@ -3,7 +3,6 @@ bytes, the same values refused. The table of options and values is tests/doors/t
 import json
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile

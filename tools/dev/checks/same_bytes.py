@@ -8,8 +8,9 @@ BEFORE and AFTER are planish programs, or how they are called, for another proce
     same_bytes.py build/bin/planish "qemu-aarch64-static build-arm64/bin/planish"
 
 Every scene of scenes/ (meshes, scene files, files with a fault) goes through both with the calls
-below, and so does every FILE, a mesh or points, in all formats and by all methods. Times, memory and program versions of reports are left out; all other
-bytes, exit codes and messages must be the same. Says what differs and ends with 1, else with 0.
+below, and so does every FILE, a mesh or points, in all formats and by all methods. Times, memory and
+program versions of reports are left out; all other bytes, exit codes and messages must be the same.
+Says what differs and ends with 1, else with 0.
 """
 
 import argparse
