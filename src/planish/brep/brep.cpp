@@ -304,21 +304,15 @@ struct ShellPolygons {
 
 class Nesting {
  public:
-  Nesting(const MeshTopology& topology, const QuadLayout& layout, const Brep& brep)
-      : topology_(topology), points_(brep.places.size()), shells_(brep.shells.size()) {
-    for (std::size_t v = 0; v < points_.size(); ++v) {
-      const Brep::Place& place = brep.places[v];
-      if (place.face >= 0) points_[v] = point_of(brep, brep.faces[slot(place.face)], place.at);
-    }
+  Nesting(const MeshTopology& topology, std::span<const glm::dvec3> points,
+          std::span<const std::int32_t> face_of, const Brep& brep)
+      : topology_(topology), points_(points), shells_(brep.shells.size()) {
     std::vector<std::int32_t> shell_of(brep.faces.size());
     for (std::size_t s = 0; s < brep.shells.size(); ++s)
       for (const std::int32_t f : brep.shells[s].faces)
         shell_of[slot(f)] = static_cast<std::int32_t>(s);
-    for (std::int32_t f = 0; f < topology_.face_count(); ++f) {
-      const std::int32_t corner = topology_.first_corner(f);
-      if (!layout.is_hidden(corner))
-        add(f, shells_[slot(shell_of[slot(layout.rectangle_of(corner))])]);
-    }
+    for (std::int32_t f = 0; f < topology.face_count(); ++f)
+      if (face_of[slot(f)] >= 0) add(f, shells_[slot(shell_of[slot(face_of[slot(f)])])]);
   }
 
   [[nodiscard]] const ShellPolygons& shell(std::size_t index) const { return shells_[index]; }
@@ -366,30 +360,23 @@ class Nesting {
   }
 
   const MeshTopology& topology_;
-  std::vector<glm::dvec3> points_;  // by vertex
+  std::span<const glm::dvec3> points_;  // by vertex
   std::vector<ShellPolygons> shells_;
 };
 
-// Sets the shells of faces that are joined by edges, and which of them lie inside out within
-// which. Faces, edges and places are there.
+// What find_shells() wants to know of faces that rectangles of quads became.
 void make_shells(const MeshTopology& topology, const QuadLayout& layout, Brep& brep) {
-  join_faces(brep);
-  const Nesting nesting(topology, layout, brep);
-  for (std::size_t s = 0; s < brep.shells.size(); ++s)
-    brep.shells[s].is_inside_out = brep.shells[s].is_closed && nesting.shell(s).volume < 0;
-  for (std::size_t s = 0; s < brep.shells.size(); ++s) {
-    Brep::Shell& shell = brep.shells[s];
-    if (!shell.is_inside_out) continue;
-    double least = std::numeric_limits<double>::max();
-    for (std::size_t o = 0; o < brep.shells.size(); ++o) {
-      const double volume = nesting.shell(o).volume;
-      if (!brep.shells[o].is_closed || volume <= -nesting.shell(s).volume || volume >= least)
-        continue;
-      if (!nesting.holds(o, nesting.any_point(s))) continue;
-      least = volume;
-      shell.outer = static_cast<std::int32_t>(o);
-    }
+  std::vector<glm::dvec3> points(brep.places.size());
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    const Brep::Place& place = brep.places[v];
+    if (place.face >= 0) points[v] = point_of(brep, brep.faces[slot(place.face)], place.at);
   }
+  std::vector<std::int32_t> face_of(static_cast<std::size_t>(topology.face_count()), -1);
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    const std::int32_t corner = topology.first_corner(f);
+    if (!layout.is_hidden(corner)) face_of[slot(f)] = layout.rectangle_of(corner);
+  }
+  find_shells(topology, points, face_of, brep);
 }
 
 // An edge's place in a face.
@@ -612,6 +599,28 @@ Brep make_brep(const SplineSurface& surface, const BrepOptions& options, const C
   return brep;
 }
 
+void find_shells(const MeshTopology& topology, std::span<const glm::dvec3> points,
+                 std::span<const std::int32_t> face_of, Brep& brep) {
+  brep.shells.clear();
+  join_faces(brep);
+  const Nesting nesting(topology, points, face_of, brep);
+  for (std::size_t s = 0; s < brep.shells.size(); ++s)
+    brep.shells[s].is_inside_out = brep.shells[s].is_closed && nesting.shell(s).volume < 0;
+  for (std::size_t s = 0; s < brep.shells.size(); ++s) {
+    Brep::Shell& shell = brep.shells[s];
+    if (!shell.is_inside_out) continue;
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t o = 0; o < brep.shells.size(); ++o) {
+      const double volume = nesting.shell(o).volume;
+      if (!brep.shells[o].is_closed || volume <= -nesting.shell(s).volume || volume >= least)
+        continue;
+      if (!nesting.holds(o, nesting.any_point(s))) continue;
+      least = volume;
+      shell.outer = static_cast<std::int32_t>(o);
+    }
+  }
+}
+
 Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Callbacks& callbacks,
                std::span<const std::int32_t> groups) {
   return make_brep(DooSabinSplines(surface), options, callbacks, groups);
@@ -672,10 +681,35 @@ void add_gap(const Brep& brep, const Brep::Edge& edge, const Brep::Line& line, G
   }
 }
 
-// Each use begins where the one before ends, at vertices and in parameters, and all of them enclose
-// the whole rectangle on their left.
+// Of a curve from the surfaces on both sides and from its ends, at places along it.
+void add_curve_gap(const Brep& brep, const Brep::Edge& edge, Gap& gap) {
+  const BorderCurve& curve = *edge.curve;
+  const glm::dvec3 &from = brep.vertices[edge.from], &to = brep.vertices[edge.to];
+  for (const glm::dvec3& end : {from, to}) gap.add(distance_from(curve, from, to, end), end);
+  for (const glm::dvec3& place : places_along(curve, from, to)) {
+    for (const Brep::Line& line : edge.lines)
+      gap.add(std::abs(signed_distance(*brep.faces[line.face].surface, place)), place);
+  }
+}
+
+// Each use begins where the one before ends.
+bool is_closed(const Brep& brep, std::span<const Brep::Use> loop) {
+  const auto end = [&](const Brep::Use& use, bool is_last) {
+    const Brep::Edge& edge = brep.edges[use.edge];
+    return is_last != use.is_reversed ? edge.to : edge.from;
+  };
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    if (end(loop[i], true) != end(loop[(i + 1) % loop.size()], false)) return false;
+  return !loop.empty();
+}
+
+// The same, at vertices and in parameters, and all of them enclose the whole rectangle on their
+// left.
 bool is_border(const Brep& brep, std::int32_t index) {
   const Brep::Face& face = brep.faces[index];
+  if (face.surface)
+    return is_closed(brep, face.loop) &&
+           std::ranges::all_of(face.holes, [&](const auto& hole) { return is_closed(brep, hole); });
   const auto end = [&](std::size_t use, bool is_last) {
     const Brep::Use& u = face.loop[use % face.loop.size()];
     const Brep::Edge& edge = brep.edges[u.edge];
@@ -701,8 +735,11 @@ bool is_border(const Brep& brep, std::int32_t index) {
 
 std::int64_t unmatched_edges(const Brep& brep) {
   std::vector<std::array<int, 2>> uses(brep.edges.size());
-  for (const Brep::Face& face : brep.faces)
+  for (const Brep::Face& face : brep.faces) {
     for (const Brep::Use& use : face.loop) ++uses[use.edge][use.is_reversed ? 1 : 0];
+    for (const auto& hole : face.holes)
+      for (const Brep::Use& use : hole) ++uses[use.edge][use.is_reversed ? 1 : 0];
+  }
   std::int64_t count = 0;
   for (std::size_t e = 0; e < uses.size(); ++e)
     if (uses[e] != std::array{1, brep.edges[e].lines[1].face < 0 ? 0 : 1}) ++count;
@@ -722,6 +759,10 @@ BrepCheck check_brep(const Brep& brep, double diagonal) {
         Gap largest;
         for (std::size_t e = begin; e < end; ++e) {
           const Brep::Edge& edge = brep.edges[e];
+          if (edge.curve) {
+            add_curve_gap(brep, edge, largest);
+            continue;
+          }
           for (const Brep::Line& line : edge.lines)
             if (line.face >= 0) add_gap(brep, edge, line, largest);
           for (const auto& [vertex, point] :

@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "planish/analytic/analytic_surface.h"
+#include "planish/analytic/border_curves.h"
 #include "planish/brep/spline_surface.h"
 #include "planish/core/callbacks.h"
 #include "planish/queries/limit_surface.h"
@@ -36,6 +38,12 @@ struct Brep {
     std::vector<Use> loop;       ///< counter-clockwise
     std::int32_t group = 0;      ///< of the mesh's faces that it is made of
     std::optional<Plane> plane;  ///< where all points lie in one, and not on a line
+    // Instead of knots and points:
+    std::optional<AnalyticSurface> surface;
+    bool is_inward = false;  ///< looks against the surface's normals
+    /// At right angles to the surface's axis: where its angle begins, at a seam or off the face.
+    glm::dvec3 along{};
+    std::vector<std::vector<Use>> holes;  ///< further loops, clockwise seen from outside
   };
   /// Where an edge lies in a face: its parameter t is at from + t direction.
   struct Line {
@@ -48,6 +56,8 @@ struct Brep {
     std::vector<double> knots;      ///< as those of faces, from 0 to the number of quads
     std::vector<glm::dvec3> points;
     std::array<Line, 2> lines;  ///< the second has no face at a boundary
+    /// Instead of knots and points, between faces on analytic surfaces.
+    std::optional<BorderCurve> curve;
   };
   struct Shell {
     std::vector<std::int32_t> faces;
@@ -119,6 +129,12 @@ struct BrepOptions {
 [[nodiscard]] Brep make_brep(const LimitSurface& surface, const BrepOptions& options = {},
                              const Callbacks& callbacks = {},
                              std::span<const std::int32_t> groups = {});
+
+/// Sets the shells of faces that are joined by edges, and which of them lie inside out within
+/// which. `face_of`: by face of the mesh, through these points by vertex, one of the shell that it
+/// belongs to; -1: it is hidden.
+void find_shells(const MeshTopology& topology, std::span<const glm::dvec3> points,
+                 std::span<const std::int32_t> face_of, Brep& brep);
 
 /// What makes shells and solids valid: each edge is used once each way (once at a boundary), each
 /// loop is the border of its face's parameters, once around and counter-clockwise, and edges lie on

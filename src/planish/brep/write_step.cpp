@@ -12,6 +12,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -66,7 +67,7 @@ class StepNumbers {
   [[nodiscard]] static PlaneLine plane_line(const Brep::Line& line);
   // Whether a side of an edge has a curve in parameters: those of planes need none.
   [[nodiscard]] bool has_curve(const Brep::Line& line) const {
-    return line.face >= 0 && !brep_.faces[line.face].plane;
+    return line.face >= 0 && !brep_.faces[line.face].plane && !brep_.faces[line.face].surface;
   }
 
  private:
@@ -78,7 +79,14 @@ class StepNumbers {
   std::vector<std::int64_t> edges_, faces_;
 };
 
-constexpr std::int64_t kPlaneEntities = 4, kUnknown = 0;
+constexpr std::int64_t kPlaneEntities = 4, kAnalyticEntities = 5, kUnknown = 0;
+
+// Oriented edges, a loop and a bound for each loop.
+std::int64_t loop_entities(const Brep::Face& face) {
+  std::int64_t count = std::ssize(face.loop) + 2;
+  for (const auto& hole : face.holes) count += std::ssize(hole) + 2;
+  return count;
+}
 
 // The control point of these arguments, ascending; kNone where none has them.
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -112,24 +120,44 @@ StepNumbers::StepNumbers(const Brep& brep, std::int64_t first) : brep_(brep), fi
   parallel_for(own.size(), 64, [&](std::size_t begin, std::size_t end) {
     std::vector<std::int64_t> numbers;
     for (std::size_t f = begin; f < end; ++f) {
-      own[f] =
-          brep.faces[f].plane ? kPlaneEntities : points(static_cast<std::int64_t>(f), numbers) + 1;
+      own[f] = brep.faces[f].surface ? kAnalyticEntities
+               : brep.faces[f].plane ? kPlaneEntities
+                                     : points(static_cast<std::int64_t>(f), numbers) + 1;
     }
   });
   for (std::size_t f = 0; f < own.size(); ++f) {
     faces_.push_back(id);
-    id += own[f] + std::ssize(brep.faces[f].loop) + 3;
+    id += own[f] + loop_entities(brep.faces[f]) + 1;
   }
   faces_.push_back(id);
 }
 
 std::int64_t StepNumbers::surface(std::int64_t f) const {
-  return first_of_face(f + 1) - 4 - std::ssize(brep_.faces[f].loop);
+  return first_of_face(f + 1) - 2 - loop_entities(brep_.faces[f]);
+}
+
+// A line with direction and vector, a circle with its placement of four, a spline with its inner
+// points.
+std::int64_t curve_entities(const BorderCurve& curve) {
+  if (curve.kind == CurveKind::Line) return 3;
+  return curve.kind == CurveKind::Spline ? std::ssize(curve.points) - 2 + 1 : 5;
+}
+
+// Splines on surfaces that are not flat say where in their parameters they are: OpenCASCADE loses
+// its way on cones else.
+bool wants_parameters(const Brep& brep, const Brep::Edge& edge, const Brep::Line& line) {
+  return edge.curve->kind == CurveKind::Spline && line.face >= 0 &&
+         brep.faces[line.face].surface->kind != AnalyticKind::Plane;
 }
 
 // Inner points, the curve, where it is on B-splines its curves in their parameters and what names
 // them all, and the edge.
 std::int64_t StepNumbers::of_edge(const Brep::Edge& edge) const {
+  if (edge.curve) {
+    std::int64_t count = curve_entities(*edge.curve) + 1, sides = 0;
+    for (const Brep::Line& line : edge.lines) sides += wants_parameters(brep_, edge, line) ? 1 : 0;
+    return count + sides * (std::ssize(edge.curve->points) + 3) + (sides > 0 ? 1 : 0);
+  }
   const std::int64_t curves =
       (has_curve(edge.lines[0]) ? 1 : 0) + (has_curve(edge.lines[1]) ? 1 : 0);
   return std::ssize(edge.points) + curves + (curves > 0 ? 1 : 0);
@@ -573,21 +601,107 @@ void put_line(StepText& text, const StepContext& context, const StepNumbers::Pla
   text.entity("DEFINITIONAL_REPRESENTATION('',(", Ref{straight}, "),", Ref{context.plane}, ')');
 }
 
-void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers, std::int64_t e) {
-  const Brep::Edge& edge = brep.edges[e];
-  const std::int64_t first = text.next_id();
-  for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) text.point(edge.points[i]);
-  std::int64_t curve = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
-  text.integer(static_cast<std::int64_t>(brep.degree));
+// A cone is placed at the narrow end of its face: OpenCASCADE makes no triangles of what lies
+// before the place. 0 for others.
+double placed_height(const Brep& brep, const Brep::Face& face) {
+  const AnalyticSurface& s = *face.surface;
+  if (s.kind != AnalyticKind::Cone) return 0;
+  double height = std::numeric_limits<double>::max();
+  for (const Brep::Use& use : face.loop)
+    height =
+        std::min(height, glm::dot(brep.vertices[brep.edges[use.edge].from] - s.origin, s.axis));
+  return std::max(0.0, height);
+}
+
+std::int64_t put_direction(StepText& text, const glm::dvec3& d) {
+  return text.entity("DIRECTION('',(", d.x, ',', d.y, ',', d.z, "))");
+}
+// A place with an axis and a direction at right angles to it.
+std::int64_t put_placement(StepText& text, const glm::dvec3& origin, const glm::dvec3& axis,
+                           const glm::dvec3& along) {
+  const std::int64_t point = text.point(origin), z = put_direction(text, axis),
+                     x = put_direction(text, along);
+  return text.entity("AXIS2_PLACEMENT_3D('',", Ref{point}, ',', Ref{z}, ',', Ref{x}, ')');
+}
+
+void put_spline_points(StepText& text, const StepNumbers& numbers, const Brep::Edge& edge,
+                       std::span<const glm::dvec3> points, std::size_t degree, std::int64_t first) {
+  text.integer(static_cast<std::int64_t>(degree));
   text.put(",(");
   text.put(Ref{numbers.first_of_vertex(edge.from)});
-  for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) {
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     text.put(',');
     text.put(Ref{first + static_cast<std::int64_t>(i) - 1});
   }
   text.put(',');
   text.put(Ref{numbers.first_of_vertex(edge.to)});
   text.put("),.UNSPECIFIED.,.F.,.F.");
+}
+
+std::int64_t put_curve(StepText& text, const Brep& brep, const StepNumbers& numbers,
+                       const Brep::Edge& edge) {
+  const BorderCurve& curve = *edge.curve;
+  if (curve.kind == CurveKind::Line) {
+    const glm::dvec3 along = brep.vertices[edge.to] - brep.vertices[edge.from];
+    const std::int64_t direction = put_direction(text, unit_or_zero(along));
+    const std::int64_t vector = text.entity("VECTOR('',", Ref{direction}, ",1.)");
+    return text.entity("LINE('',", Ref{numbers.first_of_vertex(edge.from)}, ',', Ref{vector}, ')');
+  }
+  if (curve.kind != CurveKind::Spline) {
+    const std::int64_t place = put_placement(text, curve.centre, curve.axis, curve.along);
+    return curve.kind == CurveKind::Circle
+               ? text.entity("CIRCLE('',", Ref{place}, ',', curve.radius, ')')
+               : text.entity("ELLIPSE('',", Ref{place}, ',', curve.radius, ',', curve.minor, ')');
+  }
+  const std::int64_t first = text.next_id();
+  for (std::size_t i = 1; i + 1 < curve.points.size(); ++i) text.point(curve.points[i]);
+  const std::int64_t id = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
+  put_spline_points(text, numbers, edge, curve.points, kBorderDegree, first);
+  put_knots(text, kBorderDegree, {curve.knots});
+  return id;
+}
+
+void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers,
+              const StepContext& context, std::int64_t e) {
+  const Brep::Edge& edge = brep.edges[e];
+  if (edge.curve) {
+    std::int64_t curve = put_curve(text, brep, numbers, edge);
+    std::vector<std::int64_t> beside;
+    for (const Brep::Line& line : edge.lines) {
+      if (!wants_parameters(brep, edge, line)) continue;
+      const Brep::Face& face = brep.faces[line.face];
+      const std::int64_t first = text.next_id();
+      const std::vector<glm::dvec2> points =
+          parameter_curve(*face.surface, face.along, placed_height(brep, face), *edge.curve).points;
+      for (const glm::dvec2& p : points) text.point(p);
+      const std::int64_t flat = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
+      text.integer(static_cast<std::int64_t>(kBorderDegree));
+      text.put(',');
+      text.references(first, std::ssize(points));
+      text.put(",.UNSPECIFIED.,.F.,.F.");
+      put_knots(text, kBorderDegree, {edge.curve->knots});
+      const std::int64_t defined =
+          text.entity("DEFINITIONAL_REPRESENTATION('',(", Ref{flat}, "),", Ref{context.plane}, ')');
+      beside.push_back(
+          text.entity("PCURVE('',", Ref{numbers.surface(line.face)}, ',', Ref{defined}, ')'));
+    }
+    if (!beside.empty()) {
+      const std::int64_t on_surfaces = text.begin("SURFACE_CURVE('',");
+      text.put(Ref{curve});
+      text.put(',');
+      put_list(text, beside);
+      text.put(",.CURVE_3D.)");
+      text.end();
+      curve = on_surfaces;
+    }
+    text.entity("EDGE_CURVE('',", Ref{numbers.vertex(edge.from)}, ',', Ref{numbers.vertex(edge.to)},
+                ',', Ref{curve}, ",.T.)");
+    return;
+  }
+  const std::int64_t first = text.next_id();
+  for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) text.point(edge.points[i]);
+  std::int64_t curve = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
+  put_spline_points(text, numbers, edge, edge.points, brep.degree, first);
   put_knots(text, brep.degree, {edge.knots});
   // Planes stand for themselves.
   std::array<std::int64_t, 2> beside{};
@@ -622,15 +736,32 @@ std::int64_t put_plane(StepText& text, const Brep& brep, const StepNumbers& numb
   const auto& first = face.loop.front();
   const Brep::Edge& edge = brep.edges[first.edge];
   const std::int64_t corner = first.is_reversed ? edge.to : edge.from;
-  const auto put_direction = [&](const glm::dvec3& d) {
-    return text.entity("DIRECTION('',(", d.x, ',', d.y, ',', d.z, "))");
-  };
-  const std::int64_t normal = put_direction(face.plane->normal),
-                     along = put_direction(face.plane->along);
+  const std::int64_t normal = put_direction(text, face.plane->normal),
+                     along = put_direction(text, face.plane->along);
   const std::int64_t place =
       text.entity("AXIS2_PLACEMENT_3D('',", Ref{numbers.first_of_vertex(corner)}, ',', Ref{normal},
                   ',', Ref{along}, ')');
   return text.entity("PLANE('',", Ref{place}, ')');
+}
+
+std::int64_t put_analytic(StepText& text, const Brep& brep, const Brep::Face& face) {
+  const AnalyticSurface& s = *face.surface;
+  const double height = placed_height(brep, face);
+  const glm::dvec3 origin = s.origin + height * s.axis;
+  const std::int64_t place = put_placement(text, origin, s.axis, face.along);
+  switch (s.kind) {
+    case AnalyticKind::Plane:
+      return text.entity("PLANE('',", Ref{place}, ')');
+    case AnalyticKind::Cylinder:
+      return text.entity("CYLINDRICAL_SURFACE('',", Ref{place}, ',', s.radius, ')');
+    case AnalyticKind::Cone:
+      return text.entity("CONICAL_SURFACE('',", Ref{place}, ',', height * portable::tan(s.angle),
+                         ',', s.angle, ')');
+    case AnalyticKind::Sphere:
+      return text.entity("SPHERICAL_SURFACE('',", Ref{place}, ',', s.radius, ')');
+    default:
+      return text.entity("TOROIDAL_SURFACE('',", Ref{place}, ',', s.radius, ',', s.minor, ')');
+  }
 }
 
 std::int64_t put_surface(StepText& text, const Brep& brep, const StepNumbers& numbers,
@@ -662,20 +793,32 @@ std::int64_t put_surface(StepText& text, const Brep& brep, const StepNumbers& nu
 void put_face(StepText& text, const Brep& brep, const StepNumbers& numbers,
               const StepOptions& options, std::int64_t f) {
   const Brep::Face& face = brep.faces[f];
-  const std::int64_t surface =
-      face.plane ? put_plane(text, brep, numbers, face) : put_surface(text, brep, numbers, f);
-  const std::int64_t uses = text.next_id();
-  for (const Brep::Use& use : face.loop) {
-    text.entity("ORIENTED_EDGE('',*,*,", Ref{numbers.edge(use.edge)},
-                use.is_reversed ? ",.F.)" : ",.T.)");
-  }
-  const std::int64_t loop = text.begin("EDGE_LOOP('',");
-  text.references(uses, static_cast<std::int64_t>(face.loop.size()));
-  text.put(')');
+  const std::int64_t surface = face.surface ? put_analytic(text, brep, face)
+                               : face.plane ? put_plane(text, brep, numbers, face)
+                                            : put_surface(text, brep, numbers, f);
+  std::vector<std::int64_t> bounds;
+  const auto put_loop = [&](const std::vector<Brep::Use>& of, std::string_view kind) {
+    const std::int64_t uses = text.next_id();
+    for (const Brep::Use& use : of) {
+      text.entity("ORIENTED_EDGE('',*,*,", Ref{numbers.edge(use.edge)},
+                  use.is_reversed ? ",.F.)" : ",.T.)");
+    }
+    const std::int64_t loop = text.begin("EDGE_LOOP('',");
+    text.references(uses, static_cast<std::int64_t>(of.size()));
+    text.put(')');
+    text.end();
+    bounds.push_back(text.entity(kind, "('',", Ref{loop}, ",.T.)"));
+  };
+  put_loop(face.loop, "FACE_OUTER_BOUND");
+  for (const auto& hole : face.holes) put_loop(hole, "FACE_BOUND");
+  text.begin("ADVANCED_FACE(");
+  text.put(step_string(name_of_group(options, face.group)));
+  text.put(',');
+  put_list(text, bounds);
+  text.put(',');
+  text.put(Ref{surface});
+  text.put(face.is_inward ? ",.F.)" : ",.T.)");
   text.end();
-  const std::int64_t bound = text.entity("FACE_OUTER_BOUND('',", Ref{loop}, ",.T.)");
-  text.entity("ADVANCED_FACE(", step_string(name_of_group(options, face.group)), ",(", Ref{bound},
-              "),", Ref{surface}, ",.T.)");
 }
 
 // All numbers that go out, before there is a file.
@@ -767,7 +910,7 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
         const std::int64_t p = text.point(brep.vertices[i]);
         text.entity("VERTEX_POINT('',", Ref{p}, ')');
       } else if (kind == 1) {
-        put_edge(text, brep, numbers, i);
+        put_edge(text, brep, numbers, context, i);
       } else {
         put_face(text, brep, numbers, options, i);
       }

@@ -305,10 +305,11 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
 namespace {
 
 // Writes the surface of a fitted mesh as STEP, as fit_file() does, and measures what was written.
-// `limit`: of Doo-Sabin, where it is at hand; else null.
+// `limit` makes its Doo-Sabin surface.
 WrittenOutput write_step_output(const PlannedOutput& planned, const std::filesystem::path& target,
-                                const LimitSurface* limit, const FittedMesh& fitted,
-                                const StepSettings& settings, const SurfaceOutputOptions& options) {
+                                const std::function<const LimitSurface&()>& limit,
+                                const FittedMesh& fitted, const StepSettings& settings,
+                                const SurfaceOutputOptions& options) {
   WrittenDigest digest(options.digests);
   const StepFileOptions step{.settings = settings,
                              .name = options.gltf.name,
@@ -316,8 +317,7 @@ WrittenOutput write_step_output(const PlannedOutput& planned, const std::filesys
                              .materials = options.gltf.materials,
                              .observe = digest.observer(),
                              .callbacks = options.gltf.callbacks};
-  const StepFigures figures = limit != nullptr ? write_fitted_step(target, fitted, *limit, step)
-                                               : write_fitted_step(target, fitted, step);
+  const StepFigures figures = write_fitted_step(target, fitted, step, limit);
   WrittenOutput written;
   written.path = planned.path.string();
   written.bytes = figures.byte_count;
@@ -458,10 +458,9 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
   written_step(work, "faces", [&] {
     StepSettings settings = work.job.settings.step;
     settings.unit = settled_unit(settings.unit, work.report.input.format);
-    const LimitSurface* const limit =
-        work.job.settings.scheme == Scheme::DooSabin ? &all.limit() : nullptr;
-    written = write_step_output(planned, work.staged.stage(planned.path), limit, work.fitted,
-                                settings, options);
+    written = write_step_output(
+        planned, work.staged.stage(planned.path),
+        [&]() -> const LimitSurface& { return all.limit(); }, work.fitted, settings, options);
   });
   if (!written.step->is_as_asked()) work.report.falls_short = true;
   warn_of_rounding(work.report, work.context, written);

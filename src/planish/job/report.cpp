@@ -116,6 +116,17 @@ OrderedJson spot_json(const Brep::Spot& spot) {
   return {{"position", {p.x, p.y, p.z}}, {"face", spot.face}};
 }
 
+OrderedJson analytic_json(const StepFigures& step) {
+  if (step.analytic_parts + step.freeform_parts == 0) return nullptr;
+  OrderedJson json{{"parts", step.analytic_parts}, {"freeform_parts", step.freeform_parts}};
+  for (std::size_t k = 0; k < kAnalyticKinds; ++k)
+    json["faces"][std::string(name_of(static_cast<AnalyticKind>(k)))] = step.analytic[k];
+  json["radii"] = step.radii;
+  json["largest_distance"] = step.analytic_distance;
+  if (!step.freeform_reason.empty()) json["freeform_reason"] = step.freeform_reason;
+  return json;
+}
+
 OrderedJson step_json(const StepFigures& step) {
   return {{"unit", word_of(kStepUnitWords, step.unit)},
           {"faces", step.faces},
@@ -123,6 +134,7 @@ OrderedJson step_json(const StepFigures& step) {
           {"vertices", step.vertices},
           {"control_points", step.control_points},
           {"planes", step.planes},
+          {"analytic", analytic_json(step)},
           {"solids", step.solids},
           {"voids", step.voids},
           {"open_shells", step.open_shells},

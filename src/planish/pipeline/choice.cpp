@@ -454,6 +454,7 @@ std::optional<FittedMesh> refined_of(const FittedMesh& fair, std::span<const std
   if (!made) return std::nullopt;
   const std::int64_t added_faces = made->mesh.face_count() - std::ranges::count(faces, 0);
   MeshToFit input = fair;
+  keep_bare(input);
   input.mesh = std::move(made->mesh);
   input.prepared = nullptr;
   input.found = {};  // what was taken back stays so

@@ -104,11 +104,25 @@ void name_sources(ReadyMesh& ready, std::vector<std::int32_t>&& welded) {
 
 }  // namespace
 
+void keep_bare(ReadyMesh& ready) {
+  if (ready.bare) return;
+  const PolygonMesh& mesh = ready.mesh;
+  ready.bare = std::make_shared<PolygonMesh>(PolygonMesh{.positions = mesh.positions,
+                                                         .face_offsets = mesh.face_offsets,
+                                                         .face_vertices = mesh.face_vertices,
+                                                         .creases = mesh.creases,
+                                                         .corners = mesh.corners,
+                                                         .groups = mesh.groups,
+                                                         .face_groups = mesh.face_groups,
+                                                         .hole_faces = mesh.hole_faces});
+}
+
 bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees,
              std::span<const std::uint8_t> may_join) {
   PairedMesh paired =
       with_paired_triangles(ready.mesh, *ready.prepared, pair_options(crease_degrees, may_join));
   if (paired.pair_count == 0) return false;
+  keep_bare(ready);
   ready.paired_count = paired.pair_count;
   take_faces(ready, std::move(paired.mesh), std::move(paired.source_faces), {});
   return true;

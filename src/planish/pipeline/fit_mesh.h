@@ -130,8 +130,14 @@ struct ReadyMesh : RepairedMesh {
   FoundCreases found;             ///< of `mesh`, and tagged
   /// The last vertices of `mesh`, those that refine_mesh() added; of these source_vertices has -1.
   std::vector<AddedVertex> added_vertices;
+  /// Places, faces, tags and groups before triangles were joined and vertices added; null where
+  /// neither was.
+  std::shared_ptr<const PolygonMesh> bare;
   std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
 };
+
+/// Keeps what the mesh is now, unless an earlier one is kept.
+void keep_bare(ReadyMesh& ready);
 
 /// With the rules that it is to be fitted by.
 struct MeshToFit : ReadyMesh {

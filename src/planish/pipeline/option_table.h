@@ -14,6 +14,7 @@
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/choice.h"
 #include "planish/pipeline/settings.h"
+#include "planish/pipeline/write_fitted_step.h"
 #include "planish/primal/scheme.h"
 #include "planish/quads/pair_triangles.h"
 #include "planish/refine/refine_mesh.h"
@@ -53,6 +54,9 @@ inline constexpr std::array kRefineWords{OptionWord<RefineChoice>{"auto", Refine
 inline constexpr std::array kQuadWords{OptionWord<QuadChoice>{"auto", QuadChoice::Auto},
                                        OptionWord<QuadChoice>{"on", QuadChoice::On},
                                        OptionWord<QuadChoice>{"off", QuadChoice::Off}};
+
+inline constexpr std::array kAnalyticWords{OptionWord<AnalyticChoice>{"auto", AnalyticChoice::Auto},
+                                           OptionWord<AnalyticChoice>{"off", AnalyticChoice::Off}};
 
 inline constexpr std::array kStepUnitWords{
     OptionWord<StepUnit>{"mm", StepUnit::Millimetre},

@@ -265,6 +265,11 @@ std::vector<FitOption> step_options() {
                    .help = "STEP: unit of the coordinates, which are not changed; auto: m for "
                            "glTF, else mm"},
                   kStepUnitWords, &FitSettings::step, &StepSettings::unit),
+      word_option({.name = "step_analytic",
+                   .initial = "auto",
+                   .help = "STEP: parts that planes, cylinders, cones, spheres and tori make up "
+                           "get such faces; off: all faces are splines through every vertex"},
+                  kAnalyticWords, &FitSettings::step, &StepSettings::analytic),
       number_option({.name = "step_angle",
                      .limits = {.least = 0,
                                 .most = kMostBrepAngle,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planish/brep/analytic_faces.h"
 #include "planish/brep/subdivision_splines.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
@@ -17,6 +18,8 @@
 
 namespace planish {
 namespace {
+
+constexpr double kAnalyticTolerance = 1.5e-6;  // of the diagonal
 
 std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
   std::string text;
@@ -48,6 +51,17 @@ double shortest_span(const Brep& brep) {
         double shortest = std::numeric_limits<double>::max();
         for (std::size_t e = begin; e < end; ++e) {
           const Brep::Edge& edge = brep.edges[e];
+          if (edge.curve) {
+            const glm::dvec3 &first = brep.vertices[edge.from], &target = brep.vertices[edge.to];
+            double length = 0;
+            glm::dvec3 last = first;
+            for (const glm::dvec3& place : places_along(*edge.curve, first, target)) {
+              length += safe_length(place - last);
+              last = place;
+            }
+            shortest = std::min(shortest, length + safe_length(target - last));
+            continue;
+          }
           glm::dvec3 from = edge.points.front();
           for (std::size_t k = 1; k < edge.knots.size(); ++k) {
             const glm::dvec3 to = point_of(brep, edge, edge.knots[k]);
@@ -150,53 +164,94 @@ void warn(const std::string& name, const Brep& brep, const BrepCheck& check,
   if (!lost.empty()) options.callbacks.warn({"lost-attributes", lost});
 }
 
-StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fitted,
-                        const SplineSurface& surface, double folded,
-                        const StepFileOptions& options) {
-  const HostScope host(options.callbacks);
-  const BrepOptions& wanted = options.settings.faces;
-  constexpr double kFacesShare = 0.7;  // of the time
-  std::vector<StepGroup> groups = groups_of(fitted.mesh, options.materials);
-  const Brep brep = make_brep(
-      surface, wanted, share_of(options.callbacks, 0, kFacesShare),
-      groups.size() > 1 ? std::span(fitted.mesh.face_groups) : std::span<const std::int32_t>());
-  const double diagonal = fitted.fit.placement.diagonal;
-  StepFigures figures;
-  figures.check = check_brep(brep, diagonal);
-  warn(visible(options.shown.empty() ? path : options.shown), brep, figures.check, fitted, folded,
-       options);
-  figures.unit = settled_unit(options.settings.unit, "");
-  figures.faces = std::ssize(brep.faces);
-  figures.edges = std::ssize(brep.edges);
-  figures.vertices = std::ssize(brep.vertices);
-  for (const Brep::Face& face : brep.faces) {
-    if (face.plane) ++figures.planes;
-    if (!face.plane) figures.control_points += std::ssize(face.points);
+const PolygonMesh& given_mesh(const FittedMesh& fitted) {
+  return fitted.bare ? *fitted.bare : fitted.mesh;
+}
+
+// The analytic faces of the mesh as it was given, where there may be any.
+std::optional<AnalyticFaces> analytic_faces_of(const FittedMesh& fitted,
+                                               const StepFileOptions& options,
+                                               std::shared_ptr<const PreparedMesh>& prepared) {
+  const PolygonMesh& mesh = given_mesh(fitted);
+  if (options.settings.analytic == AnalyticChoice::Off || !mesh.hole_faces.empty()) return {};
+  prepared = fitted.bare ? prepare_mesh(mesh, options.name) : fitted.fit.prepared;
+  const UsedPart used = used_part(mesh, prepared);
+  const MeshTopology& topology = *prepared->topology;
+  // Whatever the fit has rounded: surfaces end where they disagree.
+  std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
+  for (const CreaseEdge& crease : find_features(used.mesh, topology).sharp_edges()) {
+    const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
+    if (edge >= 0) is_sharp[edge] = 1;
   }
-  for (const Brep::Shell& shell : brep.shells)
-    ++(!shell.is_closed ? figures.open_shells : shell.outer >= 0 ? figures.voids : figures.solids);
-  figures.extraordinary = brep.extraordinary;
-  figures.deepest = brep.deepest;
-  figures.max_angle = brep.max_angle;
-  figures.max_deviation = brep.max_deviation;
-  figures.max_angle_at = brep.max_angle_at;
-  figures.max_deviation_at = brep.max_deviation_at;
-  const std::string limits = limits_text(brep, wanted);
-  figures.keeps_limits = limits.empty();
-  constexpr BrepOptions kUnasked;
-  figures.keeps_wishes =
-      (brep.max_angle <= wanted.angle || wanted.angle == kUnasked.angle) &&
-      (brep.max_deviation <= wanted.deviation || wanted.deviation == kUnasked.deviation);
-  figures.largest_distance = largest_distance(brep, fitted);
-  figures.byte_count = write_step(path, brep,
-                                  {.name = options.name,
-                                   .unit = figures.unit,
-                                   .diagonal = diagonal,
-                                   .description = description_of(fitted.fit.interpolation, limits),
-                                   .groups = std::move(groups),
-                                   .observe = options.observe,
-                                   .callbacks = share_of(options.callbacks, kFacesShare, 1)});
-  return figures;
+  return make_analytic_faces({.topology = topology,
+                              .positions = used.mesh.positions,
+                              .is_sharp = is_sharp,
+                              .groups = mesh.groups.size() > 1 ? std::span(mesh.face_groups)
+                                                               : std::span<const std::int32_t>(),
+                              .diagonal = fitted.fit.placement.diagonal},
+                             kAnalyticTolerance, options.callbacks);
+}
+
+// By vertex of the fitted mesh's topology, a face of its part where that is analytic.
+std::vector<std::int32_t> analytic_at(const AnalyticFaces& analytic, const PreparedMesh& given,
+                                      const PreparedMesh& fitted) {
+  std::vector<std::int32_t> by_vertex(static_cast<std::size_t>(given.given_vertex_count), -1);
+  for (std::int32_t f = 0; f < given.topology->face_count(); ++f)
+    for (const std::int32_t v : given.topology->face(f))
+      by_vertex[given.vertices[v]] = analytic.face_of[f];
+  std::vector<std::int32_t> result;
+  // Vertices that were added stand behind all given ones.
+  for (const std::int32_t v : fitted.vertices)
+    result.push_back(v < std::ssize(by_vertex) ? by_vertex[v] : -1);
+  return result;
+}
+
+// A fitted mesh's faces for a file, and what is to be said of them.
+struct MadeFaces {
+  Brep brep;
+  double folded = 0;
+  std::optional<AnalyticFaces> analytic;
+};
+
+Brep freeform_faces(const FittedMesh& fitted, const SplineSurface& surface,
+                    const StepFileOptions& options, const Callbacks& callbacks) {
+  return make_brep(surface, options.settings.faces, callbacks,
+                   fitted.mesh.groups.size() > 1 ? std::span(fitted.mesh.face_groups)
+                                                 : std::span<const std::int32_t>());
+}
+
+MadeFaces make_faces(const FittedMesh& fitted, const StepFileOptions& options,
+                     const std::function<const LimitSurface&()>& limit,
+                     const Callbacks& callbacks) {
+  MadeFaces made;
+  std::shared_ptr<const PreparedMesh> given;
+  made.analytic = analytic_faces_of(fitted, options, given);
+  if (made.analytic && made.analytic->freeform_parts == 0) {
+    made.brep = std::move(made.analytic->brep);
+    const UsedPart used = used_part(given_mesh(fitted), given);
+    find_shells(*given->topology, used.mesh.positions, made.analytic->face_of, made.brep);
+    return made;
+  }
+  if (fitted.options.scheme == Scheme::DooSabin) {
+    std::optional<LimitSurface> own;
+    const LimitSurface& surface =
+        limit ? limit()
+              : own.emplace(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
+    made.brep = freeform_faces(fitted, DooSabinSplines(surface), options, callbacks);
+    made.folded = folded_part(fitted, surface);
+  } else {
+    const EvaluateOptions evaluated = fitted.evaluate_options(1);
+    const SurfaceMesh level_one = evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), evaluated);
+    made.brep =
+        freeform_faces(fitted, CatmullClarkSplines(fitted.fit.cage, evaluated), options, callbacks);
+    made.folded = surface_quality(level_one, fitted.mesh).folded_area;
+  }
+  if (!made.analytic || made.analytic->freeform_parts == made.analytic->parts) return made;
+  const PreparedMesh& prepared = *fitted.fit.prepared;
+  const UsedPart used = used_part(fitted.mesh, fitted.fit.prepared);
+  made.brep = joined_parts(made.brep, *made.analytic, *prepared.topology, used.mesh.positions,
+                           analytic_at(*made.analytic, *given, prepared));
+  return made;
 }
 
 }  // namespace
@@ -223,21 +278,61 @@ StepUnit settled_unit(StepUnit unit, std::string_view format) {
 }
 
 StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
-                              const LimitSurface& limit, const StepFileOptions& options) {
-  return write_faces(path, fitted, DooSabinSplines(limit), folded_part(fitted, limit), options);
-}
-
-StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
-                              const StepFileOptions& options) {
+                              const StepFileOptions& options,
+                              const std::function<const LimitSurface&()>& limit) {
   require_step_scheme(fitted.options.scheme, visible(path));
-  if (fitted.options.scheme == Scheme::DooSabin) {
-    const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
-    return write_fitted_step(path, fitted, limit, options);
+  const HostScope host(options.callbacks);
+  const BrepOptions& wanted = options.settings.faces;
+  constexpr double kFacesShare = 0.7;  // of the time
+  std::vector<StepGroup> groups = groups_of(fitted.mesh, options.materials);
+  const MadeFaces made =
+      make_faces(fitted, options, limit, share_of(options.callbacks, 0, kFacesShare));
+  const Brep& brep = made.brep;
+  const double diagonal = fitted.fit.placement.diagonal;
+  StepFigures figures;
+  figures.check = check_brep(brep, diagonal);
+  warn(visible(options.shown.empty() ? path : options.shown), brep, figures.check, fitted,
+       made.folded, options);
+  figures.unit = settled_unit(options.settings.unit, "");
+  figures.faces = std::ssize(brep.faces);
+  figures.edges = std::ssize(brep.edges);
+  figures.vertices = std::ssize(brep.vertices);
+  for (const Brep::Face& face : brep.faces) {
+    if (face.plane || (face.surface && face.surface->kind == AnalyticKind::Plane)) ++figures.planes;
+    if (!face.plane) figures.control_points += std::ssize(face.points);
   }
-  const EvaluateOptions evaluated = fitted.evaluate_options(1);
-  const SurfaceMesh level_one = evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), evaluated);
-  return write_faces(path, fitted, CatmullClarkSplines(fitted.fit.cage, evaluated),
-                     surface_quality(level_one, fitted.mesh).folded_area, options);
+  for (const Brep::Shell& shell : brep.shells)
+    ++(!shell.is_closed ? figures.open_shells : shell.outer >= 0 ? figures.voids : figures.solids);
+  if (made.analytic) {
+    figures.analytic = made.analytic->faces_by_kind;
+    figures.radii = made.analytic->radii;
+    figures.freeform_parts = made.analytic->freeform_parts;
+    figures.analytic_parts = made.analytic->parts - figures.freeform_parts;
+    figures.freeform_reason = made.analytic->first_reason;
+    figures.analytic_distance = made.analytic->largest_distance;
+  }
+  figures.extraordinary = brep.extraordinary;
+  figures.deepest = brep.deepest;
+  figures.max_angle = brep.max_angle;
+  figures.max_deviation = brep.max_deviation;
+  figures.max_angle_at = brep.max_angle_at;
+  figures.max_deviation_at = brep.max_deviation_at;
+  const std::string limits = limits_text(brep, wanted);
+  figures.keeps_limits = limits.empty();
+  constexpr BrepOptions kUnasked;
+  figures.keeps_wishes =
+      (brep.max_angle <= wanted.angle || wanted.angle == kUnasked.angle) &&
+      (brep.max_deviation <= wanted.deviation || wanted.deviation == kUnasked.deviation);
+  figures.largest_distance = std::max(largest_distance(brep, fitted), figures.analytic_distance);
+  figures.byte_count = write_step(path, brep,
+                                  {.name = options.name,
+                                   .unit = figures.unit,
+                                   .diagonal = diagonal,
+                                   .description = description_of(fitted.fit.interpolation, limits),
+                                   .groups = std::move(groups),
+                                   .observe = options.observe,
+                                   .callbacks = share_of(options.callbacks, kFacesShare, 1)});
+  return figures;
 }
 
 }  // namespace planish

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/analytic/analytic_surface.h"
+#include "planish/mesh/mesh_topology.h"
+
+namespace planish {
+
+/// Faces of a mesh, joined by edges, whose vertices lie on one surface.
+struct AnalyticRegion {
+  AnalyticSurface surface;
+  bool is_inward = false;  ///< faces look against the surface's normals
+  std::vector<std::int32_t> faces;
+  double error = 0;  ///< of its vertices, from the surface: at most
+};
+
+struct AnalyticRegions {
+  std::vector<AnalyticRegion> regions;
+  std::vector<std::int32_t> region_of;  ///< by face; -1: of no surface that is known by name
+};
+
+/// Of an edge that no region reaches across.
+inline constexpr char kGroupBorder = 2;
+
+/// The regions of a mesh that planes, cylinders, cones, spheres and tori fit within `tolerance`,
+/// each as large as it can be. `is_sharp`: one per edge: 0, or 1 where it is sharp, which surfaces
+/// end at unless they are one on both sides, or kGroupBorder. A facet belongs to a curved one if
+/// its normal is near those at its vertices, too.
+[[nodiscard]] AnalyticRegions find_regions(std::span<const glm::dvec3> positions,
+                                           const MeshTopology& topology,
+                                           std::span<const char> is_sharp, double tolerance);
+
+}  // namespace planish

@@ -1,0 +1,864 @@
+#include "planish/brep/analytic_faces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "planish/analytic/border_curves.h"
+#include "planish/analytic/find_regions.h"
+#include "planish/analytic/region_borders.h"
+#include "planish/analytic/settle_surfaces.h"
+#include "planish/core/guards.h"
+#include "planish/core/portable_math.h"
+#include "planish/core/words.h"
+
+namespace planish {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+// Of the diagonal: points that are nearer are one.
+constexpr double kSamePoint = 1e-7;
+
+double wrapped(double angle) { return angle - kTurn * std::floor(angle / kTurn + 0.5); }
+
+// What a part cannot be made of: says why.
+struct Freeform {
+  std::string reason;
+};
+
+// A point on a chain: behind so many of its vertices.
+struct ChainPlace {
+  std::int32_t chain = 0;
+  double place = 0;
+};
+
+// The part of the B-rep of faces that edges join, in unit coordinates.
+class PartBuilder {
+ public:
+  PartBuilder(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+              const AnalyticRegions& regions, const RegionBorders& borders,
+              const SettledRegions& settled, Brep& brep)
+      : positions_(positions),
+        topology_(topology),
+        regions_(regions),
+        borders_(borders),
+        settled_(settled),
+        brep_(brep) {}
+
+  // Adds the faces of these regions, in their order. Throws Freeform, and the B-rep is to be
+  // forgotten then.
+  void build(std::span<const std::int32_t> regions) {
+    gather_chains(regions);
+    for (const std::int32_t r : regions) plan(r);
+    for (const std::int32_t c : chains_) make_edges(c);
+    for (const std::int32_t r : regions) make_face(r);
+  }
+
+ private:
+  struct Split {
+    double place = 0;  // on the chain
+    std::int32_t vertex = 0;
+  };
+  struct ChainPlan {
+    BorderSides sides;
+    std::vector<glm::dvec3> points;  // of its vertices, on both surfaces
+    std::vector<Split> splits;       // of a closed chain all its vertices, else those between ends
+    std::int32_t from = -1, to = -1;
+    std::vector<std::int32_t> edges;  // in its order, from its first split where it is closed
+  };
+  // A curve inside a face that closes it: from a vertex to another or to the same one.
+  struct Seam {
+    std::int32_t edge = 0;
+    std::int32_t from_loop = -1, to_loop = -1;  // -1: a pole
+  };
+  struct FacePlan {
+    std::vector<Seam> seams;
+    bool is_whole_torus = false;
+  };
+
+  [[nodiscard]] const AnalyticSurface& surface(std::int32_t region) const {
+    return regions_.regions[region].surface;
+  }
+  [[nodiscard]] SidedSurface sided(std::int32_t region) const {
+    return {&surface(region), regions_.regions[region].is_inward ? -1.0 : 1.0};
+  }
+
+  std::int32_t add_vertex(const glm::dvec3& point) {
+    brep_.vertices.push_back(point);
+    return static_cast<std::int32_t>(brep_.vertices.size()) - 1;
+  }
+
+  void gather_chains(std::span<const std::int32_t> regions) {
+    for (const std::int32_t r : regions)
+      for (const auto& loop : borders_.loops[r])
+        for (const ChainUse& use : loop) chains_.push_back(use.chain);
+    std::ranges::sort(chains_);
+    chains_.erase(std::ranges::unique(chains_).begin(), chains_.end());
+    std::map<std::int32_t, std::vector<std::int32_t>> chains_at;
+    for (const std::int32_t c : chains_) {
+      const BorderChain& chain = borders_.chains[c];
+      if (chain.is_boundary) throw Freeform{"it is open"};
+      if (chain.left < 0 || chain.right < 0)
+        throw Freeform{"some of its faces lie on no plane, cylinder, cone, sphere or torus"};
+      if (chain.is_closed) continue;
+      chains_at[chain.vertices.front()].push_back(c);
+      chains_at[chain.vertices.back()].push_back(c);
+    }
+    for (const auto& [vertex, chains] : chains_at) vertex_of_[vertex] = junction(vertex, chains);
+    for (const std::int32_t c : chains_) {
+      const BorderChain& chain = borders_.chains[c];
+      ChainPlan& plan = plans_[c];
+      plan.sides = {sided(chain.left), sided(chain.right), settled_.is_tangent[c] != 0};
+      if (!chain.is_closed) {
+        plan.from = vertex_of_.at(chain.vertices.front());
+        plan.to = vertex_of_.at(chain.vertices.back());
+      }
+      const std::size_t last = chain.vertices.size() - 1;
+      for (std::size_t i = 0; i <= last; ++i) {
+        const glm::dvec3& given = positions_[chain.vertices[i]];
+        if (i == last && chain.is_closed) {
+          plan.points.push_back(plan.points.front());
+        } else if ((i == 0 || i == last) && !chain.is_closed) {
+          plan.points.push_back(brep_.vertices[i == 0 ? plan.from : plan.to]);
+        } else {
+          double reach = 0;
+          plan.points.push_back(plan.sides.point(given, reach));
+          require_near(reach, given, plan.points.back(),
+                       "two surfaces do not meet where their faces do");
+        }
+      }
+    }
+  }
+  static void require_near(double reach, const glm::dvec3& from, const glm::dvec3& to,
+                           const char* reason) {
+    constexpr double kMostMoved = 2e-3;  // of the diagonal
+    if (!(reach <= kOnSurface) || !(glm::length(to - from) <= kMostMoved)) throw Freeform{reason};
+  }
+  std::int32_t junction(std::int32_t vertex, const std::vector<std::int32_t>& chains) {
+    std::vector<std::int32_t> around;
+    const auto index = [&](std::int32_t region) {
+      const auto found = std::ranges::find(around, region);
+      if (found != around.end()) return static_cast<std::size_t>(found - around.begin());
+      around.push_back(region);
+      return around.size() - 1;
+    };
+    std::vector<std::array<std::size_t, 2>> touching;
+    for (const std::int32_t c : chains) {
+      const std::size_t a = index(borders_.chains[c].left), b = index(borders_.chains[c].right);
+      if (settled_.is_tangent[c] != 0) touching.push_back({a, b});
+    }
+    std::vector<SidedSurface> surfaces;
+    for (const std::int32_t r : around) surfaces.push_back(sided(r));
+    double reach = 0;
+    const glm::dvec3 point = common_point(positions_[vertex], surfaces, touching, reach);
+    require_near(reach, positions_[vertex], point,
+                 "surfaces that meet at a vertex have no point in common");
+    return add_vertex(point);
+  }
+
+  // Angle of a point about the axis, or around the tube.
+  [[nodiscard]] static double angle_of(const AnalyticSurface& s, const glm::dvec3& p,
+                                       bool is_tube) {
+    const AxisFrame frame(s.axis);
+    const glm::dvec3 from = p - s.origin;
+    const double x = glm::dot(from, frame.x), y = glm::dot(from, frame.y);
+    if (!is_tube) return portable::atan2(y, x);
+    return portable::atan2(glm::dot(from, s.axis), portable::hypot(x, y) - s.radius);
+  }
+  // A surface on which that angle is one number, near the point.
+  [[nodiscard]] static AnalyticSurface at_angle(const AnalyticSurface& s, double angle,
+                                                bool is_tube) {
+    const AxisFrame frame(s.axis);
+    const double c = portable::cos(angle), n = portable::sin(angle);
+    if (!is_tube)
+      return {.kind = AnalyticKind::Plane, .origin = s.origin, .axis = c * frame.y - n * frame.x};
+    if (std::abs(c) > 0.7)
+      return {
+          .kind = AnalyticKind::Plane, .origin = s.origin + s.minor * n * s.axis, .axis = s.axis};
+    return {.kind = AnalyticKind::Cylinder,
+            .origin = s.origin,
+            .axis = s.axis,
+            .radius = s.radius + s.minor * c};
+  }
+
+  // Points of a loop, one after another, and where they stand.
+  struct LoopPoints {
+    std::vector<glm::dvec3> points;  // the last one is the first one
+    std::vector<ChainPlace> places;
+  };
+  [[nodiscard]] LoopPoints points_of(const std::vector<ChainUse>& loop) const {
+    LoopPoints result;
+    for (const ChainUse& use : loop) {
+      const ChainPlan& plan = plans_.at(use.chain);
+      const std::size_t count = plan.points.size();
+      for (std::size_t i = result.points.empty() ? 0 : 1; i < count; ++i) {
+        const std::size_t k = use.is_reversed ? count - 1 - i : i;
+        result.points.push_back(plan.points[k]);
+        result.places.push_back({use.chain, static_cast<double>(k)});
+      }
+    }
+    return result;
+  }
+  [[nodiscard]] int winding(const AnalyticSurface& s, const LoopPoints& loop, bool is_tube) const {
+    double turn = 0;
+    for (std::size_t i = 0; i + 1 < loop.points.size(); ++i)
+      turn +=
+          wrapped(angle_of(s, loop.points[i + 1], is_tube) - angle_of(s, loop.points[i], is_tube));
+    return static_cast<int>(std::lround(turn / kTurn));
+  }
+
+  void plan(std::int32_t region) {
+    const auto& loops = borders_.loops[region];
+    AnalyticSurface s = surface(region);
+    FacePlan& face = faces_[region];
+    if (s.kind == AnalyticKind::Plane) {
+      if (loops.empty()) throw Freeform{"a plane has no border"};
+      return;
+    }
+    std::vector<LoopPoints> points;
+    for (const auto& loop : loops) points.push_back(points_of(loop));
+    if (s.kind == AnalyticKind::Sphere) {
+      s.axis = sphere_axis(region, points);
+      axes_[region] = s.axis;
+    }
+    std::array<std::vector<std::int32_t>, 2> wound;  // about the axis, around the tube
+    for (std::size_t l = 0; l < points.size(); ++l) {
+      const int about = winding(s, points[l], false);
+      const int around = s.kind == AnalyticKind::Torus ? winding(s, points[l], true) : 0;
+      if (about != 0 && around != 0) throw Freeform{"a border winds around a torus both ways"};
+      if (std::abs(about) > 1 || std::abs(around) > 1)
+        throw Freeform{"a border winds around a surface more than once"};
+      if (about != 0) wound[0].push_back(static_cast<std::int32_t>(l));
+      if (around != 0) wound[1].push_back(static_cast<std::int32_t>(l));
+    }
+    if (s.kind == AnalyticKind::Torus && loops.empty()) {
+      whole_torus(s, face);
+      return;
+    }
+    if (s.kind == AnalyticKind::Sphere && loops.empty()) {
+      const std::int32_t from = add_vertex(s.origin - s.radius * s.axis),
+                         to = add_vertex(s.origin + s.radius * s.axis);
+      const AxisFrame frame(s.axis);
+      BorderCurve half = arc(s.origin, -frame.y, brep_.vertices[from]);
+      if (glm::dot(glm::cross(half.axis, half.along), frame.x) < 0) half.axis = -half.axis;
+      face.seams.push_back({add_edge(from, to, half, region, region), -1, -1});
+      return;
+    }
+    if (!wound[0].empty() && !wound[1].empty())
+      throw Freeform{"borders wind around a torus both ways"};
+    const bool is_tube = !wound[1].empty();
+    const auto& ends = wound[is_tube ? 1 : 0];
+    if (ends.empty()) return;
+    if (ends.size() == 2) {
+      join(region, s, points, ends[0], ends[1], is_tube, face);
+    } else if (ends.size() == 1 && !is_tube && s.kind != AnalyticKind::Torus &&
+               s.kind != AnalyticKind::Cylinder) {
+      join_pole(region, s, points, ends[0], face);
+    } else {
+      throw Freeform{"borders wind around a surface otherwise than in pairs"};
+    }
+  }
+
+  void whole_torus(const AnalyticSurface& s, FacePlan& face) {
+    const AxisFrame frame(s.axis);
+    const glm::dvec3 p = s.origin + (s.radius + s.minor) * frame.x;
+    const std::int32_t vertex = add_vertex(p);
+    const std::int32_t region = region_of_plan(face);
+    face.seams.push_back(
+        {add_edge(vertex, vertex, arc(s.origin, s.axis, p), region, region), -1, -1});
+    face.seams.push_back(
+        {add_edge(vertex, vertex, arc(s.origin + s.radius * frame.x, -frame.y, p), region, region),
+         -1, -1});
+    face.is_whole_torus = true;
+  }
+  [[nodiscard]] std::int32_t region_of_plan(const FacePlan& face) const {
+    for (const auto& [region, plan] : faces_)
+      if (&plan == &face) return region;
+    return -1;
+  }
+
+  // Where a loop passes an angle; empty unless once.
+  [[nodiscard]] std::vector<ChainPlace> crossings(const AnalyticSurface& s, const LoopPoints& loop,
+                                                  double angle, bool is_tube) const {
+    std::vector<ChainPlace> result;
+    constexpr double kSame = 1e-9;
+    for (std::size_t i = 0; i + 1 < loop.points.size(); ++i) {
+      double a = wrapped(angle_of(s, loop.points[i], is_tube) - angle),
+             b = wrapped(angle_of(s, loop.points[i + 1], is_tube) - angle);
+      if (std::abs(a) < kSame) a = 0;
+      if (std::abs(b) < kSame) b = 0;
+      if (b == 0) {
+        result.push_back(loop.places[i + 1]);
+        continue;
+      }
+      if (a == 0 || a * b > 0 || std::abs(a - b) > std::numbers::pi) continue;
+      const double part = a / (a - b);
+      const ChainPlace from = loop.places[i], to = loop.places[i + 1];
+      // The next chain's first point stands on both.
+      const double last = static_cast<double>(plans_.at(to.chain).points.size() - 1);
+      const double begin = from.chain == to.chain && std::abs(from.place - to.place) <= 1
+                               ? from.place
+                               : (to.place < 1.5 ? 0.0 : last);
+      result.push_back({to.chain, begin + part * (to.place - begin)});
+    }
+    return result;
+  }
+
+  // A vertex of a chain there, which may be one that it has.
+  std::int32_t split(const AnalyticSurface& s, ChainPlace at, double angle, bool is_tube) {
+    ChainPlan& plan = plans_.at(at.chain);
+    const BorderChain& chain = borders_.chains[at.chain];
+    const double last = static_cast<double>(plan.points.size() - 1);
+    const auto before = static_cast<std::size_t>(std::clamp(std::floor(at.place), 0.0, last));
+    const std::size_t after = std::min(before + 1, plan.points.size() - 1);
+    const double part = at.place - static_cast<double>(before);
+    const glm::dvec3 near = (1 - part) * plan.points[before] + part * plan.points[after];
+    const AnalyticSurface cut = at_angle(s, angle, is_tube);
+    std::array<SidedSurface, 3> three{plan.sides.left, plan.sides.right, SidedSurface{&cut, 1}};
+    const std::array<std::array<std::size_t, 2>, 1> pair{{{0, 1}}};
+    double reach = 0;
+    const glm::dvec3 p =
+        common_point(near, three,
+                     plan.sides.is_tangent ? std::span<const std::array<std::size_t, 2>>(pair)
+                                           : std::span<const std::array<std::size_t, 2>>(),
+                     reach);
+    require_near(reach, near, p, "a seam ends on no border");
+    for (const std::int32_t v : {plan.from, plan.to})
+      if (v >= 0 && glm::length(brep_.vertices[v] - p) < kSamePoint) return v;
+    for (const Split& known : plan.splits)
+      if (glm::length(brep_.vertices[known.vertex] - p) < kSamePoint) return known.vertex;
+    double place = at.place;
+    if (chain.is_closed && place >= last) place -= last;
+    const std::int32_t vertex = add_vertex(p);
+    plan.splits.push_back({place, vertex});
+    std::ranges::sort(plan.splits, std::less<>(), &Split::place);
+    return vertex;
+  }
+
+  // Angles at which a seam may lie, those of vertices that are there first.
+  [[nodiscard]] std::vector<double> seam_angles(const AnalyticSurface& s,
+                                                std::span<const std::vector<ChainUse>> loops,
+                                                bool is_tube) const {
+    std::vector<double> angles;
+    for (const auto& loop : loops) {
+      for (const ChainUse& use : loop) {
+        const ChainPlan& plan = plans_.at(use.chain);
+        for (const Split& known : plan.splits)
+          angles.push_back(angle_of(s, brep_.vertices[known.vertex], is_tube));
+        if (plan.from >= 0) angles.push_back(angle_of(s, brep_.vertices[plan.from], is_tube));
+      }
+    }
+    constexpr int kOthers = 16;
+    for (int i = 0; i < kOthers; ++i)
+      angles.push_back(wrapped(kTurn * (i % 2 == 0 ? i / 2 : kOthers / 2 + i / 2) / kOthers));
+    return angles;
+  }
+
+  void join(std::int32_t region, const AnalyticSurface& s, const std::vector<LoopPoints>& points,
+            std::int32_t a, std::int32_t b, bool is_tube, FacePlan& face) {
+    const auto& loops = borders_.loops[region];
+    const std::array<std::vector<ChainUse>, 2> ends{loops[a], loops[b]};
+    for (const double angle : seam_angles(s, ends, is_tube)) {
+      const auto at_a = crossings(s, points[a], angle, is_tube),
+                 at_b = crossings(s, points[b], angle, is_tube);
+      if (at_a.size() != 1 || at_b.size() != 1 || !is_clear(s, points, a, b, angle, is_tube))
+        continue;
+      const std::int32_t from = split(s, at_a[0], angle, is_tube),
+                         to = split(s, at_b[0], angle, is_tube);
+      const glm::dvec3 p = brep_.vertices[from], q = brep_.vertices[to];
+      if (glm::length(p - q) < kSamePoint) throw Freeform{"borders touch"};
+      face.seams.push_back(
+          {add_edge(from, to, seam_curve(region, s, p, q, is_tube), region, region), a, b});
+      return;
+    }
+    throw Freeform{"no seam between two borders passes its holes by"};
+  }
+  [[nodiscard]] bool is_clear(const AnalyticSurface& s, const std::vector<LoopPoints>& points,
+                              std::int32_t a, std::int32_t b, double angle, bool is_tube) const {
+    for (std::int32_t l = 0; l < std::ssize(points); ++l)
+      if (l != a && l != b && !crossings(s, points[l], angle, is_tube).empty()) return false;
+    return true;
+  }
+
+  // From a border to a cone's apex or a sphere's pole, which the region holds.
+  void join_pole(std::int32_t region, const AnalyticSurface& s,
+                 const std::vector<LoopPoints>& points, std::int32_t a, FacePlan& face) {
+    const auto& loops = borders_.loops[region];
+    glm::dvec3 pole = s.origin;
+    if (s.kind == AnalyticKind::Sphere) {
+      const double side = (winding(s, points[a], false) > 0 ? 1.0 : -1.0) *
+                          (regions_.regions[region].is_inward ? -1.0 : 1.0);
+      pole += side * s.radius * s.axis;
+    }
+    for (const double angle : seam_angles(s, std::span(&loops[a], 1), false)) {
+      const auto at = crossings(s, points[a], angle, false);
+      if (at.size() != 1 || !is_clear(s, points, a, a, angle, false)) continue;
+      const std::int32_t from = split(s, at[0], angle, false), to = add_vertex(pole);
+      const glm::dvec3 p = brep_.vertices[from];
+      face.seams.push_back(
+          {add_edge(from, to, seam_curve(region, s, p, pole, false), region, region), a, -1});
+      return;
+    }
+    throw Freeform{"no seam to a pole passes its holes by"};
+  }
+
+  [[nodiscard]] BorderCurve seam_curve(std::int32_t region, const AnalyticSurface& s,
+                                       const glm::dvec3& p, const glm::dvec3& q,
+                                       bool is_tube) const {
+    if (s.kind == AnalyticKind::Cylinder || s.kind == AnalyticKind::Cone)
+      return {.kind = CurveKind::Line};
+    BorderCurve curve;
+    if (s.kind == AnalyticKind::Sphere) {
+      const glm::dvec3 cross = glm::cross(p - s.origin, q - s.origin);
+      curve = arc(s.origin, glm::normalize(cross), p);
+      return curve;  // never past a pole
+    }
+    if (is_tube) {
+      curve = arc(s.origin, s.axis, p);
+    } else {
+      const glm::dvec3 from = p - s.origin;
+      const glm::dvec3 away = glm::normalize(from - glm::dot(from, s.axis) * s.axis);
+      curve = arc(s.origin + s.radius * away, glm::cross(s.axis, away), p);
+    }
+    // Of both ways the one on which the region lies.
+    const auto middle = [&](const BorderCurve& of) {
+      const glm::dvec3 y = glm::cross(of.axis, of.along), to = q - of.centre;
+      double angle = portable::atan2(glm::dot(to, y), glm::dot(to, of.along));
+      if (angle <= 0) angle += kTurn;
+      return of.centre +
+             of.radius * (portable::cos(angle / 2) * of.along + portable::sin(angle / 2) * y);
+    };
+    BorderCurve other = curve;
+    other.axis = -other.axis;
+    const glm::dvec3 one = middle(curve), two = middle(other);
+    double to_one = std::numeric_limits<double>::max(), to_two = to_one;
+    for (const std::int32_t f : regions_.regions[region].faces) {
+      glm::dvec3 centre(0.0);
+      for (const std::int32_t v : topology_.face(f))
+        centre += positions_[v] / static_cast<double>(topology_.face_size(f));
+      to_one = std::min(to_one, glm::length(centre - one));
+      to_two = std::min(to_two, glm::length(centre - two));
+    }
+    return to_one <= to_two ? curve : other;
+  }
+
+  // About which a sphere's borders wind least: so that its poles lie outside, else in the middle of
+  // what they bound.
+  [[nodiscard]] glm::dvec3 sphere_axis(std::int32_t region,
+                                       const std::vector<LoopPoints>& points) const {
+    const AnalyticSurface& s = surface(region);
+    if (points.empty()) return s.axis;
+    glm::dvec3 middle(0.0);
+    for (const std::int32_t f : regions_.regions[region].faces) {
+      const auto v = topology_.face(f);
+      for (std::size_t i = 1; i + 1 < v.size(); ++i)
+        middle += glm::cross(positions_[v[i]] - positions_[v[0]],
+                             positions_[v[i + 1]] - positions_[v[0]]);
+    }
+    std::vector<glm::dvec3> candidates;
+    const auto add = [&](const glm::dvec3& axis) {
+      if (glm::length(axis) > 1e-12) candidates.push_back(glm::normalize(axis));
+    };
+    const AxisFrame beside(glm::length(middle) > 1e-12 ? glm::normalize(middle) : s.axis);
+    for (int i = 0; i < 4; ++i) {
+      const double angle = 0.25 * std::numbers::pi * i;
+      add(portable::cos(angle) * beside.x + portable::sin(angle) * beside.y);
+    }
+    for (const LoopPoints& loop : points) {
+      glm::dvec3 area(0.0);
+      for (std::size_t i = 0; i + 1 < loop.points.size(); ++i)
+        area += glm::cross(loop.points[i] - loop.points[0], loop.points[i + 1] - loop.points[0]);
+      add(area);
+    }
+    add(middle);
+    for (const glm::dvec3 axis : {glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)})
+      add(axis);
+    // All borders without winding and no pole inside; one with, and its pole; two, and no pole.
+    for (const std::size_t wanted : {0u, 1u, 2u}) {
+      for (const glm::dvec3& axis : candidates) {
+        AnalyticSurface turned = s;
+        turned.axis = axis;
+        std::size_t wound = 0;
+        bool is_clear_of_poles = true;
+        for (const LoopPoints& loop : points) {
+          if (winding(turned, loop, false) != 0) ++wound;
+          for (const glm::dvec3& p : loop.points)
+            if (glm::length(glm::cross((p - s.origin) / s.radius, axis)) < 0.02)
+              is_clear_of_poles = false;
+        }
+        if (wound != wanted || !is_clear_of_poles) continue;
+        const int poles = (holds(region, axis) ? 1 : 0) + (holds(region, -axis) ? 1 : 0);
+        if (poles == (wanted == 1 ? 1 : 0)) return axis;
+      }
+    }
+    throw Freeform{"borders of a sphere leave no place for its poles"};
+  }
+  // Whether a region of a sphere holds the point in a direction from its centre.
+  [[nodiscard]] bool holds(std::int32_t region, const glm::dvec3& direction) const {
+    const AnalyticSurface& s = surface(region);
+    for (const std::int32_t f : regions_.regions[region].faces) {
+      const auto v = topology_.face(f);
+      for (std::size_t i = 1; i + 1 < v.size(); ++i) {
+        const glm::dvec3 a = positions_[v[0]] - s.origin, b = positions_[v[i]] - s.origin,
+                         c = positions_[v[i + 1]] - s.origin;
+        const double volume = glm::dot(a, glm::cross(b, c));
+        const double x = glm::dot(direction, glm::cross(b, c)) * volume,
+                     y = glm::dot(direction, glm::cross(c, a)) * volume,
+                     z = glm::dot(direction, glm::cross(a, b)) * volume;
+        if (x >= 0 && y >= 0 && z >= 0 && glm::dot(direction, a + b + c) > 0) return true;
+      }
+    }
+    return false;
+  }
+
+  std::int32_t add_edge(std::int32_t from, std::int32_t to, BorderCurve curve, std::int32_t left,
+                        std::int32_t right) {
+    Brep::Edge edge;
+    edge.from = from;
+    edge.to = to;
+    edge.curve = std::move(curve);
+    edge.lines[0].face = left;  // regions, until faces have numbers
+    edge.lines[1].face = right;
+    brep_.edges.push_back(std::move(edge));
+    return static_cast<std::int32_t>(brep_.edges.size()) - 1;
+  }
+
+  void make_edges(std::int32_t c) {
+    const BorderChain& chain = borders_.chains[c];
+    ChainPlan& plan = plans_.at(c);
+    if (chain.is_closed && plan.splits.empty())
+      plan.splits.push_back({0, add_vertex(plan.points[0])});
+    // Vertices in order, with their places; of a closed one the first once more.
+    std::vector<Split> ends;
+    const double last = static_cast<double>(plan.points.size() - 1);
+    if (!chain.is_closed) ends.push_back({0, plan.from});
+    ends.insert(ends.end(), plan.splits.begin(), plan.splits.end());
+    if (chain.is_closed) {
+      ends.push_back({plan.splits.front().place + last, plan.splits.front().vertex});
+    } else {
+      ends.push_back({last, plan.to});
+    }
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+      std::vector<glm::dvec3> points{brep_.vertices[ends[i].vertex]};
+      const glm::dvec3 target = brep_.vertices[ends[i + 1].vertex];
+      for (double k = std::floor(ends[i].place) + 1; k < ends[i + 1].place; ++k) {
+        const glm::dvec3& p =
+            plan.points[static_cast<std::size_t>(k >= last && chain.is_closed ? k - last : k)];
+        if (glm::length(p - points.back()) > 10 * kSamePoint &&
+            glm::length(p - target) > 10 * kSamePoint)
+          points.push_back(p);
+      }
+      points.push_back(target);
+      const auto curve = curve_along(plan.sides, points);
+      if (!curve) throw Freeform{"two surfaces do not meet between their vertices"};
+      plan.edges.push_back(
+          add_edge(ends[i].vertex, ends[i + 1].vertex, *curve, chain.left, chain.right));
+    }
+  }
+
+  [[nodiscard]] std::vector<Brep::Use> uses_of(const std::vector<ChainUse>& loop) const {
+    std::vector<Brep::Use> uses;
+    for (const ChainUse& use : loop) {
+      const auto& edges = plans_.at(use.chain).edges;
+      for (std::size_t i = 0; i < edges.size(); ++i)
+        uses.push_back({edges[use.is_reversed ? edges.size() - 1 - i : i], use.is_reversed});
+    }
+    return uses;
+  }
+  [[nodiscard]] std::int32_t start_of(const Brep::Use& use) const {
+    const Brep::Edge& edge = brep_.edges[use.edge];
+    return use.is_reversed ? edge.to : edge.from;
+  }
+  // The loop's uses from a vertex on.
+  [[nodiscard]] std::vector<Brep::Use> from_vertex(std::vector<Brep::Use> uses,
+                                                   std::int32_t vertex) const {
+    const auto found =
+        std::ranges::find_if(uses, [&](const Brep::Use& use) { return start_of(use) == vertex; });
+    if (found == uses.end()) throw Freeform{"a seam ends on no border"};
+    std::ranges::rotate(uses, found);
+    return uses;
+  }
+
+  // Where a face's angle begins: at its seam, where OpenCASCADE wants it, else opposite its middle.
+  [[nodiscard]] glm::dvec3 along_of(const AnalyticSurface& s, std::int32_t region) const {
+    const auto across = [&](const glm::dvec3& p) {
+      const glm::dvec3 from = p - s.origin;
+      return from - glm::dot(from, s.axis) * s.axis;
+    };
+    const FacePlan& plan = faces_.at(region);
+    glm::dvec3 wanted(0.0);
+    if (!plan.seams.empty() && s.kind != AnalyticKind::Sphere)
+      wanted = across(brep_.vertices[brep_.edges[plan.seams[0].edge].from]);
+    if (s.kind == AnalyticKind::Sphere && !plan.seams.empty()) {
+      // Poles are on the axis, the middle of the seam is not.
+      const Brep::Edge& seam = brep_.edges[plan.seams[0].edge];
+      const auto places =
+          places_along(*seam.curve, brep_.vertices[seam.from], brep_.vertices[seam.to]);
+      wanted = across(places[places.size() / 2]);
+    }
+    if (plan.seams.empty())
+      for (const std::int32_t f : regions_.regions[region].faces)
+        for (const std::int32_t v : topology_.face(f)) wanted -= across(positions_[v]);
+    constexpr double kLeast = 1e-9;
+    return glm::length(wanted) > kLeast ? glm::normalize(wanted) : AxisFrame(s.axis).x;
+  }
+
+  void make_face(std::int32_t region) {
+    const AnalyticRegion& r = regions_.regions[region];
+    const FacePlan& plan = faces_[region];
+    Brep::Face face;
+    face.surface = r.surface;
+    face.is_inward = r.is_inward;
+    if (const auto axis = axes_.find(region); axis != axes_.end())
+      face.surface->axis = axis->second;
+    face.along = along_of(*face.surface, region);
+    std::vector<std::vector<Brep::Use>> loops;
+    const auto& given = borders_.loops[region];
+    std::vector<char> is_done(given.size(), 0);
+    for (const Seam& seam : plan.seams) {
+      if (plan.is_whole_torus) break;
+      const Brep::Edge& edge = brep_.edges[seam.edge];
+      std::vector<Brep::Use> loop;
+      const auto append = [&](std::int32_t index, std::int32_t vertex) {
+        if (index < 0) return;
+        const auto uses = from_vertex(uses_of(given[index]), vertex);
+        loop.insert(loop.end(), uses.begin(), uses.end());
+        is_done[index] = 1;
+      };
+      append(seam.from_loop, edge.from);
+      loop.push_back({seam.edge, false});
+      append(seam.to_loop, edge.to);
+      loop.push_back({seam.edge, true});
+      loops.push_back(std::move(loop));
+    }
+    if (plan.is_whole_torus) {
+      const std::int32_t u = plan.seams[0].edge, v = plan.seams[1].edge;
+      loops.push_back({{u, false}, {v, false}, {u, true}, {v, true}});
+    }
+    for (std::size_t l = 0; l < given.size(); ++l)
+      if (is_done[l] == 0) loops.push_back(uses_of(given[l]));
+    // The first is the outer one: the largest, where no seam makes it.
+    if (plan.seams.empty()) {
+      std::vector<double> sizes;
+      for (const auto& loop : given) {
+        const LoopPoints points = points_of(loop);
+        glm::dvec3 low = points.points[0], high = low;
+        for (const glm::dvec3& p : points.points) {
+          low = glm::min(low, p);
+          high = glm::max(high, p);
+        }
+        sizes.push_back(glm::length(high - low));
+      }
+      const auto largest = std::ranges::max_element(sizes) - sizes.begin();
+      std::swap(loops[0], loops[static_cast<std::size_t>(largest)]);
+    }
+    face.loop = std::move(loops[0]);
+    face.holes.assign(std::make_move_iterator(loops.begin() + 1),
+                      std::make_move_iterator(loops.end()));
+    brep_.faces.push_back(std::move(face));
+  }
+
+  std::span<const glm::dvec3> positions_;
+  const MeshTopology& topology_;
+  const AnalyticRegions& regions_;
+  const RegionBorders& borders_;
+  const SettledRegions& settled_;
+  Brep& brep_;
+  std::vector<std::int32_t> chains_;
+  std::map<std::int32_t, ChainPlan> plans_;
+  std::map<std::int32_t, FacePlan> faces_;
+  std::map<std::int32_t, glm::dvec3> axes_;  // of spheres
+  std::map<std::int32_t, std::int32_t> vertex_of_;
+};
+
+// Faces by what edges join.
+std::vector<std::int32_t> parts_of(const MeshTopology& topology, std::int32_t& count) {
+  std::vector<std::int32_t> part(static_cast<std::size_t>(topology.face_count()), -1);
+  count = 0;
+  for (std::int32_t first = 0; first < topology.face_count(); ++first) {
+    if (part[first] >= 0) continue;
+    std::vector<std::int32_t> open{first};
+    part[first] = count;
+    while (!open.empty()) {
+      const std::int32_t f = open.back();
+      open.pop_back();
+      for (std::int32_t i = 0; i < topology.face_size(f); ++i) {
+        const std::int32_t twin = topology.twin(topology.first_corner(f) + i);
+        if (twin < 0 || part[topology.face_of(twin)] >= 0) continue;
+        part[topology.face_of(twin)] = count;
+        open.push_back(topology.face_of(twin));
+      }
+    }
+    ++count;
+  }
+  return part;
+}
+
+AnalyticSurface to_model(AnalyticSurface surface, const Placement& placement) {
+  surface.origin = placement.to_model(surface.origin);
+  surface.radius *= placement.diagonal;
+  surface.minor *= placement.diagonal;
+  return surface;
+}
+BorderCurve to_model(BorderCurve curve, const Placement& placement) {
+  curve.centre = placement.to_model(curve.centre);
+  curve.radius *= placement.diagonal;
+  curve.minor *= placement.diagonal;
+  for (glm::dvec3& p : curve.points) p = placement.to_model(p);
+  return curve;
+}
+
+}  // namespace
+
+AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
+                                  const Callbacks& callbacks) {
+  const HostScope host(callbacks);
+  const MeshTopology& topology = mesh.topology;
+  Placement placement = placement_of(mesh.positions);
+  placement.diagonal = mesh.diagonal;
+  std::vector<glm::dvec3> positions;
+  for (const glm::dvec3& p : mesh.positions) positions.push_back(placement.to_unit(p));
+  // Groups end faces as sharp edges do.
+  std::vector<char> is_sharp(mesh.is_sharp.begin(), mesh.is_sharp.end());
+  for (std::int32_t e = 0; !mesh.groups.empty() && e < topology.edge_count(); ++e) {
+    const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
+    if (twin >= 0 && mesh.groups[topology.face_of(corner)] != mesh.groups[topology.face_of(twin)])
+      is_sharp[e] = kGroupBorder;
+  }
+  AnalyticRegions regions = find_regions(positions, topology, is_sharp, tolerance);
+  const RegionBorders borders = find_borders(topology, regions);
+  const SettledRegions settled = settle_surfaces(positions, topology, borders, regions);
+
+  AnalyticFaces result;
+  result.face_of.assign(static_cast<std::size_t>(topology.face_count()), -1);
+  std::int32_t part_count = 0;
+  const std::vector<std::int32_t> part_of = parts_of(topology, part_count);
+  std::vector<std::vector<std::int32_t>> regions_of(part_count);
+  for (std::int32_t r = 0; r < std::ssize(regions.regions); ++r)
+    regions_of[part_of[regions.regions[r].faces.front()]].push_back(r);
+  std::vector<char> has_free(part_count, 0);
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    if (regions.region_of[f] < 0) has_free[part_of[f]] = 1;
+  result.parts = part_count;
+  std::vector<std::int32_t> face_of_region(regions.regions.size(), -1);
+  for (std::int32_t part = 0; part < part_count; ++part) {
+    check_stop();
+    Brep brep;
+    try {
+      if (has_free[part] != 0)
+        throw Freeform{"some of its faces lie on no plane, cylinder, cone, sphere or torus"};
+      PartBuilder(positions, topology, regions, borders, settled, brep).build(regions_of[part]);
+    } catch (const Freeform& freeform) {
+      ++result.freeform_parts;
+      if (result.first_reason.empty()) result.first_reason = freeform.reason;
+      continue;
+    }
+    const auto first_vertex = static_cast<std::int32_t>(result.brep.vertices.size()),
+               first_edge = static_cast<std::int32_t>(result.brep.edges.size());
+    for (std::size_t i = 0; i < brep.faces.size(); ++i) {
+      const std::int32_t region = regions_of[part][i];
+      face_of_region[region] = static_cast<std::int32_t>(result.brep.faces.size());
+      Brep::Face& face = brep.faces[i];
+      for (auto* loop : {&face.loop})
+        for (Brep::Use& use : *loop) use.edge += first_edge;
+      for (auto& hole : face.holes)
+        for (Brep::Use& use : hole) use.edge += first_edge;
+      face.surface = to_model(*face.surface, placement);
+      if (!mesh.groups.empty()) face.group = mesh.groups[regions.regions[region].faces.front()];
+      ++result.faces_by_kind[static_cast<std::size_t>(face.surface->kind)];
+      const AnalyticSurface& s = *face.surface;
+      if (s.radius > 0) result.radii.push_back(s.radius);
+      if (s.minor > 0) result.radii.push_back(s.minor);
+      for (const std::int32_t f : regions.regions[region].faces)
+        for (const std::int32_t v : topology.face(f))
+          result.largest_distance = std::max(
+              result.largest_distance,
+              placement.diagonal *
+                  std::abs(signed_distance(regions.regions[region].surface, positions[v])));
+      result.brep.faces.push_back(std::move(face));
+    }
+    for (const glm::dvec3& p : brep.vertices) result.brep.vertices.push_back(placement.to_model(p));
+    for (Brep::Edge& edge : brep.edges) {
+      edge.from += first_vertex;
+      edge.to += first_vertex;
+      edge.curve = to_model(*edge.curve, placement);
+      for (Brep::Line& line : edge.lines) line.face = face_of_region[line.face];
+      result.brep.edges.push_back(std::move(edge));
+    }
+  }
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    if (regions.region_of[f] >= 0) result.face_of[f] = face_of_region[regions.region_of[f]];
+  std::ranges::sort(result.radii);
+  result.radii.erase(std::ranges::unique(result.radii).begin(), result.radii.end());
+  return result;
+}
+
+Brep joined_parts(const Brep& freeform, const AnalyticFaces& analytic, const MeshTopology& topology,
+                  std::span<const glm::dvec3> points, std::span<const std::int32_t> analytic_at) {
+  std::int32_t part_count = 0;
+  const std::vector<std::int32_t> part_of = parts_of(topology, part_count);
+  std::vector<std::int32_t> analytic_of(part_count, -1);
+  std::vector<char> is_dropped(freeform.shells.size(), 0);
+  std::vector<std::size_t> shell_of(freeform.faces.size());
+  for (std::size_t s = 0; s < freeform.shells.size(); ++s)
+    for (const std::int32_t f : freeform.shells[s].faces) shell_of[f] = s;
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    for (const std::int32_t v : topology.face(f)) {
+      if (analytic_at[v] < 0) continue;
+      analytic_of[part_of[f]] = analytic_at[v];
+      if (freeform.places[v].face >= 0) is_dropped[shell_of[freeform.places[v].face]] = 1;
+    }
+  }
+  // The analytic faces stand first.
+  Brep result = freeform;
+  result.vertices = analytic.brep.vertices;
+  result.edges = analytic.brep.edges;
+  result.faces = analytic.brep.faces;
+  const auto first = static_cast<std::int32_t>(result.faces.size());
+  std::vector<std::int32_t> face_number(freeform.faces.size(), -1),
+      edge_number(freeform.edges.size(), -1), vertex_number(freeform.vertices.size(), -1);
+  std::int32_t count = first;
+  for (std::size_t f = 0; f < freeform.faces.size(); ++f)
+    if (is_dropped[shell_of[f]] == 0) face_number[f] = count++;
+  const auto vertex = [&](std::int32_t v) {
+    if (vertex_number[v] < 0) {
+      vertex_number[v] = static_cast<std::int32_t>(result.vertices.size());
+      result.vertices.push_back(freeform.vertices[v]);
+    }
+    return vertex_number[v];
+  };
+  for (std::size_t e = 0; e < freeform.edges.size(); ++e) {
+    Brep::Edge edge = freeform.edges[e];
+    if (face_number[edge.lines[0].face] < 0) continue;
+    edge_number[e] = static_cast<std::int32_t>(result.edges.size());
+    edge.from = vertex(edge.from);
+    edge.to = vertex(edge.to);
+    for (Brep::Line& line : edge.lines)
+      if (line.face >= 0) line.face = face_number[line.face];
+    result.edges.push_back(std::move(edge));
+  }
+  for (std::size_t f = 0; f < freeform.faces.size(); ++f) {
+    if (face_number[f] < 0) continue;
+    Brep::Face face = freeform.faces[f];
+    for (Brep::Use& use : face.loop) use.edge = edge_number[use.edge];
+    result.faces.push_back(std::move(face));
+  }
+  std::vector<std::int32_t> face_of(static_cast<std::size_t>(topology.face_count()), -1);
+  for (Brep::Place& place : result.places)
+    if (place.face >= 0) place.face = face_number[place.face];
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    const std::int32_t known = analytic_of[part_of[f]];
+    face_of[f] = known >= 0 ? known : result.places[topology.face(f)[0]].face;
+  }
+  find_shells(topology, points, face_of, result);
+  return result;
+}
+
+}  // namespace planish
