@@ -63,13 +63,12 @@ std::string faces_name(CandidateFaces faces) {
 
 }  // namespace
 
-double PartFigures::cost() const {
+CostTerms PartFigures::terms() const {
   const ChoiceWeights& weights = kChoiceWeights;
-  double cost = portable::log(bending + weights.flat);
-  if (folded_area >= kSoundFoldedArea) cost += weights.folds * folded_area;
-  cost += weights.doubt * doubt;
-  if (is_by_lot) cost += weights.by_lot;
-  return cost;
+  return {.bending = portable::log(bending + weights.flat),
+          .folds = folded_area >= kSoundFoldedArea ? weights.folds * folded_area : 0,
+          .doubt = weights.doubt * doubt,
+          .by_lot = is_by_lot ? weights.by_lot : 0};
 }
 
 bool Candidate::folds() const { return folded_area >= kSoundFoldedArea; }
@@ -78,6 +77,12 @@ double Candidate::cost() const {
   double cost = converged ? 0 : kChoiceWeights.missed;
   for (const PartFigures& part : parts) cost += part.cost();
   return cost;
+}
+
+CostTerms Candidate::terms() const {
+  CostTerms all{.missed = converged ? 0 : kChoiceWeights.missed};
+  for (const PartFigures& part : parts) all += part.terms();
+  return all;
 }
 
 const Candidate* Choice::of(CandidateFaces faces, InterpolationMethod method) const {
@@ -284,15 +289,102 @@ bool is_close(FittedMesh& fitted, const Callbacks& callbacks) {
                  .folded_area_elsewhere < kSoundFoldedArea;
 }
 
+// Of the area.
+double share(const PartSums& part) { return part.area > 0 ? part.folded_elsewhere / part.area : 0; }
+
+}  // namespace
+
+CandidateMeter::CandidateMeter(const MeshParts& parts, const PolygonMesh& given,
+                               std::span<const Halves> looks)
+    : parts_(parts), given_counts_(counted(parts.of_faces(given))) {
+  for (const Halves look : looks) is_by_lot_.push_back(look == Halves::No);
+  is_by_lot_.resize(given_counts_.size(), false);
+}
+
+void CandidateMeter::measure(Candidate& candidate, const std::vector<CandidateFaces>& faces,
+                             const FittedMesh& fitted, const Callbacks& callbacks) const {
+  const std::vector<std::int32_t> of_face = parts_of(fitted);
+  const std::vector<CandidateFaces> own =
+      faces.size() > 1 ? faces : faces_of_parts(fitted, of_face, faces.front());
+  const SurfaceMeter meter(fitted.mesh, fitted.fit, fitted.evaluate_options());
+  const PartOfFaces in_parts{of_face, parts_.count};
+  // With added vertices level 1 is as fine as level 2 is without.
+  std::array<std::vector<PartSums>, 2> at_level;
+  for (const int level : {1, 2}) {
+    const auto is_of_level = [&](CandidateFaces part) {
+      return (part == CandidateFaces::Refined) == (level == 1);
+    };
+    if (std::ranges::any_of(own, is_of_level))
+      at_level[level - 1] =
+          meter.parts_at(level, in_parts, share_of(callbacks, 0.5 * (level - 1), 0.5 * level));
+  }
+  std::vector<double> doubts(own.size(), 0.0), added_counts(own.size(), 0.0);
+  for (const AddedVertex& added : fitted.added_vertices) {
+    const std::int32_t part = parts_.of_vertex[added.vertices[0]];
+    doubts[part] += added.doubt;
+    ++added_counts[part];
+  }
+  std::vector<PartSums> hidden;
+  if (may_hide_folds(fitted)) hidden = meter.parts_at(3, in_parts, {});
+  PartSums all;
+  for (std::size_t p = 0; p < own.size(); ++p) {
+    PartSums part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
+    if (!hidden.empty())
+      part.folded_elsewhere = std::max(part.folded_elsewhere, share(hidden[p]) * part.area);
+    candidate.parts.push_back({.faces = own[p],
+                               .is_by_lot = own[p] == CandidateFaces::Quads && is_by_lot_[p],
+                               .folded_area = share(part),
+                               .bending = part.bending,
+                               .doubt = doubts[p] / std::max(added_counts[p], 1.0)});
+    all.area += part.area;
+    all.folded_elsewhere += part.folded_elsewhere;
+    all.bending += part.bending;
+  }
+  candidate.folded_area = share(all);
+  candidate.bending = all.bending;
+}
+
+// Of each face. Added vertices are of the part whose faces they were put on.
+std::vector<std::int32_t> CandidateMeter::parts_of(const FittedMesh& fitted) const {
+  std::vector<std::int32_t> of_face(static_cast<std::size_t>(fitted.mesh.face_count()));
+  const auto given = fitted.mesh.vertex_count() - std::ssize(fitted.added_vertices);
+  for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
+    const std::int32_t v = fitted.mesh.face(f)[0];
+    of_face[f] = parts_.of_vertex[v < given ? v : fitted.added_vertices[v - given].vertices[0]];
+  }
+  return of_face;
+}
+
+// A part in which nothing was joined or added has the given faces.
+std::vector<CandidateFaces> CandidateMeter::faces_of_parts(const FittedMesh& fitted,
+                                                           std::span<const std::int32_t> of_face,
+                                                           CandidateFaces wanted) const {
+  std::vector<CandidateFaces> own(static_cast<std::size_t>(parts_.count), CandidateFaces::Given);
+  if (wanted == CandidateFaces::Quads) {
+    const std::vector<std::int64_t> counts = counted(of_face);
+    for (std::size_t p = 0; p < own.size(); ++p)
+      if (counts[p] < given_counts_[p]) own[p] = wanted;
+  }
+  for (const AddedVertex& added : fitted.added_vertices)
+    own[parts_.of_vertex[added.vertices[0]]] = CandidateFaces::Refined;
+  return own;
+}
+
+// Faces of each part.
+std::vector<std::int64_t> CandidateMeter::counted(std::span<const std::int32_t> of_face) const {
+  std::vector<std::int64_t> counts(static_cast<std::size_t>(parts_.count), 0);
+  for (const std::int32_t part : of_face) ++counts[part];
+  return counts;
+}
+
+namespace {
+
 // The surfaces that were made: the best one is kept, of the others what they are like.
 class Contest {
  public:
   // Of the parts of a mesh that is ready; they must outlive it.
   Contest(const MeshParts& parts, const ReadyFit& ready)
-      : parts_(parts), given_counts_(counted(parts.of_faces(ready.input.mesh))) {
-    for (const Halves look : ready.looks) is_by_lot_.push_back(look == Halves::No);
-    is_by_lot_.resize(given_counts_.size(), false);
-  }
+      : meter_(parts, ready.input.mesh, ready.looks) {}
 
   // `faces`: of each part, or one for all. `alone`: why no other method was tried.
   void add(FittedMesh&& fitted, const std::vector<CandidateFaces>& faces,
@@ -307,10 +399,10 @@ class Contest {
       return;
     }
     if (choice_.candidates.empty()) {
-      measure(first_, {first_.faces}, *best_, share_of(callbacks, 0, 0.5));
+      meter_.measure(first_, {first_.faces}, *best_, share_of(callbacks, 0, 0.5));
       enter(choice_, first_);
     }
-    measure(candidate, faces, fitted, share_of(callbacks, 0.5, 1));
+    meter_.measure(candidate, faces, fitted, share_of(callbacks, 0.5, 1));
     if (enter(choice_, candidate)) best_ = std::move(fitted);
   }
 
@@ -327,89 +419,7 @@ class Contest {
   }
 
  private:
-  void measure(Candidate& candidate, const std::vector<CandidateFaces>& faces,
-               const FittedMesh& fitted, const Callbacks& callbacks) const {
-    const std::vector<std::int32_t> of_face = parts_of(fitted);
-    const std::vector<CandidateFaces> own =
-        faces.size() > 1 ? faces : faces_of_parts(fitted, of_face, faces.front());
-    const SurfaceMeter meter(fitted.mesh, fitted.fit, fitted.evaluate_options());
-    const PartOfFaces in_parts{of_face, parts_.count};
-    // With added vertices level 1 is as fine as level 2 is without.
-    std::array<std::vector<PartSums>, 2> at_level;
-    for (const int level : {1, 2}) {
-      const auto is_of_level = [&](CandidateFaces part) {
-        return (part == CandidateFaces::Refined) == (level == 1);
-      };
-      if (std::ranges::any_of(own, is_of_level))
-        at_level[level - 1] =
-            meter.parts_at(level, in_parts, share_of(callbacks, 0.5 * (level - 1), 0.5 * level));
-    }
-    std::vector<double> doubts(own.size(), 0.0), added_counts(own.size(), 0.0);
-    for (const AddedVertex& added : fitted.added_vertices) {
-      const std::int32_t part = parts_.of_vertex[added.vertices[0]];
-      doubts[part] += added.doubt;
-      ++added_counts[part];
-    }
-    std::vector<PartSums> hidden;
-    if (may_hide_folds(fitted)) hidden = meter.parts_at(3, in_parts, {});
-    PartSums all;
-    for (std::size_t p = 0; p < own.size(); ++p) {
-      PartSums part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
-      if (!hidden.empty())
-        part.folded_elsewhere = std::max(part.folded_elsewhere, share(hidden[p]) * part.area);
-      candidate.parts.push_back({.faces = own[p],
-                                 .is_by_lot = own[p] == CandidateFaces::Quads && is_by_lot_[p],
-                                 .folded_area = share(part),
-                                 .bending = part.bending,
-                                 .doubt = doubts[p] / std::max(added_counts[p], 1.0)});
-      all.area += part.area;
-      all.folded_elsewhere += part.folded_elsewhere;
-      all.bending += part.bending;
-    }
-    candidate.folded_area = share(all);
-    candidate.bending = all.bending;
-  }
-
-  // Of each face. Added vertices are of the part whose faces they were put on.
-  [[nodiscard]] std::vector<std::int32_t> parts_of(const FittedMesh& fitted) const {
-    std::vector<std::int32_t> of_face(static_cast<std::size_t>(fitted.mesh.face_count()));
-    const auto given = fitted.mesh.vertex_count() - std::ssize(fitted.added_vertices);
-    for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
-      const std::int32_t v = fitted.mesh.face(f)[0];
-      of_face[f] = parts_.of_vertex[v < given ? v : fitted.added_vertices[v - given].vertices[0]];
-    }
-    return of_face;
-  }
-
-  // A part in which nothing was joined or added has the given faces.
-  [[nodiscard]] std::vector<CandidateFaces> faces_of_parts(const FittedMesh& fitted,
-                                                           std::span<const std::int32_t> of_face,
-                                                           CandidateFaces wanted) const {
-    std::vector<CandidateFaces> own(static_cast<std::size_t>(parts_.count), CandidateFaces::Given);
-    if (wanted == CandidateFaces::Quads) {
-      const std::vector<std::int64_t> counts = counted(of_face);
-      for (std::size_t p = 0; p < own.size(); ++p)
-        if (counts[p] < given_counts_[p]) own[p] = wanted;
-    }
-    for (const AddedVertex& added : fitted.added_vertices)
-      own[parts_.of_vertex[added.vertices[0]]] = CandidateFaces::Refined;
-    return own;
-  }
-
-  static double share(const PartSums& part) {
-    return part.area > 0 ? part.folded_elsewhere / part.area : 0;
-  }
-
-  // Faces of each part.
-  [[nodiscard]] std::vector<std::int64_t> counted(std::span<const std::int32_t> of_face) const {
-    std::vector<std::int64_t> counts(static_cast<std::size_t>(parts_.count), 0);
-    for (const std::int32_t part : of_face) ++counts[part];
-    return counts;
-  }
-
-  const MeshParts& parts_;
-  std::vector<std::int64_t> given_counts_;
-  std::vector<bool> is_by_lot_;
+  CandidateMeter meter_;
   std::optional<FittedMesh> best_;
   Candidate first_;
   Choice choice_;

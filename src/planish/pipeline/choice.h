@@ -15,6 +15,21 @@ namespace planish {
 /// triangles, with vertices added between uneven ones; mixed: of each part of the mesh its own.
 enum class CandidateFaces : std::uint8_t { Given, Quads, Refined, Mixed };
 
+/// What a cost is the sum of; see ChoiceWeights.
+struct CostTerms {
+  double missed = 0, bending = 0, folds = 0, doubt = 0, by_lot = 0;
+
+  [[nodiscard]] double sum() const { return missed + bending + folds + doubt + by_lot; }
+  CostTerms& operator+=(const CostTerms& other) {
+    missed += other.missed;
+    bending += other.bending;
+    folds += other.folds;
+    doubt += other.doubt;
+    by_lot += other.by_lot;
+    return *this;
+  }
+};
+
 /// What a surface is like over a part of the mesh that shares no vertex with others, and what it is
 /// taken by: of level 2, and with added vertices, which make it as fine, of level 1. See
 /// SurfaceQuality: what the input does not fold, of the part's area, and the integral of both
@@ -25,8 +40,9 @@ struct PartFigures {
   double folded_area = 0, bending = 0;
   double doubt = 0;  ///< mean of the added vertices'
 
-  /// What is least for the surface that is taken; see ChoiceWeights.
-  [[nodiscard]] double cost() const;
+  [[nodiscard]] CostTerms terms() const;
+  /// What is least for the surface that is taken.
+  [[nodiscard]] double cost() const { return terms().sum(); }
 };
 
 /// A surface through the vertices of a mesh that may be taken.
@@ -42,6 +58,7 @@ struct Candidate {
   [[nodiscard]] bool folds() const;
   /// The sum of its parts', and what a missed tolerance weighs.
   [[nodiscard]] double cost() const;
+  [[nodiscard]] CostTerms terms() const;
 };
 
 /// Folds of less of the area are none.

@@ -14,6 +14,7 @@
 #include "planish/doosabin/subdivision.h"
 #include "planish/fair/fair_net.h"
 #include "planish/mend/repair.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit.h"
@@ -92,6 +93,29 @@ void tell_changes(ReadyMesh& ready, std::string_view name, const WarningList& wa
 /// least cost is taken (see choice.h). Through given vertices: FitOptions::within is 0. Throws as
 /// fit().
 [[nodiscard]] FittedMesh choose_fit(ReadyFit ready, Backend& backend);
+
+/// Measures what surfaces of one mesh are weighed by.
+class CandidateMeter {
+ public:
+  /// `given`: the mesh with the faces that it has, `parts` its parts, which must outlive this.
+  /// `looks`: see ReadyFit.
+  CandidateMeter(const MeshParts& parts, const PolygonMesh& given, std::span<const Halves> looks);
+
+  /// `faces`: of each part, or those that were wanted of all.
+  void measure(Candidate& candidate, const std::vector<CandidateFaces>& faces,
+               const FittedMesh& fitted, const Callbacks& callbacks = {}) const;
+
+ private:
+  [[nodiscard]] std::vector<std::int32_t> parts_of(const FittedMesh& fitted) const;
+  [[nodiscard]] std::vector<CandidateFaces> faces_of_parts(const FittedMesh& fitted,
+                                                           std::span<const std::int32_t> of_face,
+                                                           CandidateFaces wanted) const;
+  [[nodiscard]] std::vector<std::int64_t> counted(std::span<const std::int32_t> of_face) const;
+
+  const MeshParts& parts_;
+  std::vector<std::int64_t> given_counts_;
+  std::vector<bool> is_by_lot_;
+};
 
 /// Whether anything is left open.
 [[nodiscard]] bool is_open(const ReadyFit& ready);
