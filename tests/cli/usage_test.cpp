@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr std::array kCommands{"fit", "run", "reconstruct", "verify", "inspect", "devices"};
+constexpr std::array kCommands{"fit", "try", "run", "reconstruct", "verify", "inspect", "devices"};
 
 using Usage = FolderTest;
 
@@ -40,7 +40,7 @@ TEST_F(Usage, HelpGoesToStdoutWithExamples) {
 }
 
 TEST_F(Usage, ShortHelpIsOneScreenOfEightyColumns) {
-  for (const std::string command : {"fit", "run", "verify", "inspect", "devices", "completion"}) {
+  for (const std::string command : {"fit", "try", "run", "verify", "inspect", "devices", "completion"}) {
     const auto lines = lines_of(run(command + " -h").out);
     EXPECT_LE(lines.size(), 40u) << command;
     EXPECT_GE(lines.size(), 5u) << command;

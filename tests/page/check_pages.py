@@ -82,6 +82,7 @@ def make_pages(planish, scenes, folder):
     run("run", "two.json", "--page", "two.html", "-f")
     run("fit", hostile.name, *(str(scenes / f"{name}.obj") for name in ("torus", "bust", "open_grid")),
         "-o", "sheet/", "--page", "sheet/", "--levels", "0", "--device", "cpu", "-f")
+    run("try", hostile.name, "--page", "trial.html", "--device", "cpu", "-f")
     return json.loads((folder / "one.json").read_text())
 
 
@@ -299,6 +300,48 @@ def check_sheet(chromium, folder):
     tab.close()
 
 
+def check_trial(chromium, folder):
+    tab = chromium.open(folder / "trial.html")
+    tab.ready()
+    cards = "[...document.querySelectorAll('.card')]"
+    count = tab.evaluate(f"{cards}.length")
+    check("trial: a picture of each surface", count >= 4 and tab.evaluate(
+        f"{cards}.every((card) => card.querySelector('img').naturalWidth === 288)"), str(count))
+    check("trial: the one that is taken comes first", tab.evaluate(
+        f"{cards}.findIndex((card) => card.querySelector('.pill')) === 0"))
+    kept = "[...document.querySelectorAll('.keep:not([hidden])')].map((s) => s.querySelector('pre').textContent)"
+    first = tab.evaluate(kept)
+    check("trial: it is kept at first", len(first) == 1 and "planish fit" in first[0], str(first))
+    before = look(tab)["sum"]
+    x, y = tab.evaluate(f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])"
+                        f"({cards}[{count - 1}].getBoundingClientRect())")
+    tab.click(x, y)
+    tab.wait(f"document.querySelector('tr[aria-current]').dataset.job === '{count - 1}'")
+    second = tab.evaluate(kept)
+    check("trial: a click keeps another", len(second) == 1 and second != first
+          and tab.evaluate(f"{cards}[{count - 1}].getAttribute('aria-current')") == "true", str(second))
+    check("trial: and the view shows it", look(tab)["sum"] != before)
+    tab.evaluate("document.querySelector('tr[data-job=\"0\"] a').click()")
+    tab.wait("document.querySelector('tr[aria-current]').dataset.job === '0'")
+    check("trial: a row of the table does, too", tab.evaluate(kept) == first)
+    tab.evaluate("document.querySelector('.keep:not([hidden]) .copy').click()")
+    check("trial: a command line is copied, or selected", tab.wait(
+        "/Copied|Selected/.test(document.querySelector('.keep:not([hidden]) .copy').textContent)"))
+    check("trial: a hostile name is text", tab.evaluate(
+        "window.hit === undefined && [...document.images].every((image) => image.src.startsWith('data:'))"))
+    check_quiet(tab, "trial")
+    tab.close()
+    phone = chromium.open(folder / "trial.html", size=(360, 740))
+    phone.ready()
+    check("trial: fits a phone", phone.evaluate("document.documentElement.scrollWidth") <= 360)
+    phone.close()
+    plain = chromium.open(folder / "trial.html", script=False)
+    time.sleep(1)
+    check("trial: without script every command line", plain.evaluate(
+        "[...document.querySelectorAll('.keep')].filter((s) => s.getBoundingClientRect().height > 50).length") == count)
+    plain.close()
+
+
 def check_no_script(chromium, folder):
     tab = chromium.open(folder / "two.html", script=False)
     time.sleep(1)
@@ -342,6 +385,7 @@ def main():
         check_looks(chromium, folder)
         check_hostile(chromium, folder)
         check_sheet(chromium, folder)
+        check_trial(chromium, folder)
         check_no_script(chromium, folder)
     check_no_webgl(folder)
     print(f"{len(failures)} failed, {time.monotonic() - start:.1f} s")

@@ -62,7 +62,7 @@ JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, Console& c
   try {
     Job job = planned.job;
     job.page_options = options.page;
-    job.page_options.small_pictures = options.wants_sheet;
+    job.page_options.small_width = options.wants_sheet ? kSmallWidth : 0;
     JobPage page(job.page_options);
     const bool shows = options.wants_page || options.wants_sheet;
     job.digests = options.wants_report || options.wants_page || is_reported(job);

@@ -173,6 +173,7 @@ void add_commands(CLI::App& app, Invocation& invocation) {
   app.set_help_all_flag("-h", "help on one screen")->group("Help");
   invocation.texts[""] = kText;
   add_fit_command(app, invocation);
+  add_try_command(app, invocation);
   add_run_command(app, invocation);
   add_reconstruct_command(app, invocation);
   add_verify_command(app, invocation);

@@ -12,6 +12,7 @@
 #include "planish/core/option.h"
 #include "planish/files/formats.h"
 #include "planish/job/job.h"
+#include "planish/pipeline/option_table.h"
 #include "terminal.h"
 
 namespace CLI {
@@ -33,6 +34,7 @@ struct Invocation {
 
 // Each adds one sub-command with its flags and help to `app`.
 void add_fit_command(CLI::App& app, Invocation& invocation);
+void add_try_command(CLI::App& app, Invocation& invocation);
 void add_run_command(CLI::App& app, Invocation& invocation);
 void add_reconstruct_command(CLI::App& app, Invocation& invocation);
 void add_verify_command(CLI::App& app, Invocation& invocation);
@@ -103,6 +105,9 @@ void require_distinct_stems(const std::vector<std::string>& paths);
 
 /// What flags of options were given as, by name of the option.
 using OptionTexts = std::map<std::string_view, std::string>;
+
+/// Tags have none: they name vertices.
+[[nodiscard]] bool has_flag(const FitOption& option);
 
 /// Adds the flag of an option, whose help ends with the default. `texts` has to outlive the
 /// command.

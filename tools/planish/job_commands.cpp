@@ -94,7 +94,6 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
 
 }  // namespace
 
-// Tags have no flag: they name vertices.
 bool has_flag(const FitOption& option) {
   return option.kind != OptionKind::Vertices && option.kind != OptionKind::Edges;
 }

@@ -53,6 +53,9 @@ void apply_settings(Settings& settings, std::vector<GivenSetting>& given, const 
 /// The same of keys that say how fine a surface is, which take the place of what said so before.
 void apply_fineness(const Json& json, const std::string& where, FitSettings& settings);
 
+/// An option as a scene file has it, of the text that its flag takes: "3,1" of a list as [3, 1].
+[[nodiscard]] Json value_json(const OptionInfo& option, std::string_view text);
+
 /// Notes a key that the object has.
 void note_given(std::vector<GivenSetting>& given, const Json& json, std::string_view key,
                 const std::string& where);

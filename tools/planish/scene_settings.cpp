@@ -198,7 +198,8 @@ Json type_json(const OptionInfo& option) {
   return {};
 }
 
-// "3,1" of a list as [3, 1]; words as texts.
+}  // namespace
+
 Json value_json(const OptionInfo& option, std::string_view text) {
   switch (option.kind) {
     case OptionKind::Word:
@@ -214,6 +215,8 @@ Json value_json(const OptionInfo& option, std::string_view text) {
       return Json::parse(text);
   }
 }
+
+namespace {
 
 Json description_of(const OptionInfo& option) {
   const bool is_of_points = option.stage == OptionStage::Points;

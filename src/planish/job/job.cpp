@@ -13,7 +13,6 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/words.h"
-#include "planish/files/read_file.h"
 #include "planish/job/fit_file.h"
 #include "planish/job/forecast.h"
 #include "planish/job/input.h"
@@ -71,19 +70,6 @@ std::string write_page(const Job& job, JobReport& report, StagedFiles& staged, J
   report.page = {job.page, text.size()};
   if (job.page != "-") staged.write(job.page, text);
   return text;
-}
-
-// By the head of a PLY file, which holds either; by the format of others.
-bool may_be_points(const Job& job) {
-  if (is_point_path(job.input, job.input_format)) return true;
-  if (job.input == "-" || job.input_format.value_or(FileFormat::Ply) != FileFormat::Ply)
-    return false;
-  // What a pipe gives comes once.
-  constexpr std::uint64_t kHead = std::uint64_t{1} << 16;
-  const NamedFile head = read_named_start(job.input, job.input, FileReach::Anywhere, kHead);
-  std::string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.bytes.size());
-  text = text.substr(0, text.find("\nend_header"));
-  return text.starts_with("ply") && text.find("\nelement face") == std::string_view::npos;
 }
 
 // Weights by what the steps take; those of a level grow with its points.

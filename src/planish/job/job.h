@@ -74,7 +74,8 @@ struct PageOptions {
   std::uint64_t limit_bytes = std::uint64_t{8} << 20;
   /// Without times and memory the same run gives the same bytes.
   bool times = true;
-  bool small_pictures = false;  ///< also makes those of a contact sheet (page/sheet.h)
+  /// Also makes small pictures so wide, two thirds as high, as contact sheets have; 0: none.
+  int small_width = 0;
 };
 
 /// One piece of work: a mesh or points in, the surface and reports out.

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "planish/adaptive/adaptive_tessellation.h"
@@ -13,6 +14,7 @@
 #include "planish/core/words.h"
 #include "planish/edit/editor.h"
 #include "planish/files/formats.h"
+#include "planish/files/read_file.h"
 #include "planish/job/input.h"
 #include "planish/job/job_settings.h"
 #include "planish/job/job_text.h"
@@ -175,6 +177,18 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
   report.input.file_vertices = input.file.mesh.vertex_count();
   report.input.file_faces = input.file.mesh.face_count();
   return made;
+}
+
+bool may_be_points(const Job& job) {
+  if (is_point_path(job.input, job.input_format)) return true;
+  if (job.input == "-" || job.input_format.value_or(FileFormat::Ply) != FileFormat::Ply)
+    return false;
+  // What a pipe gives comes once.
+  constexpr std::uint64_t kHead = std::uint64_t{1} << 16;
+  const NamedFile head = read_named_start(job.input, job.input, FileReach::Anywhere, kHead);
+  std::string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.bytes.size());
+  text = text.substr(0, text.find("\nend_header"));
+  return text.starts_with("ply") && text.find("\nelement face") == std::string_view::npos;
 }
 
 bool chooses_by_measurement(const Settings& settings) {

@@ -59,6 +59,10 @@ struct JobInput {
 [[nodiscard]] InputFile load_job_input(const Job& job, JobReport& report,
                                        const JobContext& context);
 
+/// Whether a job's input holds points, by its format, of a PLY file, which may hold either, by its
+/// head. Of stdin only the format tells.
+[[nodiscard]] bool may_be_points(const Job& job);
+
 /// Throws Error{OutOfMemory} where an input has more points than the job's limits allow.
 void require_points(const Job& job, const std::string& name, std::int64_t count);
 

@@ -514,6 +514,20 @@ std::string overview_row(const Json& report, std::size_t number) {
   return html;
 }
 
+std::string overview(const std::string& rows, std::string_view kind, bool is_hidden,
+                     bool has_times) {
+  std::string heads;
+  for (const std::string_view head :
+       {kind, std::string_view("status"), std::string_view("vertices"), std::string_view("method"),
+        std::string_view("iterations"), std::string_view("largest error"),
+        std::string_view("folded"), std::string_view("normals off, degrees rms")})
+    heads += formatted("<th scope=\"col\">{}", head);
+  if (has_times) heads += "<th scope=\"col\">time";
+  return formatted(
+      "<div class=\"wide overview\" {}><table><thead><tr>{}</thead><tbody>{}</tbody></table></div>",
+      is_hidden ? "hidden" : "", heads, rows);
+}
+
 std::string failed_row_html(const std::string& name, std::size_t number) {
   const std::string id = std::to_string(number);
   return "<tr data-job=\"" + id + "\"><th scope=\"row\"><a href=\"#job" + id + "\">" +
@@ -671,7 +685,9 @@ std::string_view page_style() { return kPageStyle; }
 
 std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
                       const std::filesystem::path& folder, const std::string& title,
-                      std::string_view kind) {
+                      std::string_view kind, const PageLead* lead) {
+  const std::string script = std::string(kPageScript) + std::string(lead ? lead->script : "");
+  const std::string style = std::string(kPageStyle) + std::string(lead ? lead->style : "");
   std::vector<Json> reports;
   for (const PageJob& job : jobs)
     reports.push_back(job.failure.empty() ? shown_report(job, options, folder) : Json());
@@ -692,19 +708,17 @@ std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
         places["scenes"] += scene_blocks(reports[j], jobs[j].payloads[levels[j]], j);
     }
     places["jobs"];
-    places["rows"];
     places["scenes"];
-    places["security"] = content_security(kPageScript, kPageStyle);
-    places["style"] = kPageStyle;
-    places["script"] = kPageScript;
-    const bool alone = jobs.size() == 1;
+    places["security"] = content_security(script, style);
+    places["style"] = style;
+    places["script"] = script;
+    const bool alone = jobs.size() == 1 && lead == nullptr;
     places["title"] = alone           ? html_text(reports[0].is_null() ? jobs[0].name
                                                                        : reports[0]["job"].get<std::string>())
                       : title.empty() ? counted(std::ssize(jobs), kind)
                                       : html_text(title);
-    places["kind"] = kind;
-    places["overview"] = alone ? "hidden" : "";
-    places["time"] = options.times ? "<th scope=\"col\">time" : "";
+    places["below"] = lead ? lead->below : "";
+    places["lead"] = lead ? lead->html : overview(places["rows"], kind, alone, options.times);
     places["status"] = status_of(jobs, kind);
     places["tool"] = "planish " PLANISH_VERSION;
     return filled_form(kPageForm, places);
@@ -788,10 +802,11 @@ bool JobPage::show(std::size_t mesh, JobLevel& surface, const FittedMesh& fitted
   const PageScene scene = job_scene(
       {surface.whole(), fitted.mesh, fitted.fit, settings, fitted.source_vertices, exact});
   shown.still = in_base64(still_picture(surface.whole(), settings.up));
-  if (options_.small_pictures && fitted.mesh.vertex_count() >= largest_) {
+  if (options_.small_width > 0 && fitted.mesh.vertex_count() >= largest_) {
     largest_ = fitted.mesh.vertex_count();
     const auto small = [&](const SurfaceMesh& what) {
-      return in_base64(still_picture(what, settings.up, kSmallWidth, kSmallHeight));
+      return in_base64(
+          still_picture(what, settings.up, options_.small_width, options_.small_width * 2 / 3));
     };
     small_ = {small(faceted(fitted.mesh)), small(surface.whole())};
   }

@@ -67,6 +67,13 @@ struct PageJob {
   std::string still;  ///< a picture where no view runs, PNG in base64; there if the scene is
 };
 
+/// What stands above the view, in place of the table of all jobs, and below it: rows of a table
+/// whose data-job is a job's place show that job.
+struct PageLead {
+  std::string html, below;
+  std::string_view style, script;  ///< besides those of every page
+};
+
 /// One HTML file that needs nothing else: figures and plots of all jobs as text and SVG, a view of
 /// their surfaces that a script draws. As large as the limit at most, but never without the
 /// figures: where the scenes are too large the largest is shown a level coarser, and at last not at
@@ -75,7 +82,8 @@ struct PageJob {
 /// `kind`: what they are where they are no jobs: meshes of an asset.
 [[nodiscard]] std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
                                     const std::filesystem::path& folder,
-                                    const std::string& title = {}, std::string_view kind = "job");
+                                    const std::string& title = {}, std::string_view kind = "job",
+                                    const PageLead* lead = nullptr);
 
 /// A path, or a message that quotes some, without the folder that they are in: a page is mailed
 /// round, and absolute paths name who made it.
