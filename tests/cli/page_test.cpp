@@ -158,6 +158,25 @@ TEST_F(PageFile, AFolderHasAPageOfEachAndAContactSheet) {
               HasSubstr("would write  pages/index.html  (page of all jobs)"));
 }
 
+// The jobs of a scene as files are; a page that has its place in the scene stays there.
+TEST_F(PageFile, AFolderHasAContactSheetOfAScene) {
+  write("torus.obj", torus_obj(6));
+  write("s.json", R"({"version": 1, "jobs": [
+      {"name": "a/plate", "input": "plate.obj"},
+      {"name": "torus", "input": "torus.obj", "page": "own.html"},
+      {"name": "missing", "input": "missing.obj"}]})");
+  run("run s.json --page pages/", 8);
+  EXPECT_THAT(said_, HasSubstr("contact sheet of 3 jobs"));
+  const std::string sheet = read("pages/index.html");
+  EXPECT_THAT(sheet, HasSubstr("<a href=\"a_plate.html\">a/plate</a>"));
+  EXPECT_THAT(sheet, HasSubstr("<a href=\"../own.html\">torus</a>"));
+  EXPECT_THAT(sheet, HasSubstr("failed: missing.obj: cannot read"));
+  EXPECT_EQ(head_of(read("pages/a_plate.html"))["name"], "a/plate");
+  EXPECT_TRUE(exists("own.html"));
+  EXPECT_THAT(run("run s.json --page pages/ --dry-run -f", 8).out,
+              HasSubstr("would write  pages/index.html  (page of all jobs)"));
+}
+
 TEST(PageFlags, SizesHaveUnits) {
   EXPECT_EQ(command::parse_page_limit("123", "x"), 123u);
   EXPECT_EQ(command::parse_page_limit("500K", "x"), 500u << 10);

@@ -287,19 +287,23 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
 
 void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& jobs,
                        std::vector<JobOutcome>& outcomes, const PageOptions& options,
-                       Console& console, bool overwrites) {
+                       Console& console, bool overwrites, std::string_view kind) {
   std::vector<SheetRow> rows;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     JobOutcome& outcome = outcomes[i];
     SheetRow& row = rows.emplace_back(outcome.report ? sheet_row(*outcome.report) : SheetRow());
     row.name = jobs[i].job.name;
     row.failure = relative_to(std::filesystem::current_path(), outcome.message);
-    row.page = std::filesystem::path(jobs[i].job.page).filename().string();
+    row.page = absolute(std::filesystem::path(jobs[i].job.page))
+                   .lexically_normal()
+                   .lexically_relative(
+                       absolute(std::filesystem::path(path)).parent_path().lexically_normal())
+                   .string();
     row.given = std::move(outcome.pictures.given);
     row.surface = std::move(outcome.pictures.surface);
   }
-  const std::string all = counted(std::ssize(rows), "file");
-  const std::string text = make_sheet(std::move(rows), options.times);
+  const std::string all = counted(std::ssize(rows), kind);
+  const std::string text = make_sheet(std::move(rows), options.times, kind);
   StagedFiles staged(overwrites);
   staged.write(path, text);
   staged.commit();

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "devices.h"
@@ -77,10 +78,10 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
                       const PageOptions& options, Console& console, bool overwrites);
 
 /// Writes a contact sheet of all jobs to the path, with links to their pages, and says so. Throws
-/// Error{UnwritableOutput}.
+/// Error{UnwritableOutput}. `kind`: what they are, "file".
 void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& jobs,
                        std::vector<JobOutcome>& outcomes, const PageOptions& options,
-                       Console& console, bool overwrites);
+                       Console& console, bool overwrites, std::string_view kind);
 
 /// Schema planish.batch/1: the reports of all jobs, those that failed with their message.
 [[nodiscard]] nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,

@@ -336,7 +336,7 @@ ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& consol
     write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments), flags.force);
   const std::string page = page_of_all(flags, plan);
   if (wants_sheet) {
-    write_batch_sheet(page, plan.jobs, outcomes, plan.page, console, flags.force);
+    write_batch_sheet(page, plan.jobs, outcomes, plan.page, console, flags.force, "file");
   } else if (!page.empty()) {
     write_batch_page(page, outcomes, plan.page, console, flags.force);
   }
@@ -412,6 +412,12 @@ void require_scene(const std::string& path) {
                         visible(path), visible(path), visible(stem)));
 }
 
+// The names of jobs are no paths.
+std::string page_in_folder(const std::string& folder, std::string name) {
+  std::ranges::replace(name, '/', '_');
+  return (std::filesystem::path(folder) / (name + ".html")).string();
+}
+
 // The jobs as the flags change them.
 std::vector<PlannedJob> wanted_jobs(const RunFlags& flags) {
   require_scene(flags.scene);
@@ -423,7 +429,16 @@ std::vector<PlannedJob> wanted_jobs(const RunFlags& flags) {
     }
     planned.push_back({.job = std::move(job), .outputs = {}});
   }
+  // A folder has a page of each job, where the scene has no place for it.
+  if (names_folder(flags.page))
+    for (PlannedJob& one : planned)
+      if (one.job.page.empty()) one.job.page = page_in_folder(flags.page, one.job.name);
   return planned;
+}
+
+// Of a folder the contact sheet.
+std::string page_of_scene(const std::string& page) {
+  return names_folder(page) ? (std::filesystem::path(page) / "index.html").string() : page;
 }
 
 void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaims& claims) {
@@ -447,9 +462,8 @@ void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaim
         [] { throw Error(ErrorCode::InvalidArgument, "--json is --report -; give one of them"); });
   if (!flags.report_path().empty())
     faults.note([&] { claims.add_report(flags.report_path(), "--report"); });
-  if (!flags.page.empty()) {
-    faults.note([&] { claims.add_page(flags.page, "--page"); });
-  }
+  if (!flags.page.empty())
+    faults.note([&] { claims.add_page(page_of_scene(flags.page), "--page"); });
   faults.throw_if_any();
 }
 
@@ -465,15 +479,21 @@ ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& argume
   const DeviceList devices = settle_devices(jobs);
   if (flags.dry_run)
     return describe_jobs(jobs, devices, claims,
-                         {flags.report_path(), flags.page, page.limit_bytes});
+                         {flags.report_path(), page_of_scene(flags.page), page.limit_bytes});
+  const bool wants_sheet = names_folder(flags.page);
   auto outcomes = run_batch(jobs, devices, console,
                             {.workers = 1,
                              .progress = flags.messages.progress_mode(),
                              .arguments = arguments,
                              .page = page,
-                             .wants_page = !flags.page.empty(),
+                             .wants_page = !flags.page.empty() && !wants_sheet,
+                             .wants_sheet = wants_sheet,
                              .wants_report = !flags.report_path().empty()});
-  if (!flags.page.empty()) write_batch_page(flags.page, outcomes, page, console, flags.force);
+  if (wants_sheet) {
+    write_batch_sheet(page_of_scene(flags.page), jobs, outcomes, page, console, flags.force, "job");
+  } else if (!flags.page.empty()) {
+    write_batch_page(flags.page, outcomes, page, console, flags.force);
+  }
   const std::string report = flags.report_path();
   if (!report.empty())
     write_batch_report(report, batch_json(jobs, outcomes, arguments), flags.force);
@@ -502,8 +522,10 @@ void add_run_command(CLI::App& app, Invocation& invocation) {
   command->add_option("--report", flags->report, "one JSON report of all jobs; - for stdout")
       ->type_name("FILE")
       ->group(group);
-  add_page_flags(*command, {flags->page, flags->page_limit, flags->page_no_times},
-                 "HTML page to look at: surfaces in 3-D, figures, plots; - for stdout");
+  add_page_flags(
+      *command, {flags->page, flags->page_limit, flags->page_no_times},
+      "HTML page to look at: surfaces in 3-D, figures, plots; - for stdout; a folder/: a "
+      "page each and index.html, the worst first");
   command->add_flag("--json", flags->json, "the same as --report -")->group(group);
   command->add_flag("-f,--force", flags->force, "overwrite existing files")->group(group);
   command

@@ -1,6 +1,7 @@
 #include "planish/job/page/sheet.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <string_view>
 #include <tuple>
 
@@ -53,11 +54,19 @@ std::string picture(const std::string& png, std::string_view what, const std::st
       kSmallWidth, kSmallHeight, what, html_text(name), png);
 }
 
+// A path as an address: its separators stay.
+std::string encode_path(const std::string& path) {
+  std::string uri;
+  for (const std::filesystem::path& part : std::filesystem::path(path))
+    uri += (uri.empty() ? "" : "/") + (part == ".." ? part.string() : encode_uri(part.string()));
+  return uri;
+}
+
 std::string row_html(const SheetRow& row, bool times) {
   constexpr double kUnknown = -1;
   const std::string name = html_text(row.name);
   const std::string linked =
-      row.failure.empty() ? formatted("<a href=\"{}\">{}</a>", encode_uri(row.page), name) : name;
+      row.failure.empty() ? formatted("<a href=\"{}\">{}</a>", encode_path(row.page), name) : name;
   std::string html = "<tr>" + picture(row.given, "The input", row.name) +
                      picture(row.surface, "The surface", row.name) + "<th scope=\"row\">" + linked;
   if (row.meshes > 1) html += formatted("<br><small>the largest of {} meshes</small>", row.meshes);
@@ -112,7 +121,7 @@ SheetRow sheet_row(const JobReport& report) {
   return row;
 }
 
-std::string make_sheet(std::vector<SheetRow> rows, bool times) {
+std::string make_sheet(std::vector<SheetRow> rows, bool times, std::string_view kind) {
   std::ranges::stable_sort(rows, std::ranges::greater(), badness);
   const auto bad = std::ranges::count_if(
       rows, [](const SheetRow& row) { return !row.failure.empty() || !row.converged; });
@@ -123,7 +132,7 @@ std::string make_sheet(std::vector<SheetRow> rows, bool times) {
       kSheetForm,
       {{"security", content_security(kSheetScript, style)},
        {"tool", "planish " PLANISH_VERSION},
-       {"title", counted(std::ssize(rows), "file")},
+       {"title", counted(std::ssize(rows), kind)},
        {"status", bad == 0 ? "all converged, the worst first"
                            : formatted("{} failed or not converged, the worst first", bad)},
        {"style", style},

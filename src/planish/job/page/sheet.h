@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planish/job/report.h"
@@ -31,7 +32,9 @@ struct SheetRow {
 
 /// A contact sheet: one HTML file that needs nothing else, a line and two pictures a file, the
 /// worst first: those that failed, that missed the tolerance, that are folded most, that have the
-/// most warnings, whose normals are farthest off. `times`: also how long each took.
-[[nodiscard]] std::string make_sheet(std::vector<SheetRow> rows, bool times);
+/// most warnings, whose normals are farthest off. `times`: also how long each took. `kind`: what
+/// they are.
+[[nodiscard]] std::string make_sheet(std::vector<SheetRow> rows, bool times,
+                                     std::string_view kind = "file");
 
 }  // namespace planish
