@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <iterator>
@@ -63,6 +64,32 @@ TEST_F(Run, WritesAllOutputsWithReportAndPage) {
   const auto report = nlohmann::json::parse(report_json(result.report));
   EXPECT_EQ(report["outputs"][2]["step"]["faces"], result.report.outputs[2].step->faces);
   EXPECT_EQ(report["solve"]["method"], "fair");
+}
+
+// One that cannot be fitted does not stop the others.
+TEST_F(Run, ManyFilesHavePagesAndAContactSheet) {
+  std::ofstream(folder_ / "bad.obj") << "v 0 0 0\nf 1 2 3\n";
+  write_mesh(folder_ / "ball.obj", FileFormat::Obj, icosphere(1));
+  const std::vector<fs::path> inputs{folder_ / "cube.obj", folder_ / "bad.obj",
+                                     folder_ / "ball.obj"};
+  std::vector<double> shares;
+  FitFilesOptions options{.extension = "ply", .pages = folder_ / "new/pages"};
+  options.callbacks.progress = [&](std::string_view, double share) { shares.push_back(share); };
+  const std::vector<std::string> failures = fit_files(inputs, folder_ / "new/out", options);
+  EXPECT_THAT(failures, ElementsAre("", HasSubstr("bad.obj:2"), ""));
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_EQ(shares.back(), 1);
+  EXPECT_THAT(files_below(folder_ / "new"),
+              ElementsAre(Key("out/ball.ply"), Key("out/cube.ply"), Key("pages/ball.html"),
+                          Key("pages/cube.html"), Key("pages/index.html")));
+  std::ifstream sheet(folder_ / "new/pages/index.html");
+  const std::string text(std::istreambuf_iterator<char>(sheet), {});
+  EXPECT_THAT(text, HasSubstr("3 files"));
+  EXPECT_THAT(text, HasSubstr("<a href=\"ball.html\">ball</a>"));
+  EXPECT_THAT(text, HasSubstr("failed: "));
+  const std::vector<fs::path> twice{inputs[0], inputs[0]};
+  EXPECT_THROW((void)fit_files(twice, folder_ / "twice", options), Error);
+  EXPECT_FALSE(fs::exists(folder_ / "twice"));
 }
 
 TEST_F(Run, TakesNoDigestWhereNoneIsWanted) {

@@ -1,6 +1,9 @@
 """fit(), evaluate(), files: against the command, to the last bit."""
 
 import json
+import os
+import re
+import subprocess
 
 import numpy as np
 import pytest
@@ -54,6 +57,27 @@ def test_fit_file_tells_how_far_it_is_and_reports(scenes, command, tmp_path):
     # What was made of the file is written as the file is.
     planish.write(tmp_path / "again.glb", fit, level=1)
     assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "python.glb").read_bytes()
+
+
+def test_fit_files_makes_a_contact_sheet_as_the_command_does(scenes, tmp_path):
+    (tmp_path / "bad.obj").write_text("v 0 0 0\nf 1 2 3\n")
+    inputs = [scenes / "cube.obj", tmp_path / "bad.obj", scenes / "torus.obj"]
+    steps = []
+    made = planish.fit_files(inputs, tmp_path / "python", 1, pages=tmp_path / "pages",
+                             progress=lambda step, fraction: steps.append(fraction))
+    assert made[0] is None and made[2] is None
+    assert "bad.obj:2" in made[1]
+    assert sorted(steps) == steps and steps[-1] == 1
+    subprocess.run([os.environ["PLANISH_EXECUTABLE"], "fit", *inputs, "-o", tmp_path / "command/", "--page", tmp_path / "sheet/",
+                    "--levels", "1", "--device", "cpu", "-q"], check=False)
+    for name in ("cube", "torus"):
+        assert (tmp_path / f"python/{name}.glb").read_bytes() == (tmp_path / f"command/{name}.glb").read_bytes()
+    rows = [re.findall(r'<th scope="row">.*?<td>[^<]*|src="[^"]*"', (tmp_path / folder / "index.html").read_text())
+            for folder in ("pages", "sheet")]
+    assert rows[0] == rows[1] and len(rows[0]) > 4
+    assert sorted(path.name for path in (tmp_path / "pages").iterdir()) == ["cube.html", "index.html", "torus.html"]
+    with pytest.raises(planish.InvalidArgument, match="cube"):
+        planish.fit_files([inputs[0], inputs[0]], tmp_path / "python")
 
 
 def test_write_takes_options_of_step(scenes, tmp_path):

@@ -275,7 +275,7 @@ std::unique_ptr<Backend> FitArguments::make_backend() const {
 FitArguments fit_arguments(py::kwargs given, const char* function) {
   Keywords keywords(std::move(given), function);
   FitArguments result;
-  const bool is_of_files = std::string_view(function) == "fit_file";
+  const bool is_of_files = std::string_view(function).starts_with("fit_file");
   for (const FitOption& option : option_table())
     if (is_keyword(option) || (is_of_files && is_file_keyword(option)))
       take_option<FitSettings>(keywords, option, result.settings);

@@ -144,6 +144,33 @@ FitHandle fit_files(const py::object& input, const py::object& output, const py:
   return made;
 }
 
+py::list fit_many(const py::iterable& inputs, const py::object& folder, const py::object& levels,
+                  const std::string& extension, const py::object& pages, py::kwargs keywords) {
+  keywords["levels"] = levels;
+  FitArguments arguments = fit_arguments(std::move(keywords), "fit_files");
+  arguments.mesh.visit([](const char* name, const py::object& value) {
+    if (!value.is_none()) refuse(std::string(name) + ": belongs to fit(); a file has its own");
+  });
+  std::vector<std::filesystem::path> from;
+  for (const py::handle input : inputs)
+    from.push_back(path_of(py::reinterpret_borrow<py::object>(input)));
+  const std::filesystem::path to = path_of(folder);
+  FitFilesOptions options{.settings = arguments.settings, .extension = extension};
+  if (!pages.is_none()) options.pages = path_of(pages);
+  options.limits = arguments.limits;
+  const auto backend = arguments.make_backend();
+  options.backend = backend.get();
+  std::vector<std::string> failures;
+  run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
+    options.callbacks = callbacks;
+    failures = fit_files(from, to, options);
+  });
+  py::list made;
+  for (const std::string& failure : failures)
+    made.append(failure.empty() ? py::object(py::none()) : py::object(py::str(visible(failure))));
+  return made;
+}
+
 SurfaceHandle evaluate_fit(const FitHandle& fit, const py::object& level,
                            const py::object& progress, const py::object& cancelled) {
   auto made = std::make_shared<PythonSurface>();
@@ -353,6 +380,19 @@ void add_fit(py::module_& module) {
              py::arg("levels") = py::none(), py::arg("cage") = py::none(), py::kw_only(),
              py::arg("report") = py::none(), py::arg("page") = py::none(),
              py::arg("source") = py::none(), file_text.c_str());
+  const std::string files_text =
+      std::string(
+          "Many files one after another, each into a folder under its name, and where named a page "
+          "of\neach with index.html, a contact sheet, the worst first.\n\nfit_files(inputs, "
+          "folder, "
+          "levels=None, *, extension=\"glb\", pages=None, **options) -> list\n\n"
+          "    pages: folder of the pages.\n"
+          "    memory_limit, output_limit, point_limit, time_limit: of each, see fit_file().\n") +
+      fit_keywords() + file_keywords() +
+      "\n\nReturns of each input None, or the message of what was wrong with it: others are done.";
+  module.def("fit_files", &fit_many, py::arg("inputs"), py::arg("folder"),
+             py::arg("levels") = py::none(), py::kw_only(), py::arg("extension") = "glb",
+             py::arg("pages") = py::none(), files_text.c_str());
 }
 
 }  // namespace planish::python

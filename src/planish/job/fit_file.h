@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,26 @@ struct FileFit {
 /// installed; Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
+
+struct FitFilesOptions {
+  Settings settings{};            ///< all but `device`; see settings_of()
+  std::string extension = "glb";  ///< of the surfaces
+  std::filesystem::path pages{};  ///< folder of a page of each and index.html; empty: none
+  bool page_times = true;         ///< whether pages and index.html say how long each took
+  WorkLimits limits{};            ///< of each
+  Callbacks callbacks{};
+  Backend* backend = nullptr;  ///< see FitFileOptions
+};
+
+/// fit_file() of many inputs one after another, each into a folder under its name; of what is held
+/// only the contact sheet's small pictures grow with their number. index.html is that sheet, the
+/// worst first: see page/sheet.h. One that cannot be fitted does not stop the others: what comes
+/// back is the message of each input, empty where it is done. Throws Error{InvalidArgument} for
+/// two inputs of one name; Error{UnwritableOutput} for the folders and the sheet;
+/// Error{Cancelled}.
+std::vector<std::string> fit_files(std::span<const std::filesystem::path> inputs,
+                                   const std::filesystem::path& folder,
+                                   const FitFilesOptions& options = {});
 
 /// How the surface of a fitted mesh becomes a file.
 struct SurfaceFileOptions {

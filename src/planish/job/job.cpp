@@ -20,6 +20,8 @@
 #include "planish/job/job_outputs.h"
 #include "planish/job/job_text.h"
 #include "planish/job/page/page.h"
+#include "planish/job/page/sheet.h"
+#include "planish/job/staged_files.h"
 #include "planish/solve/backend.h"
 #include "planish/surface/evaluate.h"
 
@@ -240,7 +242,7 @@ std::vector<WrittenOutput> write_fitted(const FittedMesh& fitted, Job job, PathC
 }
 
 JobResult run(Job job, Backend& backend, const JobWatch& watch) {
-  PathClaims claims({.overwrite = job.overwrites});
+  PathClaims claims({.overwrite = job.overwrites, .create_folders = job.makes_folders});
   const FileReach reach = job.settings.textures;
   if (job.input != "-") claims.add_input(job.input, job.input_format, reach);
   if (!job.source.empty()) claims.add_input(job.source, {}, reach);
@@ -356,6 +358,81 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
   JobResult result = run(file_job(input, output, options), backend, watch_of(callbacks));
   callbacks.report("write", 1);
   return file_fit(std::move(result));
+}
+
+namespace {
+
+// What is wrong with names is said before any work.
+void claim_files(std::span<const std::filesystem::path> inputs, const std::vector<Job>& jobs,
+                 const FitFilesOptions& options) {
+  PathClaims claims({.overwrite = true, .create_folders = true});
+  for (const std::filesystem::path& input : inputs)
+    claims.add_input(input, {}, options.settings.textures);
+  for (const Job& job : jobs) {
+    claims.add_output(job.outputs.front().path, "folder");
+    if (!job.page.empty()) claims.add_page(job.page, "pages");
+  }
+  if (!options.pages.empty()) claims.add_page(options.pages / "index.html", "pages");
+}
+
+// The message where it failed.
+std::string fit_one_of(const Job& job, Backend& backend, const Callbacks& callbacks,
+                       SheetRow& row) {
+  JobPage page(job.page_options);
+  JobWatch watch = watch_of(callbacks);
+  if (!job.page.empty()) watch.page = &page;
+  try {
+    row = sheet_row(run(job, backend, watch).report);
+    row.given = page.small_pictures().given;
+    row.surface = page.small_pictures().surface;
+    return {};
+  } catch (const std::exception&) {
+    const Failure failure = current_failure("out of memory; take a lower level or a smaller mesh");
+    if (!failure.code || failure.code == ErrorCode::Cancelled) throw;
+    return failure.message;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> fit_files(std::span<const std::filesystem::path> inputs,
+                                   const std::filesystem::path& folder,
+                                   const FitFilesOptions& options) {
+  std::unique_ptr<Backend> own;
+  if (options.backend == nullptr)
+    own = make_cpu_backend({.solve_precision = solve_precision(options.settings)});
+  Backend& backend = own ? *own : *options.backend;
+  std::vector<Job> jobs;
+  for (const std::filesystem::path& input : inputs) {
+    const std::string stem = input.stem().string();
+    FitFileOptions one{.settings = options.settings, .limits = options.limits};
+    if (!options.pages.empty()) one.page = options.pages / (stem + ".html");
+    jobs.push_back(file_job(input, folder / (stem + "." + options.extension), one));
+    jobs.back().makes_folders = true;
+    jobs.back().page_options.times = options.page_times;
+    jobs.back().page_options.small_width = kSmallWidth;
+  }
+  claim_files(inputs, jobs, options);
+  std::vector<std::string> failures;
+  std::vector<SheetRow> rows;
+  const double count = std::max(1.0, static_cast<double>(jobs.size()));
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const auto done = static_cast<double>(i);
+    SheetRow row;
+    failures.push_back(fit_one_of(
+        jobs[i], backend, share_of(options.callbacks, done / count, (done + 1) / count), row));
+    row.name = jobs[i].name;
+    row.failure = relative_to(std::filesystem::current_path(), failures.back());
+    row.page = inputs[i].stem().string() + ".html";
+    if (!options.pages.empty()) rows.push_back(std::move(row));
+  }
+  if (!options.pages.empty()) {
+    StagedFiles staged(true);
+    staged.write(options.pages / "index.html", make_sheet(std::move(rows), options.page_times));
+    staged.commit();
+  }
+  options.callbacks.report("write", 1);
+  return failures;
 }
 
 }  // namespace planish

@@ -99,9 +99,10 @@ struct Job {
   std::string page;                    ///< HTML; the same
   PageOptions page_options{};
   WorkLimits limits{};
-  bool digests = true;      ///< SHA-256 of what is read and written: for reports
-  bool measures = true;     ///< how good the surface is
-  bool overwrites = false;  ///< files that exist
+  bool digests = true;         ///< SHA-256 of what is read and written: for reports
+  bool measures = true;        ///< how good the surface is
+  bool overwrites = false;     ///< files that exist
+  bool makes_folders = false;  ///< that its files are to be in, where run() claims them
 };
 
 /// Whether a report or a page of its own is made.
