@@ -71,7 +71,7 @@ TEST_F(Try, CommandLineAndSceneGiveTheSurfaceThatIsKept) {
            {"torus", "--levels 1 --up z --device cpu"}, {"box", ""}}) {
     SCOPED_TRACE(input + " " + flags);
     run("try " + input + ".obj -o tried/ -f --page-limit 1K " + flags);
-    EXPECT_THAT(said_, AllOf(HasSubstr("taken by default"), HasSubstr("tried/index.html")));
+    EXPECT_THAT(said_, AllOf(HasSubstr("  taken\n"), HasSubstr("tried/index.html")));
     const auto written = surfaces("tried/");
     const std::vector<Kept> kept = kept_of(read("tried/index.html"));
     ASSERT_GE(kept.size(), 4u);

@@ -110,7 +110,7 @@ std::string table_of(const Trial& trial) {
                    has_cost ? figure(tried.bending) : "-", has_cost ? percent(tried.folded) : "-",
                    row.is_measured ? fixed(row.normals, 1) : "-",
                    !tried.failure.empty() ? "failed"
-                   : tried.is_taken       ? "taken by default"
+                   : tried.is_taken       ? "taken"
                                           : ""});
   }
   return table.text() +

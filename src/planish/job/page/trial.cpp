@@ -1,6 +1,5 @@
 #include "planish/job/page/trial.h"
 
-#include <iterator>
 #include <string_view>
 
 #include "page_files.h"
