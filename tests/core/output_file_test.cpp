@@ -9,6 +9,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/platform/files.h"
 
 namespace planish {
 namespace {
@@ -149,15 +150,15 @@ TEST_F(OutputFileTest, ReplacesNothingWhereThatIsNotWanted) {
 TEST_F(OutputFileTest, LinksGiveANameThatIsFree) {
   std::ofstream(directory_ / "a") << "ours";
   std::ofstream(directory_ / "b") << "somebody's";
-  EXPECT_EQ(link_in_place(directory_ / "a", directory_ / "b"), std::errc::file_exists);
+  EXPECT_EQ(platform::link_in_place(directory_ / "a", directory_ / "b"), std::errc::file_exists);
   EXPECT_EQ(content("b"), "somebody's");
-  EXPECT_FALSE(link_in_place(directory_ / "a", directory_ / "c"));
+  EXPECT_FALSE(platform::link_in_place(directory_ / "a", directory_ / "c"));
   EXPECT_EQ(content("c"), "ours");
   EXPECT_EQ(file_count(), 2);
   // Folders have no second names.
   std::filesystem::create_directory(directory_ / "d");
-  EXPECT_EQ(link_in_place(directory_ / "d", directory_ / "b"), std::errc::file_exists);
-  EXPECT_FALSE(link_in_place(directory_ / "d", directory_ / "e"));
+  EXPECT_EQ(platform::link_in_place(directory_ / "d", directory_ / "b"), std::errc::file_exists);
+  EXPECT_FALSE(platform::link_in_place(directory_ / "d", directory_ / "e"));
   EXPECT_TRUE(std::filesystem::is_directory(directory_ / "e"));
 }
 

@@ -1,15 +1,16 @@
 #pragma once
 
+#ifndef _WIN32
 #include <sys/resource.h>
+#endif
 
 #include <algorithm>
 #include <bit>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <stdexcept>
+#include <random>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -37,9 +38,10 @@ void append(std::string& bytes, std::type_identity_t<Value> value,
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "planish-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw std::runtime_error("cannot make " + name);
-    path_ = name;
+    std::random_device random;
+    do {
+      path_ = std::filesystem::temp_directory_path() / ("planish-" + std::to_string(random()));
+    } while (!std::filesystem::create_directory(path_));
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -61,13 +63,14 @@ class TemporaryFolder {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     std::ifstream file(entry.path(), std::ios::binary);
-    files.emplace_back(std::filesystem::relative(entry.path(), folder).string(),
+    files.emplace_back(std::filesystem::relative(entry.path(), folder).generic_string(),
                        std::string{std::istreambuf_iterator<char>(file), {}});
   }
   std::ranges::sort(files);
   return files;
 }
 
+#ifndef _WIN32
 /// No file that this process or those that it starts write grows beyond so many bytes, as on a full
 /// disk, for as long as this lives: writing fails instead of a signal.
 class FileSizeLimit {
@@ -89,5 +92,6 @@ class FileSizeLimit {
   void (*old_handler_)(int);
   rlimit before_{};
 };
+#endif
 
 }  // namespace planish::test

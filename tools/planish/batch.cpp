@@ -265,7 +265,7 @@ void write_batch_report(const std::string& path, const nlohmann::ordered_json& j
                         bool overwrites) {
   if (path == "-") return write_stdout(json_text(json));
   StagedFiles staged(overwrites);
-  staged.write(path, json_text(json));
+  staged.write(path_of(path), json_text(json));
   staged.commit();
 }
 
@@ -280,7 +280,7 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
                                      has_meshes ? "mesh" : "job");
   if (path == "-") return write_stdout(text);
   StagedFiles staged(overwrites);
-  staged.write(path, text);
+  staged.write(path_of(path), text);
   staged.commit();
   console.info(formatted("{}: {}, page of {}", visible(path), byte_size(text.size()), all));
 }
@@ -294,18 +294,16 @@ void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& j
     SheetRow& row = rows.emplace_back(outcome.report ? sheet_row(*outcome.report) : SheetRow());
     row.name = jobs[i].job.name;
     row.failure = relative_to(std::filesystem::current_path(), outcome.message);
-    row.page = absolute(std::filesystem::path(jobs[i].job.page))
-                   .lexically_normal()
-                   .lexically_relative(
-                       absolute(std::filesystem::path(path)).parent_path().lexically_normal())
-                   .string();
+    row.page = utf8(absolute(path_of(jobs[i].job.page))
+                        .lexically_normal()
+                        .lexically_relative(absolute(path_of(path)).parent_path().lexically_normal()));
     row.given = std::move(outcome.pictures.given);
     row.surface = std::move(outcome.pictures.surface);
   }
   const std::string all = counted(std::ssize(rows), kind);
   const std::string text = make_sheet(std::move(rows), options.times, kind);
   StagedFiles staged(overwrites);
-  staged.write(path, text);
+  staged.write(path_of(path), text);
   staged.commit();
   console.info(
       formatted("{}: {}, contact sheet of {}", visible(path), byte_size(text.size()), all));
@@ -339,7 +337,7 @@ std::string write_line(const std::filesystem::path& path, const std::string& wha
                        const PathClaims& claims) {
   const std::string refusal = claims.refusal(path);
   if (!refusal.empty()) return "  would refuse " + refusal + "\n";
-  return formatted("  would write  {}{}\n", output_name(path.native()), what);
+  return formatted("  would write  {}{}\n", output_name(utf8(path)), what);
 }
 
 std::string file_text(const OutputForecast& file, std::string_view faces) {
@@ -542,15 +540,17 @@ ExitCode describe_jobs(const std::vector<PlannedJob>& jobs, const DeviceList& de
       text = "would fail on " + named_message(planned.job.label, error.what()) + "\n";
       exit_code = jobs.size() > 1 ? ExitCode::JobsFailed : exit_code_of(error.code());
     }
-    if (!planned.job.report.empty()) text += write_line(planned.job.report, "  (report)", claims);
-    if (!planned.job.page.empty()) text += write_line(planned.job.page, "  (page)", claims);
+    if (!planned.job.report.empty())
+      text += write_line(path_of(planned.job.report), "  (report)", claims);
+    if (!planned.job.page.empty())
+      text += write_line(path_of(planned.job.page), "  (page)", claims);
     write_text(text);
   }
   const char* of_all = jobs.size() > 1 ? " of all jobs)" : ")";
   if (!files.report.empty())
-    write_text(write_line(files.report, std::string("  (report") + of_all, claims));
+    write_text(write_line(path_of(files.report), std::string("  (report") + of_all, claims));
   if (!files.page.empty())
-    write_text(write_line(files.page, std::string("  (page") + of_all, claims));
+    write_text(write_line(path_of(files.page), std::string("  (page") + of_all, claims));
   if (claims.any_refused()) exit_code = ExitCode::UnwritableOutput;  // before any work
   write_text(
       formatted("would end with exit code {}{}", static_cast<int>(exit_code),

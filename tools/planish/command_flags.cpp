@@ -44,18 +44,18 @@ std::uint64_t parse_size(std::string_view value, std::string_view where, std::ui
 namespace fs = std::filesystem;
 
 std::string stem_of(const std::string& input) {
-  return input == "-" ? "stdin" : fs::path(input).stem().string();
+  return input == "-" ? "stdin" : utf8(path_of(input).stem());
 }
 
 std::vector<std::string> files_in(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> paths;
-  fs::directory_iterator entry(folder, error);
+  fs::directory_iterator entry(path_of(folder), error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     std::error_code ignored;
     const auto format = format_of(entry->path());
     if (format && serves(*format, FormatUse::Read) && entry->is_regular_file(ignored))
-      paths.push_back(entry->path().string());
+      paths.push_back(utf8(entry->path()));
   }
   if (error)
     throw Error(ErrorCode::UnreadableInput, visible(folder) + ": cannot read: " + error.message());
@@ -73,7 +73,7 @@ InputList expand_inputs(const std::vector<std::string>& arguments) {
   InputList list;
   for (const std::string& argument : arguments) {
     std::error_code error;
-    if (argument != "-" && fs::is_directory(argument, error)) {
+    if (argument != "-" && fs::is_directory(path_of(argument), error)) {
       list.has_folder = true;
       const auto files = files_in(argument);
       list.paths.insert(list.paths.end(), files.begin(), files.end());
@@ -99,17 +99,17 @@ void require_distinct_stems(const std::vector<std::string>& paths) {
 bool names_folder(const std::string& path) {
   if (path.empty() || path == "-") return false;
   std::error_code error;
-  return path.ends_with('/') || fs::is_directory(path, error);
+  return !path_of(path).has_filename() || fs::is_directory(path_of(path), error);
 }
 
 std::string path_in_folder(const std::string& folder, const std::string& input, FileFormat format) {
-  return (fs::path(folder) / (stem_of(input) + "." + std::string(name_of(format)))).string();
+  return utf8(path_of(folder) / path_of(formatted("{}.{}", stem_of(input), name_of(format))));
 }
 
 std::string output_beside(const std::string& input) {
   const std::string name = stem_of(input);
   return visible(name) +
-         (fs::path(input).lexically_normal() == name + ".glb" ? "_surface.glb" : ".glb");
+         (path_of(input).lexically_normal() == path_of(name + ".glb") ? "_surface.glb" : ".glb");
 }
 
 std::string job_name_of(const std::string& input) { return visible(stem_of(input)); }
@@ -258,7 +258,7 @@ constexpr std::uint64_t kLeast = std::uint64_t{256} << 20, kMost = std::uint64_t
 // Of folders that will be made for the output, the one that is there.
 std::filesystem::path folder_beside(const std::string& output) {
   std::filesystem::path folder =
-      output == "-" ? std::filesystem::path() : std::filesystem::path(output).parent_path();
+      output == "-" ? std::filesystem::path() : path_of(output).parent_path();
   std::error_code ignored;
   while (!folder.empty() && !std::filesystem::exists(folder, ignored))
     folder = folder.parent_path();
@@ -292,7 +292,7 @@ void MemoryFlags::apply(const std::string& output) const {
   if (bytes < kLeast)
     refuse("--memory", "{} are too little; the least that works is {}M", byte_size(bytes),
            kLeast >> 20);
-  hold_arrays_within(bytes, folder.empty() ? folder_beside(output) : std::filesystem::path(folder));
+  hold_arrays_within(bytes, folder.empty() ? folder_beside(output) : path_of(folder));
 }
 
 }  // namespace planish::command

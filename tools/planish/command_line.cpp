@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <string>
@@ -13,6 +12,7 @@
 #include "help.h"
 #include "large_arrays.h"
 #include "planish/core/error.h"
+#include "planish/core/platform/process.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
 #include "planish/job/build_info.h"
@@ -60,14 +60,14 @@ namespace fs = std::filesystem;
 Error usage_error(const std::string& message) { return Error(ErrorCode::InvalidArgument, message); }
 
 std::string line_for(const std::string& input) {
-  const fs::path path(input);
+  const fs::path path = path_of(input);
   if (path.extension() == ".json") return "planish run " + visible(input);
   return "planish fit " + visible(input) + " -o " + output_beside(input);
 }
 
 bool looks_like_a_file(const std::string& argument) {
   std::error_code ignored;
-  const fs::path path(argument);
+  const fs::path path = path_of(argument);
   return format_of(path) || path.extension() == ".json" || fs::is_regular_file(path, ignored) ||
          !conversion_to_readable(path).empty();
 }
@@ -167,7 +167,8 @@ const CommandText kText{
         "first, and \"man planish-fit\" and its like are their manuals."};
 
 void add_commands(CLI::App& app, Invocation& invocation) {
-  app.require_subcommand(0, 1);  // so that a job or file may be called as a command is
+  app.allow_windows_style_options(false);  // for /x.obj is a file
+  app.require_subcommand(0, 1);            // so that a job or file may be called as a command is
   // In this order: -h belongs to the flag of --help at first.
   app.set_help_flag("--help", "all help, by topic")->group("Help");
   app.set_help_all_flag("-h", "help on one screen")->group("Help");
@@ -228,13 +229,6 @@ ExitCode parse_and_run(const std::vector<std::string>& given) {
   return invocation.action();
 }
 
-// As other filters end whose reader has gone: killed by SIGPIPE, without a word.
-[[noreturn]] void end_by_broken_pipe() {
-  std::signal(SIGPIPE, SIG_DFL);
-  std::raise(SIGPIPE);
-  std::_Exit(128 + SIGPIPE);
-}
-
 }  // namespace
 
 HelpPage all_help() {
@@ -256,7 +250,7 @@ ExitCode run_command_line(const std::vector<std::string>& arguments) {
     claim_end();
     return exit_code;
   } catch (const BrokenPipe&) {
-    end_by_broken_pipe();
+    platform::end_by_broken_pipe();
   } catch (const FaultList& faults) {
     for (const std::string& message : faults.messages()) say_error(message);
     return exit_code_of(faults.code());

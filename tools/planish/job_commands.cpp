@@ -39,8 +39,8 @@ bool is_of_files(const FitOption& option) {
 
 // Of several inputs a name without an extension is a folder that will be made.
 bool is_folder(const std::string& path, bool one_of_several) {
-  const bool is_new = one_of_several && !path.empty() && path != "-" &&
-                      !std::filesystem::path(path).has_extension();
+  const bool is_new =
+      one_of_several && !path.empty() && path != "-" && !path_of(path).has_extension();
   return names_folder(path) || is_new;
 }
 
@@ -51,7 +51,7 @@ std::string output_path(const std::string& path, const std::string& input, FileF
   if (!one_of_several) return path;
   if (path == "-") refuse(flag, "stdout takes one surface only, and there are several inputs");
   refuse(flag, "{} is one file, and there are several inputs; name a folder: {} {}/", visible(path),
-         flag, visible(std::filesystem::path(path).stem()));
+         flag, visible(path_of(path).stem()));
 }
 
 void add_file_flags(CLI::App& command, FitFlags& flags) {
@@ -193,24 +193,24 @@ bool has_page_folder(const FitFlags& flags, const FitPlan& plan) {
   return is_folder(flags.page, is_batch(plan));
 }
 std::string page_of_input(const FitFlags& flags, const std::string& input) {
-  std::filesystem::path path = path_in_folder(flags.page, input, FileFormat::Glb);
-  return path.replace_extension(".html").string();
+  std::filesystem::path path = path_of(path_in_folder(flags.page, input, FileFormat::Glb));
+  return utf8(path.replace_extension(".html"));
 }
 bool has_page_of_all(const FitFlags& flags, const FitPlan& plan) {
   return !flags.page.empty() && (is_batch(plan) || !has_page_folder(flags, plan));
 }
 std::string page_of_all(const FitFlags& flags, const FitPlan& plan) {
   if (!has_page_folder(flags, plan)) return flags.page;
-  return (std::filesystem::path(flags.page) / "index.html").string();
+  return utf8(path_of(flags.page) / "index.html");
 }
 
 // `planish fit -- a.obj -o b.glb`, `planish fit a.obj b.glb`: slips that end among the inputs.
 std::string slip_among_inputs(const FitFlags& flags, const std::string& path) {
   std::error_code error;
-  if (path == "-" || std::filesystem::exists(path, error)) return {};
+  if (path == "-" || std::filesystem::exists(path_of(path), error)) return {};
   if (path.starts_with('-'))
     return visible(path) + " stands after --, where flags end; put flags before it";
-  const auto format = format_of(path);
+  const auto format = format_of(path_of(path));
   const bool could_be_output = format && serves(*format, FormatUse::WriteSurface);
   if (flags.inputs.size() > 1 && path != flags.inputs.front() && could_be_output &&
       flags.outputs.empty())
@@ -276,10 +276,10 @@ FitPlan plan_fit(const FitFlags& flags) {
       flags.page.empty())
     faults.note([&] { throw Error(ErrorCode::InvalidArgument, nothing_to_write(plan)); });
   for (const std::string& path : plan.inputs.paths)
-    claims.add_input(path, format, settings.textures);
+    claims.add_input(path_of(path), format, settings.textures);
   if (!flags.source.empty()) {
     faults.note([&] { require_readable(flags.source, {}); });
-    claims.add_input(flags.source, {}, settings.textures);
+    claims.add_input(path_of(flags.source), {}, settings.textures);
   }
   for (const std::string& path : plan.inputs.paths) {
     PlannedJob planned;
@@ -287,13 +287,14 @@ FitPlan plan_fit(const FitFlags& flags) {
     claim_outputs(planned, claims, faults);
     if (has_page_folder(flags, plan)) {
       planned.job.page = page_of_input(flags, path);
-      faults.note([&] { claims.add_page(planned.job.page, "--page"); });
+      faults.note([&] { claims.add_page(path_of(planned.job.page), "--page"); });
     }
     plan.jobs.push_back(std::move(planned));
   }
-  if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });
+  if (!flags.report.empty())
+    faults.note([&] { claims.add_report(path_of(flags.report), "--report"); });
   if (has_page_of_all(flags, plan))
-    faults.note([&] { claims.add_page(page_of_all(flags, plan), "--page"); });
+    faults.note([&] { claims.add_page(path_of(page_of_all(flags, plan)), "--page"); });
   faults.note([&] { plan.page = page_options(flags.page_limit, flags.page_no_times); });
   faults.note([&] { plan.devices = settle_devices(plan.jobs); });
   faults.throw_if_any();
@@ -404,9 +405,9 @@ struct RunFlags {
 
 // A mesh in the place of a scene.
 void require_scene(const std::string& path) {
-  const auto format = format_of(path);
+  const auto format = format_of(path_of(path));
   if (!format || info_of(*format).is_tiles) return;
-  const std::filesystem::path stem = std::filesystem::path(path).stem();
+  const std::filesystem::path stem = path_of(path).stem();
   throw Error(ErrorCode::InvalidArgument,
               formatted("{}: is no scene file; did you mean: planish fit {} -o {}.glb",
                         visible(path), visible(path), visible(stem)));
@@ -415,14 +416,14 @@ void require_scene(const std::string& path) {
 // The names of jobs are no paths.
 std::string page_in_folder(const std::string& folder, std::string name) {
   std::ranges::replace(name, '/', '_');
-  return (std::filesystem::path(folder) / (name + ".html")).string();
+  return utf8(path_of(folder) / path_of(name + ".html"));
 }
 
 // The jobs as the flags change them.
 std::vector<PlannedJob> wanted_jobs(const RunFlags& flags) {
   require_scene(flags.scene);
   std::vector<PlannedJob> planned;
-  for (Job& job : select_jobs(read_scene_file(flags.scene), flags.names)) {
+  for (Job& job : select_jobs(read_scene_file(path_of(flags.scene)), flags.names)) {
     if (!flags.device.empty()) {
       job.settings.device = flags.device;
       check_consistent(job.settings);
@@ -438,32 +439,32 @@ std::vector<PlannedJob> wanted_jobs(const RunFlags& flags) {
 
 // Of a folder the contact sheet.
 std::string page_of_scene(const std::string& page) {
-  return names_folder(page) ? (std::filesystem::path(page) / "index.html").string() : page;
+  return names_folder(page) ? utf8(path_of(page) / "index.html") : page;
 }
 
 void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaims& claims) {
   Faults faults;
-  claims.add_input(flags.scene);
+  claims.add_input(path_of(flags.scene));
   for (const PlannedJob& planned : jobs) {
     const FileReach reach = planned.job.settings.textures;
-    claims.add_input(planned.job.input, planned.job.input_format, reach);
-    if (!planned.job.source.empty()) claims.add_input(planned.job.source, {}, reach);
+    claims.add_input(path_of(planned.job.input), planned.job.input_format, reach);
+    if (!planned.job.source.empty()) claims.add_input(path_of(planned.job.source), {}, reach);
   }
   for (PlannedJob& planned : jobs) {
     const Job& job = planned.job;
     claim_outputs(planned, claims, faults);
     if (!job.report.empty())
-      faults.note([&] { claims.add_report(job.report, "report of job " + job.name); });
+      faults.note([&] { claims.add_report(path_of(job.report), "report of job " + job.name); });
     if (!job.page.empty())
-      faults.note([&] { claims.add_page(job.page, "page of job " + job.name); });
+      faults.note([&] { claims.add_page(path_of(job.page), "page of job " + job.name); });
   }
   if (flags.json && !flags.report.empty())
     faults.note(
         [] { throw Error(ErrorCode::InvalidArgument, "--json is --report -; give one of them"); });
   if (!flags.report_path().empty())
-    faults.note([&] { claims.add_report(flags.report_path(), "--report"); });
+    faults.note([&] { claims.add_report(path_of(flags.report_path()), "--report"); });
   if (!flags.page.empty())
-    faults.note([&] { claims.add_page(page_of_scene(flags.page), "--page"); });
+    faults.note([&] { claims.add_page(path_of(page_of_scene(flags.page)), "--page"); });
   faults.throw_if_any();
 }
 

@@ -1,21 +1,17 @@
 #include "large_arrays.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <string>
 #include <thread>
 
+#include "planish/core/platform/files.h"
+#include "planish/core/platform/machine.h"
 #include "planish/core/words.h"
 #include "planish/job/input.h"
 #include "planish/reconstruct/mesher_process.h"
@@ -37,7 +33,8 @@ struct Array {
 };
 
 struct Counted {
-  std::string folder;
+  std::filesystem::path folder;
+  std::string folder_name;
   std::uint64_t budget = 0;
   std::atomic<std::uint64_t> of_others = 0;
   std::mutex mutex;  // of what follows
@@ -49,70 +46,41 @@ struct Counted {
 // Set once; used until the process has ended.
 std::atomic<Counted*> current = nullptr;
 
-// A file that has no name, so that nothing is left of it.
-int open_nameless(const std::string& folder) {
-  const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  // Some file systems have no such files.
-  if (file >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return file;
-  std::string name = folder + "/.planish-XXXXXX";
-  const int named = ::mkostemp(name.data(), O_CLOEXEC);
-  if (named >= 0) ::unlink(name.c_str());
-  return named;
-}
-
-void* map_in_file(const std::string& folder, std::size_t bytes) {
-  const auto refuse = [&](int reason) { throw NoRoomForArray(folder.c_str(), bytes, reason); };
-  const int file = open_nameless(folder);
-  if (file < 0) refuse(errno);
-  // A page without room on the disk would end the process when it is written to.
-  const int failed = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
-  void* const array = failed != 0
-                          ? MAP_FAILED
-                          : ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-  const int reason = failed != 0 ? failed : errno;
-  ::close(file);
-  if (array == MAP_FAILED) refuse(reason);
+void* map_in_file(const Counted& all, std::size_t bytes) {
+  std::error_code error;
+  const platform::File file = platform::open_nameless(all.folder, error);
+  void* const array = error ? nullptr : platform::map_file(file.number(), bytes, error);
+  if (array == nullptr) throw NoRoomForArray(all.folder_name.c_str(), bytes, error);
   return array;
 }
 
 void* map_in_memory(std::size_t bytes) {
-  void* const array =
-      ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (array == MAP_FAILED) throw std::bad_alloc();
+  void* const array = platform::map_memory(bytes);
+  if (array == nullptr) throw std::bad_alloc();
   return array;
 }
 
-std::uint64_t resident_bytes() {
-  static const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  unsigned long long all = 0, resident = 0;
-  if (std::FILE* const file = std::fopen("/proc/self/statm", "re")) {
-    if (std::fscanf(file, "%llu %llu", &all, &resident) != 2) resident = 0;
-    std::fclose(file);
-  }
-  return page * resident;
-}
-
-// Their content stays in the file, or on its way there.
 void let_pages_go(Counted& all) {
   const std::lock_guard lock(all.mutex);
   for (const auto& [array, about] : all.arrays)
-    if (about.is_in_file) ::madvise(array, about.bytes, MADV_DONTNEED);
+    if (about.is_in_file) platform::let_pages_go(array, about.bytes);
 }
 
 [[noreturn]] void keep_within(Counted& all) {
   while (true) {
     std::this_thread::sleep_for(kLook);
     const std::uint64_t slack = std::max(all.budget / kSlackPart, kLeastSlack);
-    if (resident_bytes() + all.of_others + slack > all.budget) let_pages_go(all);
+    if (platform::resident_memory() + all.of_others + slack > all.budget) let_pages_go(all);
   }
 }
 
 }  // namespace
 
-NoRoomForArray::NoRoomForArray(const char* folder, std::size_t bytes, int reason) noexcept {
+NoRoomForArray::NoRoomForArray(const char* folder, std::size_t bytes,
+                               const std::error_code& reason) noexcept {
   std::snprintf(message_, sizeof message_,
                 "--temporary: %.300s: cannot take room for %zu bytes: %s; name a folder with more",
-                folder, bytes, std::strerror(reason));
+                folder, bytes, std::strerror(reason.value()));
 }
 
 Failure job_failure() noexcept {
@@ -138,13 +106,14 @@ std::optional<ArrayBudget> array_budget() {
 
 void hold_arrays_within(std::uint64_t bytes, const std::filesystem::path& folder) {
   auto* all = new Counted;
-  all->folder = folder.string();
+  all->folder = folder;
+  all->folder_name = utf8(folder);
   all->budget = bytes;
-  const int file = open_nameless(all->folder);
-  if (file < 0)
+  std::error_code error;
+  (void)platform::open_nameless(folder, error);
+  if (error)
     throw Error(ErrorCode::UnwritableOutput, formatted("--temporary: {}: cannot create a file: {}",
-                                                       visible(folder), std::strerror(errno)));
-  ::close(file);
+                                                       visible(folder), error.message()));
   current = all;
   set_memory_elsewhere(array_budget()->free_bytes);
   std::thread([all] { keep_within(*all); }).detach();
@@ -178,7 +147,7 @@ void* take_large_array(std::size_t bytes) {
   }
   void* array = nullptr;
   try {
-    array = about.is_in_file ? map_in_file(all->folder, bytes) : map_in_memory(bytes);
+    array = about.is_in_file ? map_in_file(*all, bytes) : map_in_memory(bytes);
   } catch (...) {
     const std::lock_guard lock(all->mutex);
     if (!about.is_in_file) all->held -= bytes;
@@ -193,8 +162,8 @@ void* take_large_array(std::size_t bytes) {
 
 bool give_back_array(void* array) noexcept {
   Counted* const all = current;
-  // Mappings begin where pages do.
-  if (all == nullptr || reinterpret_cast<std::uintptr_t>(array) % 4096 != 0) return false;
+  if (all == nullptr || reinterpret_cast<std::uintptr_t>(array) % platform::kLeastPage != 0)
+    return false;
   std::map<void*, Array>::node_type taken;  // outlives the lock
   {
     const std::lock_guard lock(all->mutex);
@@ -202,7 +171,7 @@ bool give_back_array(void* array) noexcept {
     if (taken.empty()) return false;
     if (!taken.mapped().is_in_file) all->held -= taken.mapped().bytes;
   }
-  ::munmap(array, taken.mapped().bytes);
+  platform::unmap(array, taken.mapped().bytes);
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <new>
 #include <optional>
+#include <system_error>
 
 #include "planish/core/error.h"
 #include "planish/reconstruct/reconstruct.h"
@@ -14,8 +15,7 @@ namespace planish::command {
 /// Room in the temporary file's folder that an array asks for in vain.
 class NoRoomForArray : public std::bad_alloc {
  public:
-  /// `reason`: errno.
-  NoRoomForArray(const char* folder, std::size_t bytes, int reason) noexcept;
+  NoRoomForArray(const char* folder, std::size_t bytes, const std::error_code& reason) noexcept;
   [[nodiscard]] const char* what() const noexcept override { return message_; }
 
  private:

@@ -217,9 +217,7 @@ Settings settings_of_query(const QueryFlags& flags) {
   return settings;
 }
 
-bool wants_ply(const QueryFlags& flags) {
-  return std::filesystem::path(flags.output).extension() == ".ply";
-}
+bool wants_ply(const QueryFlags& flags) { return path_of(flags.output).extension() == ".ply"; }
 
 nlohmann::ordered_json head_json(const QueryFlags& flags, const JobInput& made) {
   const PolygonMesh& mesh = made.fitted.mesh;
@@ -254,7 +252,7 @@ void make_answers(const QueryFlags& flags, const JobInput& made, const SurfaceQu
 void write_answers(const QueryFlags& flags, const std::function<void(const TakeBytes&)>& make) {
   if (flags.output == "-") return make(write_stdout);
   StagedFiles staged(flags.force);
-  const std::filesystem::path path = staged.stage(flags.output);
+  const std::filesystem::path path = staged.stage(path_of(flags.output));
   staged.naming_targets([&] {
     OutputFile file(path);
     make([&](std::string_view bytes) { file.write(bytes); });
@@ -265,7 +263,7 @@ void write_answers(const QueryFlags& flags, const std::function<void(const TakeB
 }
 
 std::vector<glm::dvec3> read_questions(const std::string& path, Console& console) {
-  PointCloud cloud = read_points(std::filesystem::path(path));
+  PointCloud cloud = read_points(path_of(path));
   for (const Warning& warning : cloud.warnings) console.warning(warning.message);
   return questions_of(std::move(cloud), path);
 }
@@ -283,10 +281,10 @@ ExitCode run_query(const QueryFlags& flags) {
   faults.note([&] { job.settings = settings_of_query(flags); });
   if (!flags.direction.empty()) faults.note([&] { (void)parse_direction(flags.direction); });
   PathClaims claims({.overwrite = flags.force});
-  claims.add_input(flags.input, {}, job.settings.textures);
-  claims.add_input(flags.points);
+  claims.add_input(path_of(flags.input), {}, job.settings.textures);
+  claims.add_input(path_of(flags.points));
   faults.note([&] {
-    const std::filesystem::path output(flags.output);
+    const std::filesystem::path output = path_of(flags.output);
     if (output != "-" && output.extension() != ".json" && !wants_ply(flags))
       refuse("-o", visible(output) + ": answers are written as .json or .ply");
     claims.add_output(output, "-o");

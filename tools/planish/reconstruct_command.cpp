@@ -5,6 +5,7 @@
 #include "large_arrays.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
+#include "planish/core/platform/machine.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
 #include "planish/job/build_info.h"
@@ -29,7 +30,7 @@ struct ReconstructFlags {
 };
 
 FileFormat output_format(const std::string& path) {
-  const auto format = format_of(path);
+  const auto format = format_of(path_of(path));
   if (format && serves(*format, FormatUse::WriteCage)) return *format;
   throw Error(ErrorCode::InvalidArgument,
               formatted("-o: {}: the extension is none of a mesh that is written ({})",
@@ -56,7 +57,7 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
       {"path", flags.input}, {"sha256", input.sha256}, {"format", name_of(input.format)}};
   json["reconstruction"] = to_json(facts_of(input, result));
   json["outputs"] = flags.outputs;
-  json["memory"] = {{"host_peak_bytes", peak_host_bytes()}};
+  json["memory"] = {{"host_peak_bytes", platform::peak_memory()}};
   json["warnings"] = nlohmann::ordered_json::array();
   for (const Warning& w : warnings)
     json["warnings"].push_back(
@@ -65,7 +66,7 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
     write_stdout(json_text(json));
     return;
   }
-  staged.write(flags.report, json_text(json));
+  staged.write(path_of(flags.report), json_text(json));
 }
 
 ReconstructOptions reconstruct_options(const ReconstructFlags& flags) {
@@ -94,14 +95,15 @@ void check_files(const ReconstructFlags& flags) {
                             visible(flags.input), job_name_of(flags.input)));
     });
   PathClaims claims({.overwrite = flags.force});
-  claims.add_input(flags.input, input_format_of(flags));
+  claims.add_input(path_of(flags.input), input_format_of(flags));
   for (const std::string& path : flags.outputs) {
     faults.note([&] {
       (void)output_format(path);
-      claims.add_output(path, "-o");
+      claims.add_output(path_of(path), "-o");
     });
   }
-  if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });
+  if (!flags.report.empty())
+    faults.note([&] { claims.add_report(path_of(flags.report), "--report"); });
   faults.note([] { (void)require_mesher(); });
   faults.throw_if_any();
 }
@@ -129,7 +131,7 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
   const Reconstruction result = reconstruct_input(input, require_counted_mesher(), options);
   StagedFiles staged(flags.force);
   for (const std::string& path : flags.outputs) {
-    const std::filesystem::path target = staged.stage(path);
+    const std::filesystem::path target = staged.stage(path_of(path));
     staged.naming_targets([&] { write_mesh(target, output_format(path), result.mesh); });
   }
   all.finish();

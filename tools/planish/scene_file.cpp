@@ -228,7 +228,7 @@ class JobParser {
     check_consistent_at(job.settings, where);
     if (!json.contains("input")) refuse(where, "has no \"input\"");
     job.input = path_of(json["input"], key_path(where, "input"));
-    job.name = std::filesystem::path(job.input).stem().string();
+    job.name = utf8(planish::path_of(job.input).stem());
     if (json.contains("name")) job.name = text_of(json["name"], key_path(where, "name"));
     job.label = job.name = visible(job.name);
     if (job.name.empty()) refuse(key_path(where, "name"), "is empty");
@@ -248,7 +248,7 @@ class JobParser {
     if (json.contains("report")) job.report = path_of(json["report"], key_path(where, "report"));
     if (json.contains("page")) {
       job.page = path_of(json["page"], key_path(where, "page"));
-      require_page_path(job.page, key_path(where, "page"));
+      require_page_path(planish::path_of(job.page), key_path(where, "page"));
     }
     return job;
   }
@@ -267,7 +267,7 @@ class JobParser {
     if (text.empty()) refuse(where, "is empty");
     if (text == "-") refuse(where, "a file is wanted; a scene does not use stdin or stdout");
     // Tables and messages show the path as it was written where the folder is the current one.
-    return folder_.empty() ? text : (folder_ / text).lexically_normal().string();
+    return folder_.empty() ? text : utf8((folder_ / planish::path_of(text)).lexically_normal());
   }
 
   void parse_outputs(Job& job, const Json& json, const std::string& where) const {

@@ -1,9 +1,5 @@
 #include "terminal.h"
 
-#include <semaphore.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -18,6 +14,8 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/json.h"
+#include "planish/core/platform/files.h"
+#include "planish/core/platform/process.h"
 #include "planish/core/words.h"
 #include "planish/job/build_info.h"
 #include "planish/job/staged_files.h"
@@ -48,12 +46,6 @@ namespace {
 
 constexpr const char* kClearLine = "\r\033[K";
 
-// Terminals that cannot move the cursor get neither colour nor a bar.
-bool is_capable_terminal() {
-  const char* term = std::getenv("TERM");
-  return isatty(STDERR_FILENO) != 0 && term != nullptr && std::string_view(term) != "dumb";
-}
-
 bool no_color_is_set() {
   const char* value = std::getenv("NO_COLOR");
   return value != nullptr && *value != '\0';
@@ -65,7 +57,8 @@ Console::Console(LogLevel level, ColorMode color, MessageForm form, std::string_
     : level_(level),
       form_(form),
       program_(program),
-      terminal_(is_capable_terminal()),
+      // Terminals that cannot move the cursor get neither colour nor a bar.
+      terminal_(platform::moves_cursor(platform::kStandardError)),
       color_(color == ColorMode::Always ||
              (color == ColorMode::Auto && terminal_ && !no_color_is_set())) {}
 
@@ -137,13 +130,11 @@ void write_stdout(std::string_view bytes) {
 
 void write_text(std::string_view text) { write_stdout(visible_lines(text)); }
 
-bool stdout_is_terminal() { return isatty(STDOUT_FILENO) != 0; }
+bool stdout_is_terminal() { return platform::is_terminal(platform::kStandardOutput); }
 
 int stdout_columns() {
   constexpr int kUsual = 80;
-  winsize size{};
-  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsual;
-  return size.ws_col;
+  return platform::terminal_columns(platform::kStandardOutput).value_or(kUsual);
 }
 
 namespace {
@@ -190,21 +181,17 @@ std::atomic<bool> is_ending = false;
 std::atomic<int> noted_signal = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
 StopFlag stop = false;
-sem_t signalled;
 MessageStyle ending_style;
 
-extern "C" void note_signal(int signal) {
+void note_signal(int signal) {
   noted_signal = signal;
   stop = true;
-  sem_post(&signalled);
 }
 
 // For work that does not come to its next check soon enough.
 [[noreturn]] void end_for_good() {
   const auto moving = while_files_move();
-  if (is_ending.exchange(true)) {
-    for (;;) ::pause();
-  }
+  if (is_ending.exchange(true)) platform::sleep_for_ever();
   remove_temporary_folders();
   Console console(LogLevel::Error, ending_style.color, ending_style.form);
   if (console.is_terminal()) console.status("");
@@ -213,8 +200,7 @@ extern "C" void note_signal(int signal) {
 }
 
 void wait_for_signal() {
-  while (sem_wait(&signalled) != 0) {
-  }
+  platform::wait_for_ending();
   std::this_thread::sleep_for(std::chrono::milliseconds(kPatienceMilliseconds));
   end_for_good();
 }
@@ -223,18 +209,9 @@ void wait_for_signal() {
 
 void install_signal_handlers(MessageStyle style) {
   ending_style = style;
-  sem_init(&signalled, 0, 0);
   if constexpr (!kHasThreads) return;  // the engine's own end of a script
+  platform::on_ending(note_signal);
   std::thread(wait_for_signal).detach();
-  struct sigaction action {};
-  action.sa_handler = note_signal;
-  sigemptyset(&action.sa_mask);
-  // Back to the default after the first, so that the second kills. SA_RESTART: a read or write in
-  // progress goes on, and the work stops at its next check.
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
 }
 
 int interrupt_signal() { return noted_signal; }
@@ -246,8 +223,7 @@ void check_interrupt() {
 }
 
 void claim_end() {
-  if (!is_ending.exchange(true)) return;
-  for (;;) ::pause();
+  if (is_ending.exchange(true)) platform::sleep_for_ever();
 }
 
 namespace {

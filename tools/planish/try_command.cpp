@@ -47,10 +47,9 @@ bool is_taken(const FitOption& option) {
 
 // The path as it would be typed beside the input.
 std::string surface_beside(const std::string& input) {
-  const std::filesystem::path stem = std::filesystem::path(input).stem();
-  const std::string name = stem.string() + ".glb";
-  return std::filesystem::path(input).lexically_normal() == name ? stem.string() + "_surface.glb"
-                                                                 : name;
+  const std::string stem = utf8(path_of(input).stem());
+  const std::string name = stem + ".glb";
+  return path_of(input).lexically_normal() == path_of(name) ? stem + "_surface.glb" : name;
 }
 
 // The line to which a surface's own flags are added.
@@ -130,22 +129,21 @@ std::string mesh_extensions() {
 // Where the page goes; empty: nowhere.
 std::string page_path(const TryFlags& flags) {
   if (!flags.fit.page.empty() || flags.folder.empty()) return flags.fit.page;
-  return (std::filesystem::path(flags.folder) / "index.html").string();
+  return utf8(path_of(flags.folder) / "index.html");
 }
 
-std::string path_of(const TryFlags& flags, const std::string& stem) {
-  const std::filesystem::path input(flags.input);
-  return (std::filesystem::path(flags.folder) / (input.stem().string() + "_" + stem + ".glb"))
-      .string();
+std::string surface_path(const TryFlags& flags, const std::string& stem) {
+  const std::string name = utf8(path_of(flags.input).stem()) + "_" + stem + ".glb";
+  return utf8(path_of(flags.folder) / path_of(name));
 }
 
 void require_folder(const std::string& path) {
   if (path.empty() || names_folder(path)) return;
-  if (path == "-" || std::filesystem::path(path).has_extension())
+  if (path == "-" || path_of(path).has_extension())
     refuse("-o",
            "{}: is no folder, and several surfaces are written; name one: -o {}/, or --page "
            "FILE.html for the page alone",
-           visible(path), visible(std::filesystem::path(path).stem()));
+           visible(path), visible(path_of(path).stem()));
 }
 
 // What is written, and the job as far as all ways share it.
@@ -171,13 +169,13 @@ TryPlan plan_try(const TryFlags& flags) {
   PathClaims claims({.overwrite = flags.fit.force,
                      .create_folders = !flags.folder.empty(),
                      .stdout_is_terminal = stdout_is_terminal()});
-  claims.add_input(flags.input, planned.job.input_format, settings.textures);
+  claims.add_input(path_of(flags.input), planned.job.input_format, settings.textures);
   if (!flags.folder.empty())
     for (const std::string& stem : stems_to_try(settings))
-      faults.note([&] { claims.add_output(path_of(flags, stem), "-o"); });
+      faults.note([&] { claims.add_output(path_of(surface_path(flags, stem)), "-o"); });
   const std::string page = page_path(flags);
   if (!page.empty())
-    faults.note([&] { claims.add_page(page, flags.fit.page.empty() ? "-o" : "--page"); });
+    faults.note([&] { claims.add_page(path_of(page), flags.fit.page.empty() ? "-o" : "--page"); });
   faults.note([&] { plan.page = page_options(flags.fit.page_limit, flags.fit.page_no_times); });
   faults.note([&] { plan.devices = settle_devices(plan.jobs); });
   faults.throw_if_any();
@@ -214,7 +212,7 @@ ExitCode run_try(const TryFlags& flags) {
   Trial trial = try_choices(planned.job, *backend, watch_of(console, display), !page.empty(),
                             [&](const TriedSurface& tried, std::string_view bytes) {
                               if (!flags.folder.empty())
-                                staged.write(path_of(flags, tried.stem), bytes);
+                                staged.write(path_of(surface_path(flags, tried.stem)), bytes);
                             });
   progress.finish();
   const ExitCode exit_code = exit_code_of(trial.surfaces.front().report);

@@ -12,6 +12,7 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/words.h"
 #include "planish/job/fit_file.h"
 #include "planish/pipeline/fit.h"
 #include "planish/pipeline/fit_mesh.h"
@@ -178,7 +179,7 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
       how.settings.set_levels({fit->settled(level)});
     require_one_file(how.settings);
     const planish::WrittenOutput written =
-        planish::write_fitted_surface(path, fit->fitted, *backend, how);
+        planish::write_fitted_surface(planish::path_of(path), fit->fitted, *backend, how);
     return written_status(fit->fitted, written.step);
   });
 }
@@ -195,14 +196,15 @@ planish_status planish_fit_file(const char* input, const char* output,
     require_one_file(settings);
     const auto backend = Kept{own.thread_count, settings, {}}.make_backend();
     const planish::FitFileOptions how{.settings = settings,
-                                      .cage = own.file("cage"),
-                                      .report = own.file("report"),
-                                      .page = own.file("page"),
-                                      .source = own.file("source"),
+                                      .cage = planish::path_of(own.file("cage")),
+                                      .report = planish::path_of(own.file("report")),
+                                      .page = planish::path_of(own.file("page")),
+                                      .source = planish::path_of(own.file("source")),
                                       .limits = own.limits,
                                       .callbacks = callbacks_of(own),
                                       .backend = backend.get()};
-    const planish::FileFit done = planish::fit_file(input, output, how);
+    const planish::FileFit done =
+        planish::fit_file(planish::path_of(input), planish::path_of(output), how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
     return written_status(done.fitted, done.step);
   });

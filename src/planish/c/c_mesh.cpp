@@ -182,10 +182,10 @@ planish_status planish_mesh_read(const char* path, planish_mesh** mesh) {
   return call([&] {
     require(path, "path");
     require(mesh, "mesh");
-    planish::MeshFile file = planish::read_mesh(std::filesystem::path(path));
+    planish::MeshFile file = planish::read_mesh(planish::path_of(path));
     std::unique_ptr<planish_mesh> made = new_mesh(std::move(file.mesh));
     made->warnings = std::move(file.warnings);
-    made->inputs.add(path);
+    made->inputs.add(planish::path_of(path));
     *mesh = made.release();
     return PLANISH_OK;
   });
@@ -208,13 +208,13 @@ planish_status planish_mesh_write(const planish_mesh* mesh, const char* path) {
   return call([&] {
     require(mesh, "mesh");
     require(path, "path");
-    const auto format = planish::format_of(path);
+    const auto format = planish::format_of(planish::path_of(path));
     if (!format || !planish::serves(*format, planish::FormatUse::WriteCage)) {
       refuse(planish::visible(std::string_view(path)) + ": meshes are written as " +
              planish::extensions_in_words(planish::FormatUse::WriteCage));
     }
     const planish::InputFiles inputs = mesh->inputs;  // other threads may write the mesh, too
-    planish::write_mesh(path, *format, mesh->mesh, {.inputs = &inputs});
+    planish::write_mesh(planish::path_of(path), *format, mesh->mesh, {.inputs = &inputs});
     return PLANISH_OK;
   });
 }

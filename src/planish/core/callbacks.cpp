@@ -1,12 +1,11 @@
 #include "planish/core/callbacks.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/platform/machine.h"
 
 namespace planish {
 namespace {
@@ -127,18 +126,8 @@ void LoopProgress::look() {
                     std::lerp(from_, to_, static_cast<double>(done) / static_cast<double>(count_)));
 }
 
-namespace {
-
-std::int64_t processor_nanoseconds() {
-  timespec now{};
-  (void)::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
-}
-
-}  // namespace
-
 LimitScope::LimitScope(const WorkLimits& limits)
-    : limits_(limits), stop_(is_over_, this), began_(processor_nanoseconds()) {}
+    : limits_(limits), stop_(is_over_, this), began_(platform::thread_nanoseconds()) {}
 
 LimitScope* LimitScope::current() {
   const StopScope* const scope = AdoptedStop::current();
@@ -151,7 +140,7 @@ void LimitScope::look() {
   const auto now = std::chrono::steady_clock::now();
   if (now - last_ < kInterval) return;
   last_ = now;
-  const auto taken = static_cast<double>(processor_nanoseconds() - began_ +
+  const auto taken = static_cast<double>(platform::thread_nanoseconds() - began_ +
                                          others_.load(std::memory_order_relaxed));
   if (taken > 1e9 * limits_.cpu_seconds) is_over_ = true;
 }
@@ -169,12 +158,12 @@ void LimitScope::add_output(std::uint64_t bytes) {
 CountedTime::CountedTime(LimitScope* limits, const LimitScope* counted)
     : limits_(limits == counted || limits == nullptr || limits->limits_.cpu_seconds <= 0 ? nullptr
                                                                                          : limits) {
-  if (limits_ != nullptr) began_ = processor_nanoseconds();
+  if (limits_ != nullptr) began_ = platform::thread_nanoseconds();
 }
 
 CountedTime::~CountedTime() {
   if (limits_ != nullptr)
-    limits_->others_.fetch_add(processor_nanoseconds() - began_, std::memory_order_relaxed);
+    limits_->others_.fetch_add(platform::thread_nanoseconds() - began_, std::memory_order_relaxed);
 }
 
 }  // namespace planish

@@ -114,6 +114,15 @@ std::string with_escapes(std::string_view text, std::string (*escape)(std::uint3
 
 std::size_t utf8_length(std::string_view text) { return decode_utf8(text).length; }
 
+std::string utf8(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
+
+std::filesystem::path path_of(std::string_view text) {
+  return std::u8string_view(reinterpret_cast<const char8_t*>(text.data()), text.size());
+}
+
 std::string visible(std::string_view text) { return with_escapes(text, escaped); }
 std::string in_double_quotes(std::string_view text) { return formatted("\"{}\"", visible(text)); }
 

@@ -6,17 +6,9 @@
 #include <string_view>
 #include <system_error>
 
+#include "planish/core/platform/files.h"
+
 namespace planish {
-
-/// Gives `from` the name `to`. Without `replaces` what stands at `to` stays, and the error is
-/// std::errc::file_exists: also where it came a moment ago, on file systems that can rename so or
-/// give a file a second name.
-[[nodiscard]] std::error_code rename_file(const std::filesystem::path& from,
-                                          const std::filesystem::path& to, bool replaces);
-
-/// The same without `replaces` for file systems whose only tool are second names.
-[[nodiscard]] std::error_code link_in_place(const std::filesystem::path& from,
-                                            const std::filesystem::path& to);
 
 /// A file that appears whole or not at all: bytes go to a temporary beside `path`, commit()
 /// renames it. Without commit the temporary is removed and an old file stays as it was. Bytes are
@@ -45,12 +37,12 @@ class OutputFile {
   void commit();
 
  private:
-  [[noreturn]] void fail(std::string_view action);
+  [[noreturn]] void fail(std::string_view action, const std::error_code& error);
 
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   bool replaces_;
-  int file_ = -1;  // descriptor
+  platform::File file_;
   std::uint64_t reserved_ = 0, written_ = 0;
 };
 

@@ -53,6 +53,11 @@ namespace planish {
 /// `\xff`.
 [[nodiscard]] std::string with_escapes(std::string_view text, std::string (*escape)(std::uint32_t));
 
+/// A path's text, and the path of a text, in UTF-8 on every system: std::filesystem's own narrow
+/// texts are in Windows' code page. Bytes that are no UTF-8 stay, where paths are bytes.
+[[nodiscard]] std::string utf8(const std::filesystem::path& path);
+[[nodiscard]] std::filesystem::path path_of(std::string_view text);
+
 /// Text from outside (a file's name, an argument) as it may stand in a message: what would move
 /// the cursor, turn the line round or be seen by nobody (control characters, bidirectional
 /// overrides, characters without width) as `\x1b`, `\n`, `\u202e`; bytes that are no UTF-8 as
@@ -62,7 +67,7 @@ namespace planish {
   return visible(std::string_view(text));
 }
 [[nodiscard]] inline std::string visible(const std::filesystem::path& path) {
-  return visible(std::string_view(path.native()));
+  return visible(utf8(path));
 }
 /// The same in double quotes.
 [[nodiscard]] std::string in_double_quotes(std::string_view text);

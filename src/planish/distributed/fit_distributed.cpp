@@ -2,8 +2,6 @@
 // mesh that no machine has to hold: each phase ends in an exchange, everything between is local.
 #include "planish/distributed/fit_distributed.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -13,6 +11,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/platform/machine.h"
 #include "planish/core/words.h"
 #include "planish/distributed/part_tiles.h"
 #include "planish/distributed/read_slices.h"
@@ -322,7 +321,8 @@ class DistributedJob {
     own_.faces = part_.face_count();
     own_.ghosts = static_cast<std::int64_t>(part_.ghosts.size());
     own_.halo = static_cast<std::int64_t>(rows.ghosts.size());
-    (void)gethostname(own_.host.data(), own_.host.size() - 1);
+    const std::string host = platform::host_name();
+    host.copy(own_.host.data(), own_.host.size() - 1);
   }
 
   [[nodiscard]] std::int64_t block_vertices() const {
@@ -346,7 +346,7 @@ class DistributedJob {
   }
 
   void gather_figures() {
-    own_.peak_bytes = peak_bytes();
+    own_.peak_bytes = static_cast<std::int64_t>(platform::peak_memory());
     for (const PhaseFigures& phase : watch_.phases()) {
       const auto place = std::ranges::find(kPhases, phase.name) - std::begin(kPhases);
       own_.milliseconds[place] += 1000 * phase.seconds;

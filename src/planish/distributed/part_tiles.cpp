@@ -24,7 +24,9 @@
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/version.h"
+#include "planish/core/words.h"
 #include "planish/distributed/mesh_part.h"
 #include "planish/distributed/part_fair.h"
 #include "planish/files/tiles/tile.h"
@@ -43,7 +45,7 @@ namespace fs = std::filesystem;
 
 StagedTileset::StagedTileset(const Ranks& ranks, fs::path document, bool resume, bool replaces)
     : ranks_(ranks), document_(std::move(document)), replaces_(replaces) {
-  part_ = document_.parent_path() / formatted(".{}.part", document_.filename().string());
+  part_ = document_.parent_path() / path_of(formatted(".{}.part", utf8(document_.filename())));
   agree(ranks_, [&] {
     if (ranks_.rank != 0) return;
     std::error_code error;
@@ -51,8 +53,8 @@ StagedTileset::StagedTileset(const Ranks& ranks, fs::path document, bool resume,
     for (const fs::path& folder : {tile_folder(this->document()), records()}) {
       if (!error) fs::create_directories(folder, error);
       if (error)
-        throw Error(ErrorCode::UnwritableOutput, document_.string() + ": cannot make " +
-                                                     folder.string() + ": " + error.message());
+        throw Error(ErrorCode::UnwritableOutput,
+                    utf8(document_) + ": cannot make " + utf8(folder) + ": " + error.message());
     }
   });
 }
@@ -66,18 +68,20 @@ void StagedTileset::move_into_place() const {
   const auto require = [&](const std::error_code& error) {
     if (error)
       throw Error(ErrorCode::UnwritableOutput,
-                  document_.string() + ": cannot be put in place: " + error.message());
+                  utf8(document_) + ": cannot be put in place: " + error.message());
   };
   const fs::path folder = tile_folder(document_), own_folder = tile_folder(document());
   if (replaces_) {
     std::error_code ignored;
     for (const fs::path& old : {document_, folder})
       if (fs::exists(fs::symlink_status(old, ignored)))
-        require(rename_file(old, part_ / (old.filename().string() + ".replaced"), true));
+        require(
+            platform::rename_file(old, part_ / path_of(utf8(old.filename()) + ".replaced"), true));
   }
-  require(rename_file(own_folder, folder, true));  // of folders only an empty one is replaced
-  const std::error_code error = rename_file(document(), document_, replaces_);
-  if (error) (void)rename_file(folder, own_folder, true);
+  require(
+      platform::rename_file(own_folder, folder, true));  // of folders only an empty one is replaced
+  const std::error_code error = platform::rename_file(document(), document_, replaces_);
+  if (error) (void)platform::rename_file(folder, own_folder, true);
   require(error);
 }
 
@@ -335,7 +339,7 @@ void keep_only_of(const TilesKey& key, const fs::path& tiles, const fs::path& re
     // Whoever was killed has left halves of files under names of their own.
     std::vector<fs::path> halves;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tiles, error))
-      if (!entry.is_directory() && !is_tile_name(entry.path().filename().string()))
+      if (!entry.is_directory() && !is_tile_name(utf8(entry.path().filename())))
         halves.push_back(entry.path());
     for (const fs::path& half : halves) fs::remove(half, error);
     return;
@@ -345,7 +349,7 @@ void keep_only_of(const TilesKey& key, const fs::path& tiles, const fs::path& re
     if (!error) fs::create_directories(folder, error);
     if (error)
       throw Error(ErrorCode::UnwritableOutput,
-                  folder.string() + ": cannot be made anew: " + error.message());
+                  utf8(folder) + ": cannot be made anew: " + error.message());
   }
   OutputFile out(note);
   out.write(std::as_bytes(std::span(key)));
@@ -604,7 +608,7 @@ class PartTilesWriter {
       fs::create_directories(folder, error);
       if (error)
         throw Error(ErrorCode::UnwritableOutput,
-                    folder.string() + ": cannot make the folder: " + error.message());
+                    utf8(folder) + ": cannot make the folder: " + error.message());
     };
     constexpr auto kInFolder = static_cast<std::int64_t>(kTilesInFolder);
     for (std::int64_t i = 0; i < total_; i += kInFolder)

@@ -1,8 +1,5 @@
 #include "planish/distributed/ranks.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -13,6 +10,7 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/platform/machine.h"
 
 namespace planish {
 namespace {
@@ -325,7 +323,7 @@ void RankWatch::end() {
   if (progress_ != nullptr) progress_->end();
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begun_;
   phases_.back().seconds = time.count();
-  phases_.back().peak_bytes = peak_bytes();
+  phases_.back().peak_bytes = static_cast<std::int64_t>(platform::peak_memory());
   in_phase_ = false;
 }
 
@@ -351,16 +349,10 @@ void RankWatch::watch(double seconds) {
                    rank_, seconds, phase_now_.load());
       std::fflush(stderr);
       // No MPI_Abort: the thread that talks to MPI stands inside it.
-      _exit(1);
+      std::_Exit(1);
     }
     last = now;
   }
-}
-
-std::int64_t peak_bytes() {
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
 }  // namespace planish

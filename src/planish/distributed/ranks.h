@@ -251,7 +251,4 @@ class RankWatch {
   std::thread thread_;
 };
 
-/// The largest resident memory of this process so far, in bytes; 0 where the system does not say.
-[[nodiscard]] std::int64_t peak_bytes();
-
 }  // namespace planish

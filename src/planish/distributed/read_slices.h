@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/raw_vector.h"
 #include "planish/distributed/ranks.h"
 #include "planish/files/formats.h"
@@ -107,9 +108,6 @@ void clear_tags(MeshSlice& slice);
 class RangeFile {
  public:
   explicit RangeFile(std::string path);
-  ~RangeFile();
-  RangeFile(const RangeFile&) = delete;
-  RangeFile& operator=(const RangeFile&) = delete;
 
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] std::int64_t size() const { return size_; }
@@ -118,7 +116,7 @@ class RangeFile {
 
  private:
   std::string path_;
-  int file_ = -1;
+  platform::File file_;
   std::int64_t size_ = 0;
 };
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/words.h"
 #include "planish/distributed/mesh_part.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/files/shared/attributes.h"
@@ -34,7 +35,7 @@ StagedFile::StagedFile(const Ranks& ranks, std::string path, bool replaces)
     : ranks_(ranks), path_(std::move(path)) {
   std::string temporary;
   agree(ranks_, [&] {
-    if (ranks_.rank == 0) temporary = output_.emplace(path_, replaces).temporary().string();
+    if (ranks_.rank == 0) temporary = utf8(output_.emplace(path_, replaces).temporary());
   });
   const RawVector<char> name = all_gather<char>(ranks_, temporary);
   temporary.assign(name.begin(), name.end());

@@ -183,7 +183,7 @@ const FormatInfo& info_of(FileFormat format) {
 }
 
 std::optional<FileFormat> format_of(const std::filesystem::path& path) {
-  const std::string extension = lower_case(path.extension().string());
+  const std::string extension = lower_case(utf8(path.extension()));
   if (extension.size() < 2) return std::nullopt;
   const std::string_view named = std::string_view(extension).substr(1);
   for (const FormatInfo& info : kFormats)
@@ -198,7 +198,7 @@ std::filesystem::path companion_of(const std::filesystem::path& path, FileFormat
   companion.replace_extension(extension);
   if (format != FileFormat::Obj) return companion;
   // As the OBJ can name it, without the blank in front.
-  return companion.replace_filename(obj_line_name(companion.filename().string()).substr(1));
+  return companion.replace_filename(path_of(obj_line_name(utf8(companion.filename())).substr(1)));
 }
 
 bool serves(FileFormat format, FormatUse use) {

@@ -97,7 +97,7 @@ GltfMaterials made_of(const GltfAsset& asset) {
       missing.push_back(found.missing);
     } else if (const auto file = uri ? decode_uri_path(uri->text()) : std::nullopt;
                file && !is_data_uri(uri->text())) {
-      made.images.back().path = asset.file().path.parent_path() / *file;
+      made.images.back().path = asset.file().path.parent_path() / path_of(*file);
     }
     made.images.back().bytes.assign(found.bytes.begin(), found.bytes.end());
     image.erase("uri");

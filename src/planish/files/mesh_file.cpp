@@ -1,7 +1,5 @@
 #include "planish/files/mesh_file.h"
 
-#include <sys/stat.h>
-
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -10,6 +8,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/words.h"
 #include "planish/files/formats.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -31,8 +30,8 @@ constexpr const char* kOtherName = "; choose another name";
 fs::path place_of(const fs::path& path) {
   std::error_code error;
   const fs::path whole = fs::absolute(path, error);
-  fs::path place = fs::weakly_canonical(whole, error);
-  return error ? whole.lexically_normal() : place;
+  const fs::path place = fs::weakly_canonical(whole, error);
+  return platform::comparable(error ? whole.lexically_normal() : place);
 }
 
 std::optional<FileFormat> format_of_input(const fs::path& path, std::optional<FileFormat> format) {
@@ -44,12 +43,6 @@ std::optional<FileFormat> format_of_input(const fs::path& path, std::optional<Fi
 
 }  // namespace
 
-std::optional<InputFiles::Identity> InputFiles::identity_of(const fs::path& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
-  return Identity{status.st_dev, status.st_ino};
-}
-
 void InputFiles::add(const fs::path& input, std::optional<FileFormat> format, FileReach reach) {
   inputs_.push_back({input, format, reach});
   places_.emplace(place_of(input), input);
@@ -58,11 +51,11 @@ void InputFiles::add(const fs::path& input, std::optional<FileFormat> format, Fi
 void InputFiles::look_into_inputs() const {
   for (; looked_into_ < inputs_.size(); ++looked_into_) {
     const Input& input = inputs_[looked_into_];
-    if (const auto own = identity_of(input.path)) readers_.emplace(*own, input.path);
+    if (const auto own = platform::identity_of(input.path)) readers_.emplace(*own, input.path);
     const auto format = format_of_input(input.path, input.format);
     if (!format || info_of(*format).named_files == nullptr) continue;
     for (const fs::path& file : info_of(*format).named_files(input.path, input.reach))
-      if (const auto named = identity_of(file)) readers_.emplace(*named, input.path);
+      if (const auto named = platform::identity_of(file)) readers_.emplace(*named, input.path);
   }
 }
 
@@ -73,12 +66,12 @@ std::string InputFiles::objection(const fs::path& output) const {
 }
 
 std::string InputFiles::objection_there(const fs::path& output) const {
-  const auto there = identity_of(output);
+  const auto there = platform::identity_of(output);
   if (!there) return {};
   look_into_inputs();
   const auto reader = readers_.find(*there);
   if (reader == readers_.end()) return {};
-  if (identity_of(reader->second) == there)
+  if (platform::identity_of(reader->second) == there)
     return formatted("{} is the input itself, {}{}", visible(output), visible(reader->second),
                      kOtherName);
   return formatted("{} is read with the input {}{}", visible(output), visible(reader->second),

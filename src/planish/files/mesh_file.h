@@ -45,7 +45,6 @@ class InputFiles {
     std::optional<FileFormat> format;
     FileReach reach;
   };
-  [[nodiscard]] static std::optional<Identity> identity_of(const std::filesystem::path& path);
   void look_into_inputs() const;
   // Of a file that is there.
   [[nodiscard]] std::string objection_there(const std::filesystem::path& output) const;

@@ -1,23 +1,19 @@
 #include "planish/files/read_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/parallel.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/words.h"
 #include "planish/files/readers.h"
 #include "planish/files/shared/text_lines.h"
@@ -28,20 +24,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string cannot_read(const std::string& name, int error) {
-  return name + ": cannot read: " + std::strerror(error);
+std::string cannot_read(const std::string& name, const std::error_code& error) {
+  return name + ": cannot read: " + error.message();
 }
 
-[[noreturn]] void fail_to_read(const std::string& name, int error) {
-  throw Error(ErrorCode::UnreadableInput, cannot_read(name, error));
+void require_read(const std::string& name, const std::error_code& error) {
+  if (error) throw Error(ErrorCode::UnreadableInput, cannot_read(name, error));
 }
-
-struct Descriptor {
-  int number;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
-};
 
 // What is asked of the machine below that is not worth a question.
 constexpr std::uint64_t kAlwaysThere = std::uint64_t{64} << 20;
@@ -56,14 +45,6 @@ void require_free(std::uint64_t bytes, const std::string& name) {
                           name, bytes, free));
 }
 
-ssize_t read_at(int file, std::span<std::byte> bytes, std::size_t place) {
-  ssize_t got = 0;
-  do {
-    got = ::pread(file, bytes.data(), bytes.size(), static_cast<off_t>(place));
-  } while (got < 0 && errno == EINTR);
-  return got;
-}
-
 // Fills as much as can be read from the beginning without a gap, on all threads; returns how much.
 std::size_t read_pieces(int file, std::span<std::byte> bytes, ReadProgress& progress) {
   constexpr std::size_t kPiece = std::size_t{4} << 20;
@@ -71,9 +52,11 @@ std::size_t read_pieces(int file, std::span<std::byte> bytes, ReadProgress& prog
   parallel_each(filled.size(), 1, [&](std::size_t p) {
     const auto piece = bytes.subspan(p * kPiece, std::min(kPiece, bytes.size() - p * kPiece));
     while (filled[p] < piece.size()) {
-      const ssize_t got = read_at(file, piece.subspan(filled[p]), p * kPiece + filled[p]);
-      if (got <= 0) break;
-      filled[p] += static_cast<std::size_t>(got);
+      std::error_code ignored;  // as the end; who reads on from there meets it again
+      const std::size_t got =
+          platform::read_at(file, piece.subspan(filled[p]), p * kPiece + filled[p], ignored);
+      if (got == 0) break;
+      filled[p] += got;
     }
     progress.add(filled[p]);
   });
@@ -94,10 +77,11 @@ RawVector<std::byte> read_regular(int file, std::uint64_t count, const std::stri
   std::size_t used = read_pieces(file, bytes, progress);
   while (used < bytes.size()) {
     check_stop();
-    const ssize_t got = read_at(file, std::span(bytes).subspan(used), used);
-    if (got < 0) fail_to_read(name, errno);
+    std::error_code error;
+    const std::size_t got = platform::read_at(file, std::span(bytes).subspan(used), used, error);
+    require_read(name, error);
     if (got == 0) break;
-    used += static_cast<std::size_t>(got);
+    used += got;
   }
   bytes.resize(used);
   progress.finish();
@@ -132,7 +116,7 @@ NamedFile read_within(const fs::path& path, const fs::path& input, FileReach rea
   fs::path place = fs::absolute(path, error);
   if (!error) place = fs::weakly_canonical(place, error);
   if (error) {
-    found.trouble = cannot_read(name, error.value());
+    found.trouble = cannot_read(name, error);
     return found;
   }
   if (reach == FileReach::Beside && !lies_beside(place, input)) {
@@ -143,7 +127,8 @@ NamedFile read_within(const fs::path& path, const fs::path& input, FileReach rea
   // Opening a pipe would let go on who waits at its other end.
   const fs::file_status kind = fs::status(place, error);
   if (!fs::exists(kind)) {
-    found.trouble = cannot_read(name, error ? error.value() : ENOENT);
+    found.trouble = cannot_read(
+        name, error ? error : std::make_error_code(std::errc::no_such_file_or_directory));
     return found;
   }
   constexpr const char* kOther = ": is a pipe, a device or a folder, where a file is wanted";
@@ -151,22 +136,22 @@ NamedFile read_within(const fs::path& path, const fs::path& input, FileReach rea
     found.trouble = name + kOther;
     return found;
   }
-  const Descriptor file{
-      ::open(place.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW | O_NOCTTY)};
-  struct stat status {};
-  if (file.number < 0 || ::fstat(file.number, &status) != 0) {
-    found.trouble = cannot_read(name, errno);
-  } else if (!S_ISREG(status.st_mode)) {
+  const platform::File file = platform::open_regular_to_read(place, error);
+  platform::FileFacts facts;
+  if (!error) facts = platform::facts_of(file.number(), error);
+  if (error) {
+    found.trouble = cannot_read(name, error);
+  } else if (facts.kind != platform::FileKind::Regular) {
     found.trouble = name + kOther;
   } else {
-    found.size = static_cast<std::uint64_t>(status.st_size);
+    found.size = facts.size;
     if (is_whole && found.size > most) {
       found.trouble =
           formatted("{}: has {} bytes, and no more than {} are read", name, found.size, most);
       return found;
     }
     try {
-      found.bytes = read_regular(file.number, std::min(found.size, most), name, {});
+      found.bytes = read_regular(file.number(), std::min(found.size, most), name, {});
     } catch (const Error& failure) {
       if (failure.code() != ErrorCode::UnreadableInput) throw;
       found.trouble = failure.what();
@@ -179,14 +164,15 @@ NamedFile read_within(const fs::path& path, const fs::path& input, FileReach rea
 
 RawVector<std::byte> read_stream(int file, const std::string& name) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
-  struct stat status {};
-  if (::fstat(file, &status) != 0) fail_to_read(name, errno);
+  std::error_code error;
+  const platform::FileFacts facts = platform::facts_of(file, error);
+  require_read(name, error);
   RawVector<std::byte> bytes(kPiece);
   std::size_t used = 0;
   for (;;) {
     check_stop();
     if (used == bytes.size()) {
-      if (S_ISCHR(status.st_mode) && used >= kMostOfDevice)
+      if (facts.kind == platform::FileKind::CharacterDevice && used >= kMostOfDevice)
         throw Error(ErrorCode::UnreadableInput,
                     formatted("{}: is a device, and does not end after {} bytes; name a file, or "
                               "send a pipe",
@@ -194,11 +180,10 @@ RawVector<std::byte> read_stream(int file, const std::string& name) {
       require_free(2 * static_cast<std::uint64_t>(used), name);
       bytes.resize(2 * bytes.size());
     }
-    const ssize_t got = ::read(file, bytes.data() + used, bytes.size() - used);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail_to_read(name, errno);
+    const std::size_t got = platform::read_some(file, std::span(bytes).subspan(used), error);
+    require_read(name, error);
     if (got == 0) break;
-    used += static_cast<std::size_t>(got);
+    used += got;
   }
   bytes.resize(used);
   return bytes;
@@ -206,16 +191,18 @@ RawVector<std::byte> read_stream(int file, const std::string& name) {
 
 RawVector<std::byte> read_file(const fs::path& path, const Callbacks& callbacks) {
   const std::string name = visible(path);
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.number < 0) fail_to_read(name, errno);
-  struct stat status {};
-  if (::fstat(file.number, &status) != 0) fail_to_read(name, errno);
-  if (S_ISDIR(status.st_mode)) fail_to_read(name, EISDIR);
+  std::error_code error;
+  const platform::File file = platform::open_to_read(path, error);
+  require_read(name, error);
+  const platform::FileFacts facts = platform::facts_of(file.number(), error);
+  require_read(name, error);
+  if (facts.kind == platform::FileKind::Folder)
+    require_read(name, std::make_error_code(std::errc::is_a_directory));
   // Pipes, and files of /proc, say 0 bytes.
-  if (S_ISREG(status.st_mode) && status.st_size > 0)
-    return read_regular(file.number, static_cast<std::uint64_t>(status.st_size), name, callbacks);
+  if (facts.kind == platform::FileKind::Regular && facts.size > 0)
+    return read_regular(file.number(), facts.size, name, callbacks);
   ReadProgress progress(callbacks, 0);
-  RawVector<std::byte> bytes = read_stream(file.number, name);
+  RawVector<std::byte> bytes = read_stream(file.number(), name);
   progress.finish();
   return bytes;
 }

@@ -308,7 +308,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
     const std::filesystem::path beside = companion_of(path, format);
     if (beside != path) {
       write_mtl(library.emplace(beside), source.totals().materials, materials);
-      companion = beside.filename().string();
+      companion = utf8(beside.filename());
     }
   }
   CountedFile file(path, observe);

@@ -304,7 +304,7 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
     }
     ++coverage;
   }
-  written.path = planned.path.string();
+  written.path = utf8(planned.path);
   written.kind = planned.kind;
   int finest = 0;
   for (const AssetPart& part : parts) finest = std::max(finest, part.report.fit.density.level());
@@ -391,7 +391,7 @@ std::optional<std::string> reason_to_merge(const Job& job,
   if (!job.moves.empty()) return "moves are of one mesh's vertices";
   for (const PlannedOutput& output : outputs)
     if (output.kind == OutputKind::Cage || !info_of(output.format).is_gltf)
-      return output_name(output.path.native()) + " holds one mesh";
+      return output_name(utf8(output.path)) + " holds one mesh";
   return std::nullopt;
 }
 
@@ -400,7 +400,7 @@ void require_asset_for_lods(const std::vector<PlannedOutput>& outputs) {
     if (!output.coarser.empty())
       throw Error(
           ErrorCode::InvalidArgument,
-          output_name(output.path.native()) +
+          output_name(utf8(output.path)) +
               ": levels of detail in one file are of a glTF with meshes that becomes a glTF "
               "by itself (--asset keep); take --lods files");
 }

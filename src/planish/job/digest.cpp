@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdio>
 #include <memory>
 #include <new>
+#include <span>
+#include <system_error>
 #include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/words.h"
 
 #ifndef PLANISH_PLAIN_SHA256
@@ -143,21 +145,18 @@ std::array<std::uint8_t, 32> sha256_bytes(std::span<const std::byte> bytes) {
 
 std::string sha256(std::span<const std::byte> bytes) { return hexadecimal(sha256_bytes(bytes)); }
 
-// By no stream: those of C++ are a thirtieth of the WebAssembly library.
 FileDigest digest_of(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             &std::fclose);
+  std::error_code error;
+  const platform::File file = platform::open_to_read(path, error);
   Sha256 digest;
   FileDigest result;
   std::vector<std::byte> buffer(1 << 20);
-  while (file != nullptr && std::feof(file.get()) == 0 && std::ferror(file.get()) == 0) {
+  for (std::size_t count = 1; count > 0 && !error; result.bytes += count) {
     check_stop();
-    const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), file.get());
+    count = platform::read_some(file.number(), buffer, error);
     digest.add(std::span(buffer).first(count));
-    result.bytes += count;
   }
-  if (file == nullptr || std::ferror(file.get()) != 0)
-    throw Error(ErrorCode::UnreadableInput, visible(path) + ": cannot be read back");
+  if (error) throw Error(ErrorCode::UnreadableInput, visible(path) + ": cannot be read back");
   result.sha256 = digest.finish();
   return result;
 }

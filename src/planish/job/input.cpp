@@ -1,21 +1,19 @@
 #include "planish/job/input.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <future>
 #include <glm/common.hpp>
 #include <limits>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/words.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
@@ -61,7 +59,7 @@ constexpr std::array kForeign{ForeignFormat{"step", "STEP", "FreeCAD or gmsh"},
                               ForeignFormat{"blend", "a Blender scene", "Blender"}};
 
 const ForeignFormat* foreign_format(const fs::path& path) {
-  std::string extension = lower_case(path.extension().string());
+  std::string extension = lower_case(utf8(path.extension()));
   if (extension.empty()) return nullptr;
   extension.erase(0, 1);
   const auto found = std::ranges::find(kForeign, extension, &ForeignFormat::extension);
@@ -85,17 +83,17 @@ std::string nearest_file(const fs::path& path) {
   std::vector<std::string> names;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    const auto format = format_of(name);
+    const std::string name = utf8(entry->path().filename());
+    const auto format = format_of(path_of(name));
     if (format && serves(*format, FormatUse::Read) && names.size() < kLooked) names.push_back(name);
   }
   std::ranges::sort(names);
-  const std::string wanted = path.filename().string();
+  const std::string wanted = utf8(path.filename());
   for (const std::string& name : names)
-    if (lower_case(name) == lower_case(wanted)) return (path.parent_path() / name).string();
+    if (lower_case(name) == lower_case(wanted)) return utf8(path.parent_path() / path_of(name));
   const std::vector<std::string_view> known(names.begin(), names.end());
   const auto found = nearest(wanted, known);
-  return found ? (path.parent_path() / *found).string() : std::string();
+  return found ? utf8(path.parent_path() / path_of(*found)) : std::string();
 }
 
 std::string missing_file_hint(const std::string& path) {
@@ -105,7 +103,7 @@ std::string missing_file_hint(const std::string& path) {
   if (path.starts_with('~'))
     return "; the shell puts a home folder in place of ~ only where it stands unquoted at the "
            "front";
-  const std::string near = nearest_file(path);
+  const std::string near = nearest_file(path_of(path));
   return near.empty() ? "" : "; did you mean " + visible(near) + "?";
 }
 
@@ -128,23 +126,24 @@ std::string conversion_from_glb(const fs::path& path) {
 void require_input(const std::string& path, std::optional<FileFormat> format) {
   if (path == "-") return;
   const std::string shown = visible(path);
+  const fs::path place = path_of(path);
   std::error_code error;
-  const bool exists = fs::exists(path, error);
+  const bool exists = fs::exists(place, error);
   if (!exists) {
-    const int reason = error ? error.value() : ENOENT;
+    if (!error) error = std::make_error_code(std::errc::no_such_file_or_directory);
     throw Error(ErrorCode::UnreadableInput,
-                shown + ": cannot read: " + std::strerror(reason) + missing_file_hint(path));
+                shown + ": cannot read: " + error.message() + missing_file_hint(path));
   }
-  if (fs::is_directory(path, error))
+  if (fs::is_directory(place, error))
     throw Error(ErrorCode::UnreadableInput, shown + ": is a folder; name the files in it");
-  if (::access(path.c_str(), R_OK) != 0)
-    throw Error(ErrorCode::UnreadableInput, shown + ": cannot read: " + std::strerror(errno));
-  const std::string converter = conversion_to_readable(path);
-  const auto named = format_of(path);
+  if (const std::error_code refused = platform::may_read(place))
+    throw Error(ErrorCode::UnreadableInput, shown + ": cannot read: " + refused.message());
+  const std::string converter = conversion_to_readable(place);
+  const auto named = format_of(place);
   const bool is_read = named && serves(*named, FormatUse::Read);
   if (!format && !is_read && !converter.empty())
     throw Error(ErrorCode::InvalidArgument,
-                formatted("{}: {} is not read ({} are); {}", shown, foreign_format(path)->title,
+                formatted("{}: {} is not read ({} are); {}", shown, foreign_format(place)->title,
                           names_of(FormatUse::Read), converter));
 }
 
@@ -168,10 +167,10 @@ InputFile load_input(const std::string& path, std::optional<FileFormat> format,
   file.name = input_name(path);
   if (path == "-") {
     callbacks.report("read", 0);
-    file.bytes = read_stream(STDIN_FILENO, file.name);
+    file.bytes = read_stream(platform::kStandardInput, file.name);
   } else {
-    file.path = path;
-    file.bytes = read_file(path, share_of(callbacks, 0, kFileLoaded));
+    file.path = path_of(path);
+    file.bytes = read_file(file.path, share_of(callbacks, 0, kFileLoaded));
   }
   if (const std::string_view foreign = foreign_content(file.bytes); !foreign.empty())
     throw Error(ErrorCode::UnreadableInput, formatted("{}: {}", file.name, foreign));
@@ -221,7 +220,7 @@ FileFormat parse_input_format(std::string_view value, std::string_view where) {
 }
 
 bool is_point_path(const std::string& path, std::optional<FileFormat> format) {
-  if (!format) format = format_of(path);
+  if (!format) format = format_of(path_of(path));
   return format && holds_points_only(*format);
 }
 

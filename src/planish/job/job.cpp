@@ -12,6 +12,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
+#include "planish/core/platform/machine.h"
 #include "planish/core/words.h"
 #include "planish/job/fit_file.h"
 #include "planish/job/forecast.h"
@@ -61,7 +62,7 @@ namespace {
 
 void write_report(const Job& job, const JobReport& report, StagedFiles& staged) {
   if (job.report.empty() || job.report == "-") return;
-  staged.write(job.report, report_json(report));
+  staged.write(path_of(job.report), report_json(report));
 }
 
 // The job's own page, as text where it is for stdout.
@@ -70,7 +71,7 @@ std::string write_page(const Job& job, JobReport& report, StagedFiles& staged, J
   if (job.page.empty()) return "";
   std::string text = page->text();
   report.page = {job.page, text.size()};
-  if (job.page != "-") staged.write(job.page, text);
+  if (job.page != "-") staged.write(path_of(job.page), text);
   return text;
 }
 
@@ -197,7 +198,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     if (file.format != FileFormat::Gltf) warn_of_size(report, file.bytes.size(), context);
     result.fitted.push_back(std::move(made.fitted));
   });
-  report.host_peak_bytes = peak_host_bytes();
+  report.host_peak_bytes = platform::peak_memory();
   report.device_bytes = backend.peak_device_bytes();
   if (watch.details) watch.details(details(report));
   write_report(job, report, staged);
@@ -244,12 +245,12 @@ std::vector<WrittenOutput> write_fitted(const FittedMesh& fitted, Job job, PathC
 JobResult run(Job job, Backend& backend, const JobWatch& watch) {
   PathClaims claims({.overwrite = job.overwrites, .create_folders = job.makes_folders});
   const FileReach reach = job.settings.textures;
-  if (job.input != "-") claims.add_input(job.input, job.input_format, reach);
-  if (!job.source.empty()) claims.add_input(job.source, {}, reach);
+  if (job.input != "-") claims.add_input(path_of(job.input), job.input_format, reach);
+  if (!job.source.empty()) claims.add_input(path_of(job.source), {}, reach);
   const std::vector<PlannedOutput> outputs =
       plan_outputs(job, claims, [](const std::function<void()>& check) { check(); });
-  if (!job.report.empty()) claims.add_report(job.report, "report");
-  if (!job.page.empty()) claims.add_page(job.page, "page");
+  if (!job.report.empty()) claims.add_report(path_of(job.report), "report");
+  if (!job.page.empty()) claims.add_page(path_of(job.page), "page");
   const Callbacks host{.cancelled = watch.cancelled};
   const HostScope scope(host);
   const LimitScope limits(job.limits);
@@ -282,17 +283,16 @@ Job file_job(const std::filesystem::path& input, const std::filesystem::path& ou
   require_file(options.page, "page");
   require_file(options.source, "source");
   Job job;
-  job.input = input.string();
+  job.input = utf8(input);
   job.name = visible(input.stem());
   job.label = input_name(job.input);
   job.settings = options.settings;
-  job.outputs = {surface_request(job.settings, output.string(), "output")};
+  job.outputs = {surface_request(job.settings, utf8(output), "output")};
   if (!options.cage.empty())
-    job.outputs.push_back(
-        {.path = options.cage.string(), .kind = OutputKind::Cage, .where = "cage"});
-  job.report = options.report.string();
-  job.page = options.page.string();
-  job.source = options.source.string();
+    job.outputs.push_back({.path = utf8(options.cage), .kind = OutputKind::Cage, .where = "cage"});
+  job.report = utf8(options.report);
+  job.page = utf8(options.page);
+  job.source = utf8(options.source);
   job.digests = is_reported(job);
   job.limits = options.limits;
   job.overwrites = true;
@@ -335,7 +335,7 @@ WrittenOutput write_fitted_surface(const std::filesystem::path& path, const Fitt
   job.settings = options.settings;
   job.settings.scheme = fitted.options.scheme;
   job.settings.tolerance = fitted.options.tolerance;
-  job.outputs = {surface_request(job.settings, path.string(), "path")};
+  job.outputs = {surface_request(job.settings, utf8(path), "path")};
   job.digests = job.measures = false;
   PathClaims claims({.overwrite = true});
   if (options.inputs != nullptr) claims.add_inputs(*options.inputs);
@@ -404,10 +404,10 @@ std::vector<std::string> fit_files(std::span<const std::filesystem::path> inputs
   Backend& backend = own ? *own : *options.backend;
   std::vector<Job> jobs;
   for (const std::filesystem::path& input : inputs) {
-    const std::string stem = input.stem().string();
+    const std::string stem = utf8(input.stem());
     FitFileOptions one{.settings = options.settings, .limits = options.limits};
-    if (!options.pages.empty()) one.page = options.pages / (stem + ".html");
-    jobs.push_back(file_job(input, folder / (stem + "." + options.extension), one));
+    if (!options.pages.empty()) one.page = options.pages / path_of(stem + ".html");
+    jobs.push_back(file_job(input, folder / path_of(stem + "." + options.extension), one));
     jobs.back().makes_folders = true;
     jobs.back().page_options.times = options.page_times;
     jobs.back().page_options.small_width = kSmallWidth;
@@ -423,7 +423,7 @@ std::vector<std::string> fit_files(std::span<const std::filesystem::path> inputs
         jobs[i], backend, share_of(options.callbacks, done / count, (done + 1) / count), row));
     row.name = jobs[i].name;
     row.failure = relative_to(std::filesystem::current_path(), failures.back());
-    row.page = inputs[i].stem().string() + ".html";
+    row.page = utf8(inputs[i].stem()) + ".html";
     if (!options.pages.empty()) rows.push_back(std::move(row));
   }
   if (!options.pages.empty()) {

@@ -109,14 +109,14 @@ PolygonMesh tagged(PolygonMesh mesh, const Settings& settings, const std::string
 
 bool writes_obj(const Job& job) {
   return std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
-    return format_of(output.path) == FileFormat::Obj;
+    return format_of(path_of(output.path)) == FileFormat::Obj;
   });
 }
 
 bool writes_gltf(const Job& job) {
   return std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
     if (output.path == "-") return true;
-    const auto format = format_of(output.path);
+    const auto format = format_of(path_of(output.path));
     return output.kind == OutputKind::Surface && format &&
            (info_of(*format).is_gltf || info_of(*format).is_tiles || info_of(*format).is_brep ||
             format == FileFormat::Usda);
@@ -185,7 +185,7 @@ bool may_be_points(const Job& job) {
     return false;
   // What a pipe gives comes once.
   constexpr std::uint64_t kHead = std::uint64_t{1} << 16;
-  const NamedFile head = read_named_start(job.input, job.input, FileReach::Anywhere, kHead);
+  const NamedFile head = read_named_start(path_of(job.input), path_of(job.input), FileReach::Anywhere, kHead);
   std::string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.bytes.size());
   text = text.substr(0, text.find("\nend_header"));
   return text.starts_with("ply") && text.find("\nelement face") == std::string_view::npos;
@@ -229,7 +229,7 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
   const bool is_fair = report.fit.method == InterpolationMethod::Fair;
   const auto has_surface = [&](bool (*is_wanted)(const FormatInfo&)) {
     return std::ranges::any_of(job.outputs, [&](const OutputRequest& output) {
-      const auto format = output.path == "-" ? FileFormat::Glb : format_of(output.path);
+      const auto format = output.path == "-" ? FileFormat::Glb : format_of(path_of(output.path));
       return output.kind == OutputKind::Surface && format && is_wanted(info_of(*format));
     });
   };

@@ -191,7 +191,7 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
 
 WrittenOutput counted_output(const PlannedOutput& planned, const SurfaceInfo& info) {
   WrittenOutput written;
-  written.path = planned.path.string();
+  written.path = utf8(planned.path);
   written.kind = planned.kind;
   written.fineness = planned.fineness;
   written.vertices = info.row_count;
@@ -245,7 +245,7 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
   tiles.gltf.observe = digest.observer();
   const TilesFile file = write_tiles(target, surface, tiles);
   WrittenOutput written;
-  written.path = planned.path.string();
+  written.path = utf8(planned.path);
   written.fineness = planned.fineness;
   written.bytes = file.byte_count;
   written.sha256 = digest.finish();
@@ -280,7 +280,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
        .is_z_up = settings.up == UpAxis::Z,
        .materials = {&materials, planned.path.parent_path()}});
   WrittenOutput written;
-  written.path = planned.path.string();
+  written.path = utf8(planned.path);
   written.kind = planned.kind;
   written.vertices = cage.vertex_count();
   for (std::int32_t face = 0; face < cage.face_count(); ++face) {
@@ -319,7 +319,7 @@ WrittenOutput write_step_output(const PlannedOutput& planned, const std::filesys
                              .callbacks = options.gltf.callbacks};
   const StepFigures figures = write_fitted_step(target, fitted, step, limit);
   WrittenOutput written;
-  written.path = planned.path.string();
+  written.path = utf8(planned.path);
   written.bytes = figures.byte_count;
   written.sha256 = digest.finish();
   written.vertices = figures.vertices;

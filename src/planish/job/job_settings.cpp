@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <string_view>
@@ -158,7 +157,7 @@ std::vector<std::string> cage_header_lines(FitSettings settings, InterpolationMe
       const std::string text = option.get(settings);
       if (!text.empty()) add(option.name, text);
     }
-    if (has_default) add("source", plain_utf8(std::filesystem::path(source).filename().string()));
+    if (has_default) add("source", plain_utf8(utf8(path_of(source).filename())));
   }
   if (!settings.creases.finds_features && !settings.creases.dihedral_degrees) return lines;
   add_found(lines, kEdgesKey, found.edges, [](const std::array<std::int32_t, 2>& edge) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "planish/adaptive/adaptive_blocks.h"
+#include "planish/core/words.h"
 #include "planish/files/formats.h"
 #include "planish/job/job_input.h"
 #include "planish/job/job_outputs.h"
@@ -293,8 +294,7 @@ SurfaceOutputOptions surface_options(const FittedJob& work) {
   options.tolerance = job.settings.tolerance;
   options.digests = job.digests;
   options.gltf.compression = job.settings.compression;
-  const std::string stem =
-      job.input == "-" ? job.name : std::filesystem::path(job.input).stem().string();
+  const std::string stem = job.input == "-" ? job.name : utf8(path_of(job.input).stem());
   options.gltf.name = plain_utf8(stem);
   options.gltf.double_sided = report.input.statistics.boundary_loop_count > 0;
   options.gltf.materials = &work.made.materials.gltf;

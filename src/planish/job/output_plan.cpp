@@ -1,12 +1,10 @@
 #include "planish/job/output_plan.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <climits>
 
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/words.h"
 #include "planish/files/tiles/tile.h"
 #include "planish/files/tiles/write_tiles.h"
@@ -19,15 +17,15 @@ namespace {
 namespace fs = std::filesystem;
 
 FileFormat format_for(const OutputRequest& request) {
-  const auto format = format_of(request.path);
+  const auto format = format_of(path_of(request.path));
   const bool cage = request.kind == OutputKind::Cage;
   const FormatUse use = cage ? FormatUse::WriteCage : FormatUse::WriteSurface;
   if (!format || !serves(*format, use)) {
-    const std::string converter = cage ? "" : conversion_from_glb(request.path);
+    const std::string converter = cage ? "" : conversion_from_glb(path_of(request.path));
     refuse(request.where,
            visible(request.path) + ": a " + (cage ? "cage" : "surface") + " is written as " +
                extensions_in_words(use) + (converter.empty() ? "" : "; " + converter) +
-               (fs::path(request.path).has_extension() || cage
+               (path_of(request.path).has_extension() || cage
                     ? ""
                     : "; a folder ends with a slash, as " + visible(request.path) + "/"));
   }
@@ -37,8 +35,8 @@ FileFormat format_for(const OutputRequest& request) {
 // Where the path leads, symbolic links resolved, so that two spellings of a file meet.
 fs::path resolved(const fs::path& path) {
   std::error_code error;
-  fs::path result = fs::weakly_canonical(fs::absolute(path), error);
-  return error ? fs::absolute(path).lexically_normal() : result;
+  const fs::path result = fs::weakly_canonical(fs::absolute(path), error);
+  return platform::comparable(error ? fs::absolute(path).lexically_normal() : result);
 }
 
 // The folder that has to be there: the path's own, or the first above it that exists where the
@@ -118,7 +116,7 @@ void PathClaims::check_folder(const fs::path& path, std::string_view where) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     refuse_place(path, where, ": there is no folder " + visible(folder) + "; make it first");
-  } else if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+  } else if (!platform::may_write_into(folder)) {
     refuse_place(path, where, ": the folder " + visible(folder) + " is not writable");
   }
 }
@@ -142,10 +140,8 @@ void PathClaims::add_output(const fs::path& path, std::string_view where,
   if (outputs_.contains(target.parent_path()))
     refuse(where, visible(path) + " lies in the folder of tiles; choose another");
   std::error_code error;
-  if (path.filename().native().size() > NAME_MAX) {
-    refuse_place(
-        path, where,
-        formatted(": no file name is longer than {} bytes; choose a shorter one", NAME_MAX));
+  if (const std::string why = platform::objection_to_name(path); !why.empty()) {
+    refuse_place(path, where, ": " + why);
   } else if (fs::is_directory(path, error)) {
     refuse_place(path, where, " is a folder");
   } else if (fs::is_other(fs::status(path, error))) {
@@ -216,7 +212,7 @@ void require_attribute_formats(const std::vector<PlannedOutput>& outputs) {
                          output.format == FileFormat::Usda;
     if (output.kind == OutputKind::Cage || carries) continue;
     refuse("--attributes",
-           output.path.string() + " cannot hold them; .glb, .gltf, .ply and .usda can");
+           utf8(output.path) + " cannot hold them; .glb, .gltf, .ply and .usda can");
   }
 }
 
@@ -276,24 +272,24 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
   const FileFormat format = format_for(request);
   std::vector<PlannedOutput> planned;
   if (request.kind == OutputKind::Cage) {
-    planned.push_back({request.path, request.kind, format, {}});
+    planned.push_back({path_of(request.path), request.kind, format, {}});
   } else if (info_of(format).is_tiles) {
     if (request.adaptive.any())
       refuse(request.where,
              visible(request.path) + ": 3D Tiles have levels, not a chord error or an angle");
     // All levels up to the finest are in one set.
-    planned.push_back({request.path,
+    planned.push_back({path_of(request.path),
                        request.kind,
                        format,
                        {std::ranges::max(request.levels), 0, 0, request.by_density}});
   } else if (info_of(format).is_brep) {
-    planned.push_back({request.path, request.kind, format, {}});
+    planned.push_back({path_of(request.path), request.kind, format, {}});
   } else {
     for (std::size_t i = 0; i < finenesses.size(); ++i) {
-      fs::path path = request.path;
+      fs::path path = path_of(request.path);
       if (several) {
         path.replace_filename(
-            formatted("{}_LOD{}{}", path.stem().string(), i, path.extension().string()));
+            path_of(formatted("{}_LOD{}{}", utf8(path.stem()), i, utf8(path.extension()))));
       }
       planned.push_back({path, request.kind, format, finenesses[i], false, coarser});
     }

@@ -1,13 +1,11 @@
 #include "planish/job/report.h"
 
 #include <oneapi/tbb/task_arena.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <string>
 
 #include "planish/core/error.h"
@@ -336,20 +334,6 @@ OrderedJson to_json(const JobReport& report) {
 }
 
 std::string report_json(const JobReport& report) { return json_text(to_json(report)); }
-
-std::uint64_t peak_host_bytes() {
-#ifdef __linux__
-  // What getrusage() says begins with the memory of who started the process.
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word && word != "VmHWM:") {
-  }
-  if (std::uint64_t kibibytes = 0; status >> kibibytes) return 1024 * kibibytes;
-#endif
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
-}
 
 namespace {
 

@@ -168,7 +168,4 @@ inline constexpr int kFallsShortCode = 5;
 /// "0.001 of the diagonal: vertices are left by 0.0004 rms, ..."
 [[nodiscard]] std::string within_text(const WithinFit& within);
 
-/// Highest memory that this process has held.
-[[nodiscard]] std::uint64_t peak_host_bytes();
-
 }  // namespace planish

@@ -1,22 +1,17 @@
 #include "planish/job/staged_files.h"
 
-#include <dirent.h>
-#include <fcntl.h>
-#include <stdlib.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstddef>
-#include <cstring>
 #include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/output_file.h"
+#include "planish/core/platform/files.h"
 #include "planish/core/words.h"
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -37,29 +32,7 @@ Folders& folders() {
   return *instance;
 }
 
-// By its name in an open folder.
-void remove_at(int folder, const char* name) noexcept {
-  if (::unlinkat(folder, name, 0) == 0) return;
-  const int opened = ::openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (opened < 0) return;
-  DIR* const entries = ::fdopendir(opened);
-  if (entries == nullptr) {
-    ::close(opened);
-    return;
-  }
-  while (const dirent* const entry = ::readdir(entries)) {
-    const std::string_view inside = entry->d_name;
-    if (inside != "." && inside != "..") remove_at(opened, entry->d_name);
-  }
-  ::closedir(entries);
-  ::unlinkat(folder, name, AT_REMOVEDIR);
-}
-
 }  // namespace
-
-void remove_folder(const std::filesystem::path& folder) noexcept {
-  remove_at(AT_FDCWD, folder.c_str());
-}
 
 void add_temporary_folder(const std::filesystem::path& folder) {
   const std::scoped_lock lock(folders().mutex);
@@ -75,7 +48,7 @@ std::unique_lock<std::mutex> while_files_move() { return std::unique_lock(folder
 
 void remove_temporary_folders() {
   folders().mutex.lock();  // for good
-  for (const auto& folder : folders().all) remove_folder(folder);
+  for (const auto& folder : folders().all) platform::remove_folder(folder);
 }
 
 namespace fs = std::filesystem;
@@ -83,7 +56,7 @@ namespace fs = std::filesystem;
 namespace {
 
 void rename(const fs::path& from, const fs::path& to, bool replaces, const fs::path& target) {
-  const std::error_code error = rename_file(from, to, replaces);
+  const std::error_code error = platform::rename_file(from, to, replaces);
   if (!error) return;
   const bool has_come = error == std::errc::file_exists || error == std::errc::directory_not_empty;
   throw Error(ErrorCode::UnwritableOutput,
@@ -96,14 +69,14 @@ fs::path staged_folder(const fs::path& temporary, const fs::path& beside) {
 }
 
 void take_back(const fs::path& from, const fs::path& to) {
-  [[maybe_unused]] const std::error_code ignored = rename_file(from, to, true);
+  [[maybe_unused]] const std::error_code ignored = platform::rename_file(from, to, true);
 }
 
 }  // namespace
 
 StagedFiles::~StagedFiles() {
   for (const Folder& folder : folders_) {
-    remove_folder(folder.temporary);
+    platform::remove_folder(folder.temporary);
     forget_temporary_folder(folder.temporary);
   }
 }
@@ -114,16 +87,17 @@ fs::path StagedFiles::stage(const fs::path& path) {
   if (folder == folders_.end()) {
     std::error_code error;
     fs::create_directories(target, error);
-    std::string name = (target / ".planish-XXXXXX").string();
-    if (error || ::mkdtemp(name.data()) == nullptr) {
+    fs::path name;
+    if (!error) name = platform::make_temporary_folder(target, error);
+    if (error) {
       throw Error(ErrorCode::UnwritableOutput,
                   formatted("{}: cannot write into {}: {}", visible(path), visible(target),
-                            error ? error.message() : std::strerror(errno)));
+                            error.message()));
     }
     try {
       folders_.push_back({target, name});
     } catch (...) {
-      ::rmdir(name.c_str());
+      platform::remove_folder(name);
       throw;
     }
     folder = folders_.end() - 1;
@@ -224,7 +198,7 @@ std::size_t own_buffers(const fs::path& document) {
   if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return 0;
   std::size_t count = 0;
   for (const nlohmann::json& buffer : json["buffers"]) {
-    const std::string name = encode_uri(gltf_buffer_path(document, count).filename().string());
+    const std::string name = encode_uri(utf8(gltf_buffer_path(document, count).filename()));
     if (!buffer.is_object() || buffer.value("uri", nlohmann::json()) != name) break;
     ++count;
   }

@@ -15,10 +15,6 @@ namespace planish {
 void add_temporary_folder(const std::filesystem::path& folder);
 void forget_temporary_folder(const std::filesystem::path& folder);
 
-/// Removes it with all that it holds, as far as that can be. Takes no memory by `new`: what ran out
-/// of that ends here, and std::filesystem::remove_all() would end the process.
-void remove_folder(const std::filesystem::path& folder) noexcept;
-
 /// Held while files are put in place, so that all of them are there or none.
 [[nodiscard]] std::unique_lock<std::mutex> while_files_move();
 

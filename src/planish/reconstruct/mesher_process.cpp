@@ -1,25 +1,16 @@
 #include "planish/reconstruct/mesher_process.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
+#include "planish/core/platform/process.h"
+#include "planish/core/words.h"
 #include "planish/reconstruct/mesher_protocol.h"
-
-extern char** environ;
 
 namespace planish {
 namespace {
@@ -29,62 +20,13 @@ constexpr int kPollMilliseconds = 50;  // between tests for cancelling
 constexpr std::size_t kMessageHead = 9;
 constexpr std::int64_t kLongestText = 1 << 16;
 
-class Child {
- public:
-  explicit Child(const std::filesystem::path& program) : program_(program.string()) {
-    int sockets[2];
-    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0) fail_to_start(errno);
-    socket_ = sockets[0];
-    ::fcntl(socket_, F_SETFL, O_NONBLOCK);
-    posix_spawn_file_actions_t actions;
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_adddup2(&actions, sockets[1], STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions, sockets[1], STDOUT_FILENO);
-    char* arguments[] = {program_.data(), nullptr};
-    const int failed =
-        ::posix_spawn(&process_, program_.c_str(), &actions, nullptr, arguments, environ);
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::close(sockets[1]);
-    if (failed != 0) {
-      process_ = -1;
-      ::close(socket_);
-      fail_to_start(failed);
-    }
-  }
-  ~Child() {
-    ::close(socket_);
-    if (process_ < 0) return;
-    ::kill(process_, SIGKILL);
-    (void)wait();
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  [[nodiscard]] int socket() const { return socket_; }
-  [[nodiscard]] const std::string& program() const { return program_; }
-  // The status of the ended process.
-  int wait() {
-    int status = 0;
-    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-    }
-    process_ = -1;
-    return status;
-  }
-
- private:
-  [[noreturn]] void fail_to_start(int reason) const {
-    throw Error(ErrorCode::NoDevice, program_ + ": cannot start: " + std::strerror(reason));
-  }
-
-  std::string program_;
-  pid_t process_ = -1;
-  int socket_ = -1;
-};
-
 class Conversation {
  public:
-  Conversation(Child& child, std::span<const glm::dvec3> points, const Callbacks& callbacks)
-      : child_(child), callbacks_(callbacks), point_count_(points.size()) {
+  Conversation(const std::filesystem::path& program, std::span<const glm::dvec3> points,
+               const Callbacks& callbacks)
+      : program_(utf8(program)), callbacks_(callbacks), point_count_(points.size()) {
+    if (const std::error_code error = child_.start(program))
+      throw Error(ErrorCode::NoDevice, program_ + ": cannot start: " + error.message());
     const auto count = static_cast<std::int64_t>(points.size());
     std::memcpy(head_.data(), kMesherMagic.data(), kMesherMagic.size());
     std::memcpy(head_.data() + kMesherMagic.size(), &count, sizeof count);
@@ -95,11 +37,11 @@ class Conversation {
     const HostScope host(callbacks_);
     while (!finished_) {
       check_stop();
-      pollfd wanted{.fd = child_.socket(), .events = POLLIN, .revents = 0};
-      if (has_unsent()) wanted.events |= POLLOUT;
-      if (::poll(&wanted, 1, kPollMilliseconds) < 0 && errno != EINTR) fail(std::strerror(errno));
-      if (wanted.revents & POLLOUT) send_some();
-      if (wanted.revents & (POLLIN | POLLHUP | POLLERR)) receive_some();
+      std::error_code error;
+      const auto ready = child_.wait(has_unsent(), kPollMilliseconds, error);
+      if (error) fail(error.message());
+      if (ready.to_send) send_some();
+      if (ready.to_receive) receive_some();
     }
     return std::move(triangles_);
   }
@@ -110,22 +52,19 @@ class Conversation {
   void send_some() {
     for (auto& part : unsent_) {
       if (part.empty()) continue;
-      const ssize_t sent = ::send(child_.socket(), part.data(), part.size(), MSG_NOSIGNAL);
-      // A broken connection shows when the answer is read.
-      if (sent > 0) part = part.subspan(static_cast<std::size_t>(sent));
+      part = part.subspan(child_.send(part));
       if (!part.empty()) return;
     }
-    ::shutdown(child_.socket(), SHUT_WR);
+    child_.end_sending();
   }
 
   void receive_some() {
     constexpr std::size_t kChunk = 1 << 16;
     const std::size_t size = received_.size();
     received_.resize(size + kChunk);
-    const ssize_t count = ::recv(child_.socket(), received_.data() + size, kChunk, 0);
-    received_.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    const bool again = count < 0 && (errno == EAGAIN || errno == EINTR);
-    if (count <= 0 && !again) explain_end();
+    const auto count = child_.receive(std::span(received_).subspan(size));
+    received_.resize(size + count.value_or(0));
+    if (!count) explain_end();
     while (!finished_ && take_message()) {
     }
   }
@@ -183,24 +122,24 @@ class Conversation {
 
   [[noreturn]] void explain_end() {
     check_stop();
-    const int status = child_.wait();
-    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
+    const platform::Ending end = child_.wait_for_end();
+    if (end.was_killed)
       throw Error(
           ErrorCode::OutOfMemory,
           formatted("{}: was killed while meshing {} points; it takes about 2 kB of memory a point",
-                    child_.program(), point_count_));
-    fail(WIFSIGNALED(status)
-             ? formatted("was ended by signal {}", WTERMSIG(status))
-             : formatted("ended with code {} without an answer", WEXITSTATUS(status)));
+                    program_, point_count_));
+    fail(end.signal != 0 ? formatted("was ended by signal {}", end.signal)
+                         : formatted("ended with code {} without an answer", end.code));
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error(ErrorCode::InvalidArgument,
-                formatted("{}: {}; is it the planish-reconstruct of this version?",
-                          child_.program(), what));
+    throw Error(
+        ErrorCode::InvalidArgument,
+        formatted("{}: {}; is it the planish-reconstruct of this version?", program_, what));
   }
 
-  Child& child_;
+  std::string program_;
+  platform::ChildProcess child_;
   const Callbacks& callbacks_;
   std::size_t point_count_;
   std::array<char, 16> head_;
@@ -210,37 +149,28 @@ class Conversation {
   bool finished_ = false;
 };
 
-bool is_program(const std::filesystem::path& path) {
-  return std::filesystem::is_regular_file(path) && ::access(path.c_str(), X_OK) == 0;
-}
-
 }  // namespace
 
 std::optional<std::filesystem::path> find_mesher_program() {
-  if (const char* named = std::getenv("PLANISH_RECONSTRUCT"); named && *named) {
-    if (is_program(named)) return named;
+  if (const auto named = platform::environment("PLANISH_RECONSTRUCT"); named && !named->empty()) {
+    if (std::filesystem::path program = path_of(*named); platform::is_program(program))
+      return program;
     return std::nullopt;
   }
-  std::error_code ignored;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored);
-  if (!ignored && is_program(self.parent_path() / kProgramName))
-    return self.parent_path() / kProgramName;
-  const char* path = std::getenv("PATH");
-  std::string_view folders = path ? path : "";
-  while (!folders.empty()) {
-    const std::string_view folder = folders.substr(0, folders.find(':'));
-    folders.remove_prefix(std::min(folders.size(), folder.size() + 1));
-    if (!folder.empty() && is_program(std::filesystem::path(folder) / kProgramName))
-      return std::filesystem::path(folder) / kProgramName;
-  }
+  std::vector<std::filesystem::path> folders = platform::program_folders();
+  if (const auto self = platform::own_program())
+    folders.insert(folders.begin(), self->parent_path());
+  for (const std::filesystem::path& folder : folders)
+    if (std::filesystem::path program = platform::program_in(folder, kProgramName);
+        platform::is_program(program))
+      return program;
   return std::nullopt;
 }
 
 Mesher mesher_process(std::filesystem::path program) {
   return [program = std::move(program)](std::span<const glm::dvec3> points,
                                         const Callbacks& callbacks) {
-    Child child(program);
-    return Conversation(child, points, callbacks).run();
+    return Conversation(program, points, callbacks).run();
   };
 }
 

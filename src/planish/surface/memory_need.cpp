@@ -1,20 +1,13 @@
 #include "planish/surface/memory_need.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-#ifdef __EMSCRIPTEN__
-#include <emscripten/heap.h>
-#include <malloc.h>
-#endif
-
 #include <algorithm>
 #include <atomic>
-#include <fstream>
 #include <limits>
 #include <string>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
+#include "planish/core/platform/machine.h"
 #include "planish/core/words.h"
 
 namespace planish {
@@ -75,12 +68,6 @@ std::string counts_text(std::span<const LevelCounts> levels) {
                    counted(levels.back().vertices, "vertex"), counted(levels.back().faces, "face"));
 }
 
-std::uint64_t read_number(const char* path) {
-  std::uint64_t value = 0;
-  std::ifstream file(path);
-  return file >> value ? value : std::numeric_limits<std::uint64_t>::max();
-}
-
 std::uint64_t patch_bytes(std::span<const LevelCounts> levels, LastLevel last,
                           const RefinedAttributes& attributes) {
   // The faces of level 1 are the corners; at least three a face.
@@ -106,18 +93,6 @@ std::uint64_t patch_bytes(std::span<const LevelCounts> levels, LastLevel last,
   if (attributes.colors) bytes += kPatchColorBytes * vertices;
   if (attributes.groups) bytes += kGroupFaceBytes * faces;
   return bytes;
-}
-
-// What a limit of the process (ulimit -v) leaves.
-std::uint64_t address_space_left() {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
-    return std::numeric_limits<std::uint64_t>::max();
-  std::ifstream file("/proc/self/statm");
-  std::uint64_t pages = 0;
-  file >> pages;
-  const std::uint64_t used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  return limit.rlim_cur - std::min<std::uint64_t>(limit.rlim_cur, used);
 }
 
 }  // namespace
@@ -156,22 +131,7 @@ std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel 
 namespace {
 
 std::uint64_t free_on_machine() {
-#ifdef __EMSCRIPTEN__
-  return ::emscripten_get_heap_max() - ::mallinfo().uordblks;
-#endif
-  std::uint64_t available = address_space_left();
-  std::ifstream file("/proc/meminfo");
-  std::string key, unit;
-  std::uint64_t kibibytes = 0;
-  while (file >> key >> kibibytes && std::getline(file, unit)) {
-    if (key == "MemAvailable:") available = std::min(available, kibibytes * 1024);
-  }
-  const std::uint64_t group_limit = read_number("/sys/fs/cgroup/memory.max");
-  const std::uint64_t group_used = read_number("/sys/fs/cgroup/memory.current");
-  if (group_limit != std::numeric_limits<std::uint64_t>::max() &&
-      group_used != std::numeric_limits<std::uint64_t>::max()) {
-    available = std::min(available, group_limit - std::min(group_limit, group_used));
-  }
+  const std::uint64_t available = platform::free_memory();
   const std::uint64_t elsewhere = memory_elsewhere;
   return available + std::min(elsewhere, std::numeric_limits<std::uint64_t>::max() - available);
 }

@@ -131,6 +131,8 @@ def unit_of(name):
     folders = pathlib.PurePath(name).parts
     if name.startswith("src/planish/reconstruct/cgal/"):
         return "src/planish/reconstruct/cgal"
+    if name.startswith("src/planish/core/platform/"):  # each alone, and one of them
+        return name
     return "/".join(folders[:3] if folders[0] == "src" or folders[1] in ("dev", "products") else folders[:2])
 
 

@@ -2,7 +2,6 @@
 // every rank makes its slice of, so that no file and no machine has to hold it. Prints what each
 // phase took, CPU time without waiting for others, and bytes a vertex.
 #include <mpi.h>
-#include <time.h>
 
 #include <algorithm>
 #include <charconv>
@@ -13,16 +12,13 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/platform/machine.h"
 #include "planish/distributed/fit_distributed.h"
 
 namespace planish {
 namespace {
 
-double seconds_of(clockid_t clock) {
-  timespec time{};
-  (void)clock_gettime(clock, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
+double seconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
 
 // CPU time of this thread inside MPI, where it waits by looking again and again.
 double seconds_in_mpi = 0;
@@ -31,8 +27,8 @@ double seconds_in_mpi = 0;
 
 class MpiTimer {
  public:
-  MpiTimer() : begin_(seconds_of(CLOCK_THREAD_CPUTIME_ID)) {}
-  ~MpiTimer() { seconds_in_mpi += seconds_of(CLOCK_THREAD_CPUTIME_ID) - begin_; }
+  MpiTimer() : begin_(seconds(platform::thread_nanoseconds())) {}
+  ~MpiTimer() { seconds_in_mpi += seconds(platform::thread_nanoseconds()) - begin_; }
   MpiTimer(const MpiTimer&) = delete;
   MpiTimer& operator=(const MpiTimer&) = delete;
 
@@ -143,7 +139,7 @@ void take_outputs(const std::vector<std::string>& arguments, DistributedOptions&
 
 // What each rank worked, on all of its threads: what a core of a quiet machine would take.
 void print_work(const Ranks& ranks, const DistributedFit& fit) {
-  const double work = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - seconds_in_mpi;
+  const double work = seconds(platform::process_nanoseconds()) - seconds_in_mpi;
   const double most = max_over(ranks, work), least = min_over(ranks, work);
   const double share = static_cast<double>(fit.vertices) / ranks.size / 1e6;
   if (ranks.rank == 0)

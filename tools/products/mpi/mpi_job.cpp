@@ -202,7 +202,7 @@ MpiJob mpi_job_of(const Job& job, const MpiSettings& own) {
   options.cage = made.cage;
   options.resume = own.resume && !made.tiles.empty();
   options.replaces = own.force;
-  options.tiles_options.gltf.name = plain_utf8(std::filesystem::path(job.input).stem().string());
+  options.tiles_options.gltf.name = plain_utf8(utf8(std::filesystem::path(job.input).stem()));
   options.cage_header = cage_header_lines(made.settings, options.method, job.input);
   if (own.block_vertices) options.block_vertices = *own.block_vertices;
   made.report = job.report;
@@ -240,7 +240,7 @@ void make_folders(const MpiJob& job) {
     if (error)
       throw Error(ErrorCode::UnwritableOutput,
                   formatted("{}: cannot make the folder {}: {}", visible(path),
-                            visible(folder.string()), error.message()));
+                            visible(folder), error.message()));
   }
 }
 

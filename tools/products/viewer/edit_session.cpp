@@ -7,6 +7,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/words.h"
 #include "planish/files/formats.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
@@ -285,15 +286,15 @@ FileFormat format_for(const std::filesystem::path& path, SavedPart part) {
   if (format && (is_surface ? info_of(*format).is_gltf : serves(*format, FormatUse::WriteCage)))
     return *format;
   throw Error(ErrorCode::InvalidArgument,
-              path.string() + (is_surface ? ": surfaces are saved as .glb or .gltf"
-                                          : ": meshes and cages are saved as " +
-                                                extensions_in_words(FormatUse::WriteCage)));
+              utf8(path) + (is_surface ? ": surfaces are saved as .glb or .gltf"
+                                       : ": meshes and cages are saved as " +
+                                             extensions_in_words(FormatUse::WriteCage)));
 }
 
 void save_surface(const EditSession& session, const std::filesystem::path& path,
                   const SaveOptions& options) {
   GltfOptions gltf;
-  gltf.name = std::filesystem::path(options.source).stem().string();
+  gltf.name = utf8(std::filesystem::path(options.source).stem());
   if (gltf.name.empty()) gltf.name = "surface";
   write_gltf(path, *session.editor().blocks(options.level), gltf);
 }

@@ -15,6 +15,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/vectors.h"
+#include "planish/core/words.h"
 #include "planish/job/job_input.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/solve/backend.h"
@@ -151,7 +152,7 @@ Job job_of(const std::string& path, const std::string& name) {
   if (!name.empty())
     throw Error(ErrorCode::InvalidArgument, "--job " + name + ": " + path + " is no scene file");
   Job job;
-  job.name = std::filesystem::path(path).stem().string();
+  job.name = utf8(std::filesystem::path(path).stem());
   job.input = path;
   return job;
 }

@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/json.h"
+#include "planish/core/words.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
 #include "planish/surface/memory_need.h"
@@ -258,7 +259,7 @@ void add_uris(const nlohmann::json& value, const std::filesystem::path& folder,
       uri != value.end() && uri->is_string()) {
     const auto& text = uri->get_ref<const std::string&>();
     const auto name = text.starts_with("data:") ? std::nullopt : decode_uri_path(text);
-    if (name) files.push_back(folder / *name);
+    if (name) files.push_back(folder / path_of(*name));
   }
   for (const nlohmann::json& member : value) add_uris(member, folder, files);
 }
@@ -364,7 +365,7 @@ std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri,
   if (const std::string_view why = why_no_file(name); !why.empty())
     uri.fail("{} {}", quote(text), why);
   if (path_.empty()) uri.fail(quote(text) + " is another file, but only embedded data can be read");
-  const std::filesystem::path path = path_.parent_path() / name;
+  const std::filesystem::path path = path_.parent_path() / path_of(name);
   NamedFile file =
       wanted ? read_named_start(path, path_, reach_, *wanted) : read_named(path, path_, reach_);
   if (!file.trouble.empty()) uri.fail(file.trouble + "; it belongs to this file, copy it along");

@@ -291,8 +291,7 @@ std::string GltfDocument::text(const std::filesystem::path& gltf) {
   for (std::size_t i = 0; i <= full_buffers.size(); ++i) {
     const std::uint64_t bytes = i < full_buffers.size() ? full_buffers[i] : buffer_bytes;
     buffers.push_back({{"byteLength", bytes}});
-    if (!gltf.empty())
-      buffers[i]["uri"] = encode_uri(gltf_buffer_path(gltf, i).filename().string());
+    if (!gltf.empty()) buffers[i]["uri"] = encode_uri(utf8(gltf_buffer_path(gltf, i).filename()));
   }
   if (decoded_bytes > 0)
     buffers.push_back({{"byteLength", decoded_bytes},
@@ -349,7 +348,7 @@ GltfDocument plain_document(std::span<const GltfPayload> surfaces, const GltfOpt
 
 GltfFile write_document(const std::filesystem::path& path, GltfDocument document,
                         const GltfOptions& options) {
-  const bool is_glb = lower_case(path.extension().string()) == ".glb";
+  const bool is_glb = lower_case(utf8(path.extension())) == ".glb";
   const GltfFile written{.byte_count = is_glb ? write_glb(path, document, options)
                                               : write_pair(path, document, options),
                          .vertex_count = document.vertex_count,
@@ -507,7 +506,7 @@ std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOption
 
 GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surface,
                     const GltfOptions& options) {
-  const std::string extension = lower_case(path.extension().string());
+  const std::string extension = lower_case(utf8(path.extension()));
   if (extension != ".glb" && extension != ".gltf") {
     throw Error(ErrorCode::InvalidArgument,
                 visible(path) + ": extension is neither .glb nor .gltf");
@@ -526,7 +525,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
 std::filesystem::path gltf_buffer_path(const std::filesystem::path& document, std::size_t index) {
   std::filesystem::path path = document;
   if (index == 0) return path.replace_extension(".bin");
-  return path.replace_filename(formatted("{}-{}.bin", document.stem().string(), index + 1));
+  return path.replace_filename(path_of(formatted("{}-{}.bin", utf8(document.stem()), index + 1)));
 }
 
 std::vector<std::byte> encode_glb(const SurfaceMesh& surface, const GltfOptions& options) {

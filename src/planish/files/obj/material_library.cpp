@@ -99,9 +99,9 @@ std::string moved_line(const std::string& line, const fs::path& from, const fs::
   std::string name(texture);
   std::ranges::replace(name, '\\', '/');
   const bool has_drive = name.size() > 1 && name[1] == ':';
-  if (name.empty() || fs::path(name).is_absolute() || has_drive) return line;
+  if (name.empty() || path_of(name).is_absolute() || has_drive) return line;
   std::error_code error;
-  const fs::path moved = fs::relative(from / name, to, error);
+  const fs::path moved = fs::relative(from / path_of(name), to, error);
   if (error || moved.empty() || fs::equivalent(from, to, error)) return line;
   const std::size_t at = static_cast<std::size_t>(texture.data() - line.data());
   return line.substr(0, at) + moved.generic_string();
@@ -133,7 +133,7 @@ void MaterialLibrary::read_line(std::string_view line) {
   const auto named = [&](std::string_view name) {
     std::string file_name(name);
     std::ranges::replace(file_name, '\\', '/');
-    files_.push_back(obj_.parent_path() / file_name);
+    files_.push_back(obj_.parent_path() / path_of(file_name));
     return std::pair(files_.back(), read_named(files_.back(), obj_, reach_));
   };
   std::vector<std::pair<fs::path, NamedFile>> found{named(line)};
@@ -200,7 +200,7 @@ std::vector<MaterialStatement> MaterialLibrary::parsed(const std::string& name) 
     if (names_a_texture(statement.keyword)) {
       std::string file(texture_of(rest, &statement.texture));
       std::ranges::replace(file, '\\', '/');
-      if (!file.empty()) statement.texture.path = material.folder / file;
+      if (!file.empty()) statement.texture.path = material.folder / path_of(file);
     } else {
       while (!rest.empty()) {
         const std::string_view word = take_word(rest);

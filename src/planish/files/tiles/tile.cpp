@@ -18,6 +18,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/vectors.h"
 #include "planish/core/version.h"
+#include "planish/core/words.h"
 #include "planish/files/gltf/gltf_payload.h"
 
 namespace planish {
@@ -512,7 +513,7 @@ std::vector<TilesetText> documents_of(const std::filesystem::path& path, const T
   records.reserve(written.size());
   for (const WrittenTile& tile : written) records.push_back(tile.record);
   return tileset_documents(plan, records, origins,
-                           {.folder = tile_folder(path).filename().string(),
+                           {.folder = utf8(tile_folder(path).filename()),
                             .z_up = options.gltf.z_up,
                             .extras = extras_of(options.gltf)});
 }

@@ -186,12 +186,12 @@ std::filesystem::path foreign_in_tiles(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (!is_tileset_entry(entry.path().filename().string())) return entry.path();
+    if (!is_tileset_entry(utf8(entry.path().filename()))) return entry.path();
     if (entry.is_symlink(error)) return entry.path();
     if (!entry.is_directory(error)) continue;
     const auto is_known = entry.path().filename() == kImageFolder ? is_image_name : is_tile_name;
     for (const fs::directory_entry& file : fs::directory_iterator(entry.path(), error))
-      if (!is_known(file.path().filename().string())) return file.path();
+      if (!is_known(utf8(file.path().filename()))) return file.path();
   }
   return {};
 }

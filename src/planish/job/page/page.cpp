@@ -654,9 +654,9 @@ std::string status_of(std::span<const PageJob> jobs, std::string_view kind) {
 }  // namespace
 
 std::string relative_to(const std::filesystem::path& folder, std::string text) {
-  replace_all(text, (folder / "").string(), "");
-  if (const std::filesystem::path path = text; path.is_absolute())
-    text = path.lexically_relative(folder).string();
+  replace_all(text, utf8(folder / ""), "");
+  if (const std::filesystem::path path = path_of(text); path.is_absolute())
+    text = utf8(path.lexically_relative(folder));
   return text;
 }
 

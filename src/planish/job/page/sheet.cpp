@@ -57,8 +57,8 @@ std::string picture(const std::string& png, std::string_view what, const std::st
 // A path as an address: its separators stay.
 std::string encode_path(const std::string& path) {
   std::string uri;
-  for (const std::filesystem::path& part : std::filesystem::path(path))
-    uri += (uri.empty() ? "" : "/") + (part == ".." ? part.string() : encode_uri(part.string()));
+  for (const std::filesystem::path& part : path_of(path))
+    uri += (uri.empty() ? "" : "/") + (part == ".." ? utf8(part) : encode_uri(utf8(part)));
   return uri;
 }
 

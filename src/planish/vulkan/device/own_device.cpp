@@ -1,7 +1,5 @@
 #include "planish/vulkan/device/own_device.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/platform/process.h"
 #include "planish/core/words.h"
 #include "planish/vulkan/device/device_rank.h"
 #include "planish/vulkan/device/driver.h"
@@ -16,7 +15,6 @@
 namespace planish::vulkan {
 namespace {
 
-constexpr const char* kLibrary = "libvulkan.so.1";
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL forward_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
@@ -62,7 +60,9 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info(
 }
 
 Instance::Instance(const InstanceOptions& options)
-    : library_(nullptr, ::dlclose), get_proc_(options.get_proc), message_(options.message) {
+    : library_(nullptr, platform::unload_library),
+      get_proc_(options.get_proc),
+      message_(options.message) {
   if (!get_proc_) open_loader();
   try {
     create(options);
@@ -73,14 +73,15 @@ Instance::Instance(const InstanceOptions& options)
 }
 
 void Instance::open_loader() {
-  library_.reset(::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL));
+  const std::string file = platform::library_file("vulkan", 1);
+  std::string why;
+  library_.reset(platform::load_library(file, why));
   if (!library_)
-    throw Error(ErrorCode::NoDevice, std::string("no Vulkan loader: ") + ::dlerror() +
-                                         "; install the package libvulkan1");
-  get_proc_ =
-      reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library_.get(), "vkGetInstanceProcAddr"));
-  if (!get_proc_)
-    throw Error(ErrorCode::NoDevice, std::string(kLibrary) + " has no vkGetInstanceProcAddr");
+    throw Error(ErrorCode::NoDevice,
+                "no Vulkan loader: " + why + "; install the package libvulkan1");
+  get_proc_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(
+      platform::function_of(library_.get(), "vkGetInstanceProcAddr"));
+  if (!get_proc_) throw Error(ErrorCode::NoDevice, file + " has no vkGetInstanceProcAddr");
 }
 
 void Instance::create(const InstanceOptions& options) {

@@ -47,7 +47,7 @@ class Instance {
   void create_messenger(const VkDebugUtilsMessengerCreateInfoEXT& info);
   void destroy() noexcept;
 
-  std::unique_ptr<void, int (*)(void*)> library_;
+  std::unique_ptr<void, void (*)(void*)> library_;
   PFN_vkGetInstanceProcAddr get_proc_ = nullptr;
   VkInstance instance_ = VK_NULL_HANDLE;
   InstanceFunctions functions_;

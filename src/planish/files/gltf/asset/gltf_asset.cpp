@@ -695,7 +695,8 @@ std::uint64_t GltfAsset::byte_count() const {
     if (!uri || file_.path.empty()) continue;
     std::error_code error;
     if (const auto name = decode_uri_path(uri->text())) {
-      const auto size = std::filesystem::file_size(file_.path.parent_path() / *name, error);
+      const auto size =
+          std::filesystem::file_size(file_.path.parent_path() / path_of(*name), error);
       if (!error) bytes += size;
     }
   }

@@ -16,6 +16,7 @@
 #include "planish/core/json.h"
 #include "planish/core/json_fwd.h"
 #include "planish/core/version.h"
+#include "planish/core/words.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/files/gltf/gltf_json.h"
 #include "planish/files/gltf/gltf_payload.h"
@@ -304,7 +305,8 @@ bool AssetDocument::stays(const JsonPlace& uri) const {
   if (is_data_uri(uri.text())) return true;
   const auto name = decode_uri_path(uri.text());
   std::error_code error;
-  return name && std::filesystem::is_regular_file(asset_.file().path.parent_path() / *name, error);
+  return name &&
+         std::filesystem::is_regular_file(asset_.file().path.parent_path() / path_of(*name), error);
 }
 
 void AssetDocument::keep_images() {

@@ -1,0 +1,31 @@
+# What differs from system to system is in core/platform: nobody else in the library, the command and the other programs
+# for users includes a header of the system's, nor one of the C library's that has more on some. Nor does anybody take a
+# path's own text, which is wide or in a code page on Windows: utf8() of core/words.h has it. tools/dev is for those who
+# develop planish, on Linux.
+cmake_minimum_required(VERSION 3.25)
+file(GLOB_RECURSE sources ${SOURCE}/src/*.cpp ${SOURCE}/src/*.h ${SOURCE}/src/*.in ${SOURCE}/tools/*.cpp ${SOURCE}/tools/*.h)
+list(FILTER sources EXCLUDE REGEX "^${SOURCE}/(src/planish/core/platform|tools/dev)/")
+set(folders "CGAL|CLI|GLFW|draco|glm|nlohmann|oneapi|openssl|opensubdiv|pybind11|stb|vulkan")
+set(headers "imgui|imgui_impl_[a-z]+|immintrin|meshoptimizer|mpi|petsc[a-z]+|stddef|stdint|tiny_gltf|zlib")
+set(wrong "")
+foreach(source IN LISTS sources)
+  file(STRINGS ${source} lines REGEX "[.](string|native)[(][)]")
+  foreach(line IN LISTS lines)
+    list(APPEND wrong "${source}: ${line}")
+  endforeach()
+  file(STRINGS ${source} lines REGEX "^[ \t]*#[ \t]*include[ \t]*<")
+  foreach(line IN LISTS lines)
+    # C++'s own have neither a dot nor a slash.
+    if(NOT line MATCHES "<([a-z_0-9]+|(${folders})/[^>]+|(${headers})[.]h)>")
+      list(APPEND wrong "${source}: ${line}")
+    endif()
+  endforeach()
+endforeach()
+list(LENGTH sources read)
+if(read LESS 300)
+  message(FATAL_ERROR "only ${read} sources were found")
+endif()
+if(wrong)
+  list(JOIN wrong "\n  " text)
+  message(FATAL_ERROR "core/platform or core/words.h has what these want of the system:\n  ${text}")
+endif()
