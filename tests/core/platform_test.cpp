@@ -94,7 +94,7 @@ TEST_F(PlatformFiles, RenamesWhatIsOpen) {
   const fs::path from = make("from", "new");
   const fs::path to = make("to", "old");
   std::error_code error;
-  const File reader = open_to_read(to, error);
+  const File reader = open_to_read(from, error);
   EXPECT_EQ(rename_file(from, to, false), std::errc::file_exists);
   EXPECT_EQ(content(to), "old");
   EXPECT_FALSE(rename_file(from, to, true));

@@ -8,23 +8,6 @@
 #include "planish/core/words.h"
 
 namespace planish {
-namespace {
-
-// A name beside `path` that fits wherever that of `path` does: a long one gives up its end.
-std::filesystem::path temporary_beside(const std::filesystem::path& path, unsigned number) {
-  constexpr std::size_t kShortName = 100;
-  const std::string end = formatted(".{}.tmp", number);
-  std::string name = utf8(path.filename());
-  if (name.size() > kShortName) {
-    std::size_t kept = name.size() - end.size();
-    // No character of UTF-8 is cut: some file systems refuse such names.
-    while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0u) == 0x80) --kept;
-    name.resize(kept);
-  }
-  return path.parent_path() / path_of(name + end);
-}
-
-}  // namespace
 
 OutputFile::OutputFile(std::filesystem::path path, bool replaces)
     : path_(std::move(path)), replaces_(replaces) {
@@ -32,7 +15,8 @@ OutputFile::OutputFile(std::filesystem::path path, bool replaces)
   std::random_device random;
   std::error_code error;
   for (int attempt = 0; !file_.is_open() && attempt < kAttempts; ++attempt) {
-    temporary_ = temporary_beside(path_, random());
+    temporary_ =
+        path_.parent_path() / platform::with_end(path_.filename(), formatted(".{}.tmp", random()));
     file_ = platform::create_new(temporary_, error);
     if (error && error != std::errc::file_exists) break;
   }

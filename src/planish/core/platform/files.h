@@ -80,6 +80,10 @@ using FileIdentity = std::pair<std::uint64_t, std::uint64_t>;
 /// Why no file can have the last part of a path for its name, with the remedy; empty: one can.
 [[nodiscard]] std::string objection_to_name(const std::filesystem::path& path);
 
+/// A name with that end behind it, which fits wherever `name` does: a long one gives up its own.
+[[nodiscard]] std::filesystem::path with_end(const std::filesystem::path& name,
+                                             const std::string& end);
+
 /// Whether this user may; only opening tells for sure.
 [[nodiscard]] std::error_code may_read(const std::filesystem::path& path);
 [[nodiscard]] bool may_write_into(const std::filesystem::path& folder);

@@ -184,6 +184,18 @@ std::string objection_to_name(const fs::path& path) {
   return "no file name is longer than " + std::to_string(NAME_MAX) + " bytes; choose a shorter one";
 }
 
+fs::path with_end(const fs::path& name, const std::string& end) {
+  constexpr std::size_t kShortName = 100;
+  std::string text = name;
+  if (text.size() > kShortName) {
+    std::size_t kept = text.size() - end.size();
+    // No character of UTF-8 is cut: some file systems refuse such names.
+    while (kept > 0 && (static_cast<unsigned char>(text[kept]) & 0xc0u) == 0x80) --kept;
+    text.resize(kept);
+  }
+  return text + end;
+}
+
 std::error_code may_read(const fs::path& path) { return result_of(::access(path.c_str(), R_OK)); }
 
 bool may_write_into(const fs::path& folder) { return ::access(folder.c_str(), W_OK | X_OK) == 0; }

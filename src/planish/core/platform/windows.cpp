@@ -275,6 +275,17 @@ std::string objection_to_name(const fs::path& path) {
   return has_sign ? "no file name has one of <>:\"|?* on Windows; choose another" : "";
 }
 
+fs::path with_end(const fs::path& name, const std::string& end) {
+  constexpr std::size_t kShortName = 100;
+  std::wstring text = name;
+  if (text.size() > kShortName) {
+    std::size_t kept = text.size() - end.size();
+    if ((text[kept] & 0xfc00) == 0xdc00) --kept;  // the second half of a character
+    text.resize(kept);
+  }
+  return text + path_of(end).native();
+}
+
 std::error_code may_read(const fs::path& path) {
   std::error_code error;
   (void)open_to_read(path, error);
