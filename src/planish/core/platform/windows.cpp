@@ -9,6 +9,9 @@
 #include <io.h>
 #include <psapi.h>
 #include <shellapi.h>
+#ifdef __MINGW32__
+#include <cxxabi.h>
+#endif
 
 #include <algorithm>
 #include <array>
@@ -30,6 +33,16 @@ namespace planish::platform {
 namespace {
 
 namespace fs = std::filesystem;
+
+#ifdef __MINGW32__
+// GCC keeps a thread's objects in memory that one key of the thread gives back, and calls their
+// destructors by another; mingw-w64 comes to keys in the order in which they were made. Before
+// anybody has such an object the other one is made here, as by any first call: else destructors
+// would find their memory gone, and threads that end would damage the heap.
+__attribute__((constructor(101))) void make_key_of_destructors() {
+  (void)abi::__cxa_thread_atexit([](void*) {}, nullptr, nullptr);
+}
+#endif
 
 constexpr DWORD kWhoever = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
 // What one call reads or writes.
@@ -266,7 +279,7 @@ std::string objection_to_name(const fs::path& path) {
   if (name.size() > kLongest)
     return "no file name is longer than " + std::to_string(kLongest) +
            " letters; choose a shorter one";
-  if (is_device(name)) return "is the name of a device on Windows; choose another";
+  if (is_device(name)) return "it is the name of a device on Windows; choose another";
   if (name.ends_with(L'.') || name.ends_with(L' '))
     return "no file name ends in a dot or a blank on Windows; choose another";
   const bool has_sign = std::ranges::any_of(name, [](wchar_t c) {
