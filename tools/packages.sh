@@ -41,3 +41,9 @@ races_packages="clang-19 dpkg-dev patch"
 wasm_packages="clang-19 lld-19 llvm-19 dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtinygltf-dev
   libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libstb-dev"
 wasm_sources="libosd-dev libmeshoptimizer-dev zlib1g-dev"
+
+# To compile for Windows and to run that; the packages whose sources are compiled so.
+windows_packages="g++-mingw-w64-x86-64-posix wine64 wine dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtbb-dev
+  libtinygltf-dev libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libstb-dev libgtest-dev
+  libtinyobjloader-dev libeigen3-dev"
+windows_sources="libosd-dev libmeshoptimizer-dev zlib1g-dev libtbb-dev"

@@ -114,6 +114,9 @@ constexpr int kDraws = 100'000;
 
 TEST(PortableMath, IsWithinHalfAUnitInTheLastPlace) {
   if (std::numeric_limits<Wide>::digits < 64) GTEST_SKIP() << "no wider numbers here";
+#ifdef _WIN32
+  GTEST_SKIP() << "the C library's wider functions, which are compared with, are off by more";
+#endif
   for (const Function& function : functions()) {
     Draw draw(1);
     for (const auto& argument : function.arguments) {

@@ -12,6 +12,7 @@
 #include "files/gltf/asset_sample.h"
 #include "files/read_bytes.h"
 #include "mesh/test_meshes.h"
+#include "planish/core/platform/files.h"
 #include "planish/files/formats.h"
 #include "planish/files/materials.h"
 #include "planish/files/mesh_file.h"
@@ -83,6 +84,7 @@ TEST(WriteMtl, NamesAreThoseOfTheFaces) {
 // The OBJ's own name, too: its MTL gets one that a line can hold.
 TEST(WriteMtl, IsFoundWhateverTheObjIsCalled) {
   for (const char* name : {"a\nb.obj", "a #b.obj", "\ta.obj", "a b.obj", "plain.obj"}) {
+    if (!platform::objection_to_name(name).empty()) continue;
     const test::TemporaryFolder folder;
     const std::filesystem::path obj = folder.path() / name;
     write_mesh(obj, FileFormat::Obj, painted_cube());

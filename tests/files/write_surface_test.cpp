@@ -14,6 +14,7 @@
 #include "files/read_bytes.h"
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
+#include "planish/core/words.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
@@ -125,7 +126,7 @@ std::string refusal(FileFormat format, const SurfaceMesh& surface,
     write_surface(folder.path() / "s", format, surface, {}, fields);
   });
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-  const std::string name = (folder.path() / "s: ").string();
+  const std::string name = visible(folder.path() / "s") + ": ";
   return message.starts_with(name) ? message.substr(name.size()) : message;
 }
 

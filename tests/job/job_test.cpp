@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planish/core/json.h"
+#include "planish/core/words.h"
 #include "planish/files/mesh_file.h"
 #include "planish/job/fit_file.h"
 #include "planish/job/job.h"
@@ -32,11 +33,11 @@ class Run : public testing::Test {
   Run() {
     write_mesh(folder_ / "cube.obj", FileFormat::Obj, cube());
     job_.name = job_.label = "cube";
-    job_.input = folder_ / "cube.obj";
+    job_.input = utf8(folder_ / "cube.obj");
     job_.settings.set_levels({1});
   }
   void add(const char* name) {
-    job_.outputs.push_back(surface_request(job_.settings, folder_ / name, "output"));
+    job_.outputs.push_back(surface_request(job_.settings, utf8(folder_ / name), "output"));
   }
 
   TemporaryFolder temporary_;
@@ -49,8 +50,8 @@ TEST_F(Run, WritesAllOutputsWithReportAndPage) {
   add("a.glb");
   add("b.ply");
   add("c.step");
-  job_.report = folder_ / "r.json";
-  job_.page = folder_ / "p.html";
+  job_.report = utf8(folder_ / "r.json");
+  job_.page = utf8(folder_ / "p.html");
   const JobResult result = run(job_, *backend_);
   ASSERT_EQ(result.fitted.size(), 1u);
   EXPECT_EQ(result.fitted.front().mesh.face_count(), 6);
@@ -115,12 +116,12 @@ TEST_F(Run, ClaimsEveryFileBeforeItWorks) {
   EXPECT_THAT(refusal(ErrorCode::InvalidArgument), HasSubstr("is the input itself"));
   job_.outputs.clear();
   add("a.glb");
-  job_.page = folder_ / "page.txt";
+  job_.page = utf8(folder_ / "page.txt");
   EXPECT_THAT(refusal(ErrorCode::InvalidArgument), HasSubstr("a page is an .html file"));
-  job_.page = folder_ / "p.html";
-  job_.report = folder_ / "report.txt";
+  job_.page = utf8(folder_ / "p.html");
+  job_.report = utf8(folder_ / "report.txt");
   EXPECT_THAT(refusal(ErrorCode::InvalidArgument), HasSubstr("a report is JSON"));
-  job_.report = folder_ / "r.json";
+  job_.report = utf8(folder_ / "r.json");
   write_mesh(folder_ / "a.glb", FileFormat::Obj, cube());
   EXPECT_THAT(refusal(ErrorCode::UnwritableOutput), HasSubstr("exists"));
   EXPECT_THAT(files_below(folder_), ElementsAre(Key("a.glb"), Key("cube.obj")));

@@ -24,6 +24,9 @@ endfunction()
 # libraries in ../lib first. The older of the two tags holds for libraries of libraries, too.
 # Installed, it has what CMAKE_INSTALL_RPATH says.
 function(planish_portable target)
+  if(WIN32)  # whose programs look beside themselves
+    return()
+  endif()
   set_target_properties(${target} PROPERTIES BUILD_RPATH "\$ORIGIN/../lib")
   target_link_options(${target} PRIVATE LINKER:--disable-new-dtags)
 endfunction()

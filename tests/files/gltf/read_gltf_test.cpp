@@ -306,7 +306,7 @@ TEST(PlacedNormal, IsThatOfTheInverseTranspose) {
 TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
   const test::TemporaryFolder folder;
   const std::filesystem::path inside = folder.path() / "inside";
-  const std::string outside = (folder.path() / "outside.bin").string();
+  const std::string outside = (folder.path() / "outside.bin").generic_string();
   std::filesystem::create_directories(inside / "parts");
   // Names that no program has encoded, and those of programs for Windows.
   for (const char* name : {"a b.bin", "10%.bin", "parts/a.bin", "../outside.bin"})
@@ -324,7 +324,7 @@ TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
            {"../outside.bin", away},
            {"x/../../outside.bin", away},
            {"%2e%2e/outside.bin", away},
-           {outside, away},
+           {outside, outside.starts_with('/') ? away : elsewhere},  // C:/ is none of a folder
            {"..\\\\outside.bin", away},
            {"%2e%2e%5coutside.bin", away},
            {"file://" + outside, elsewhere},

@@ -9,7 +9,8 @@ BEFORE and AFTER are planish programs, or how they are called, for another proce
 
 Every scene of scenes/ (meshes, scene files, files with a fault) goes through both with the calls
 below, and so does every FILE, a mesh or points, in all formats and by all methods. Times, memory and
-program versions of reports are left out; all other bytes, exit codes and messages must be the same.
+program versions of reports and how a system spells a path there are left out; all other bytes, exit
+codes and messages must be the same.
 Says what differs and ends with 1, else with 0.
 """
 
@@ -80,11 +81,17 @@ def without_varying(value):
     return value
 
 
+def plain_paths(text):
+    """With slashes, and those of scenes from the root on, which pages name from the folder on where they can."""
+    text = text.replace("\\\\", "/")
+    return re.sub(r"(\.\./)+(?=" + re.escape(str(ROOT)[1:]) + ")", "/", text)
+
+
 def comparable(path):
     """The bytes of a file, or of a report and a page what does not vary."""
     data = path.read_bytes()
     if path.suffix == ".json" and b'"timing_ms"' in data:
-        return json.dumps(without_varying(json.loads(data)), sort_keys=True).encode()
+        return plain_paths(json.dumps(without_varying(json.loads(data)), sort_keys=True)).encode()
     if path.suffix == ".html":
         # Times: in the report's words and numbers, and as widths of a bar.
         text = messages(data.decode(errors="replace"))
@@ -93,7 +100,7 @@ def comparable(path):
         text = re.sub(r"\(([0-9a-f]{12}|unknown)\)", "", text)  # the revision
         # From the beginning of a word only: the numbers of a scene are one word of a megabyte.
         text = re.sub(r"&#34;git&#34;: *&#34;[^&]*&#34;|(?<![^\s;])[^\s;]*/planish\b", "", text)
-        return text.encode()
+        return plain_paths(text).encode()
     return data
 
 
