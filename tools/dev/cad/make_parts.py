@@ -237,10 +237,17 @@ def rounded_plate(x, y, z, radius):
     return filleted(box(x, y, z, (-x / 2, -y / 2, 0)), radius, lambda e: along(e, Z))
 
 
-def spline(points, closed=True, at=0.0):
+def spline_outline(points, pieces=3):
+    """A smooth closed wire through points of the plane z = 0, in pieces: OpenCASCADE integrates volumes badly along long splines."""
     curve = Part.BSplineCurve()
-    curve.interpolate([Vector(px, py, at) for px, py in points], PeriodicFlag=closed)
-    return curve.toShape()
+    curve.interpolate([Vector(px, py, 0) for px, py in points], PeriodicFlag=True)
+    knots, edges = curve.getKnots(), []
+    cuts = [knots[round(i * (len(knots) - 1) / pieces)] for i in range(pieces + 1)]
+    for first, last in zip(cuts, cuts[1:]):
+        piece = curve.copy()
+        piece.segment(first, last)
+        edges.append(piece.toShape())
+    return Part.Wire(edges)
 
 
 def swept_pipe(radius, path):
@@ -437,7 +444,7 @@ def a_loft():
 @part
 def a_spline_wall():
     points = [(30, 0), (22, 16), (4, 22), (-14, 15), (-32, 18), (-36, -4), (-18, -16), (2, -12), (20, -18)]
-    body = extruded(Part.Wire(spline(points)), (0, 0, 15))
+    body = extruded(spline_outline(points), (0, 0, 15))
     return cut(body, cylinder(6, 17, (15, 0, -1)), cylinder(5, 8, (-22, 3, 8)))
 
 
@@ -692,7 +699,7 @@ def b_duct():
 @part
 def b_handle():
     points = [(0, 9), (18, 12), (40, 8), (62, 13), (80, 6), (84, -5), (62, -8), (38, -5), (16, -9), (-4, -6)]
-    body = extruded(Part.Wire(spline(points)), (0, 0, 14))
+    body = extruded(spline_outline(points), (0, 0, 14))
     body = filleted(body, 2, lambda e: in_plane(e, Z, 14))
     return cut(body, slot(16, 6, 20, (20, 2, -1)), cylinder(4, 20, (70, 2, -1)), cone(5.5, 4, 2, (70, 2, -0.5)))
 
