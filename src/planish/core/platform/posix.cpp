@@ -203,7 +203,13 @@ bool may_write_into(const fs::path& folder) { return ::access(folder.c_str(), W_
 fs::path make_temporary_folder(const fs::path& folder, std::error_code& error) {
   std::string name = folder / ".planish-XXXXXX";
   error = ::mkdtemp(name.data()) == nullptr ? last_reason() : std::error_code();
-  return name;
+  if (error) return {};
+  try {
+    return name;
+  } catch (...) {  // no memory for the path
+    ::rmdir(name.c_str());
+    throw;
+  }
 }
 
 namespace {
