@@ -40,7 +40,8 @@ TEST_F(Usage, HelpGoesToStdoutWithExamples) {
 }
 
 TEST_F(Usage, ShortHelpIsOneScreenOfEightyColumns) {
-  for (const std::string command : {"fit", "try", "run", "verify", "inspect", "devices", "completion"}) {
+  for (const std::string command :
+       {"fit", "try", "run", "verify", "inspect", "devices", "completion"}) {
     const auto lines = lines_of(run(command + " -h").out);
     EXPECT_LE(lines.size(), 40u) << command;
     EXPECT_GE(lines.size(), 5u) << command;

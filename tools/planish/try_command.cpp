@@ -191,7 +191,7 @@ std::string trial_page_of(const TryFlags& flags, Trial& trial, const PageOptions
     if (tried.failure.empty()) {
       card.command = line_of(tried.report.arguments);
       tried.page.report["outputs"][0]["path"] =
-          flags.folder.empty() ? surface_beside(flags.input) : path_of(flags, tried.stem);
+          flags.folder.empty() ? surface_beside(flags.input) : surface_path(flags, tried.stem);
     }
     card.tried = std::move(tried);
   }
@@ -219,7 +219,7 @@ ExitCode run_try(const TryFlags& flags) {
   const std::string table = table_of(trial);
   const auto count = std::ssize(trial.surfaces);
   const std::string text = page.empty() ? "" : trial_page_of(flags, trial, plan.page);
-  if (!page.empty() && page != "-") staged.write(page, text);
+  if (!page.empty() && page != "-") staged.write(path_of(page), text);
   staged.commit();
   if (page == "-") write_stdout(text);
   console.info(table);

@@ -185,7 +185,8 @@ bool may_be_points(const Job& job) {
     return false;
   // What a pipe gives comes once.
   constexpr std::uint64_t kHead = std::uint64_t{1} << 16;
-  const NamedFile head = read_named_start(path_of(job.input), path_of(job.input), FileReach::Anywhere, kHead);
+  const NamedFile head =
+      read_named_start(path_of(job.input), path_of(job.input), FileReach::Anywhere, kHead);
   std::string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.bytes.size());
   text = text.substr(0, text.find("\nend_header"));
   return text.starts_with("ply") && text.find("\nelement face") == std::string_view::npos;

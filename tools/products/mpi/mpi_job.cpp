@@ -239,8 +239,8 @@ void make_folders(const MpiJob& job) {
     if (!folder.empty()) std::filesystem::create_directories(folder, error);
     if (error)
       throw Error(ErrorCode::UnwritableOutput,
-                  formatted("{}: cannot make the folder {}: {}", visible(path),
-                            visible(folder), error.message()));
+                  formatted("{}: cannot make the folder {}: {}", visible(path), visible(folder),
+                            error.message()));
   }
 }
 
