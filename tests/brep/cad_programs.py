@@ -26,7 +26,9 @@ def need(*names):
 
 
 def fit(name, output, *flags):
-    subprocess.run([PLANISH, "fit", f"{SCENES}/{name}.obj", "--device", "cpu", "-f", "-o", output, *flags],
+    # Splines, whose volume is that of the meshes.
+    splines = ["--step-analytic", "off"] if output.endswith(".step") else []
+    subprocess.run([PLANISH, "fit", f"{SCENES}/{name}.obj", "--device", "cpu", "-f", "-o", output, *splines, *flags],
                    check=True, capture_output=True)
 
 

@@ -10,6 +10,7 @@ TEST(OpenCascade, ReadsWhatIsWritten) {
 
 #else
 
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepAlgoAPI_Common.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBndLib.hxx>
@@ -23,14 +24,19 @@ TEST(OpenCascade, ReadsWhatIsWritten) {
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <algorithm>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <string>
 
+#include "analytic/profile.h"
 #include "limit/limit_case.h"
+#include "planish/brep/analytic_faces.h"
 #include "planish/brep/brep.h"
 #include "planish/brep/subdivision_splines.h"
 #include "planish/brep/write_step.h"
+#include "planish/features/find_features.h"
 
 namespace planish::test {
 namespace {
@@ -128,6 +134,49 @@ TEST(OpenCascade, ReadsSolidsOfCatmullClarkSurfaces) {
                    return evaluate(mesh, *make_cpu_backend(),
                                    {.level = level, .scheme = Scheme::CatmullClark});
                  }));
+  }
+}
+
+// Of a shaft with a cone and a fillet, a ball and a ring: faces of the kinds that they are, whose
+// volume is the formula's and not that of their triangles.
+TEST(OpenCascade, ReadsAnalyticFaces) {
+  constexpr double kPi = std::numbers::pi;
+  struct Case {
+    PolygonMesh mesh;
+    std::vector<GeomAbs_SurfaceType> kinds;
+    double volume;
+  };
+  for (const auto& [mesh, kinds, wanted] :
+       {Case{Profile({0, 0}).line({2, 0}).line({2, 3}).line({1, 4}).line({0, 4}).turned(32),
+             {GeomAbs_Plane, GeomAbs_Plane, GeomAbs_Cylinder, GeomAbs_Cone},
+             kPi * (4 * 3 + (4 + 2 + 1) / 3.0)},
+        Case{Profile({0, -1}).arc({0, 0}, 1, -kPi / 2, kPi / 2, 16).turned(32),
+             {GeomAbs_Sphere},
+             4 * kPi / 3},
+        Case{Profile({0, 0})
+                 .line({2, 0})
+                 .line({2, 1})
+                 .arc({1, 1}, 1, 0, kPi / 2, 8)
+                 .line({0, 2})
+                 .turned(32),
+             {GeomAbs_Plane, GeomAbs_Plane, GeomAbs_Cylinder, GeomAbs_Torus},
+             // By Pappus, of a quarter disc and what is inside.
+             kPi * (4 + 1) + 2 * kPi * (1 + 4 / (3 * kPi)) * kPi / 4}}) {
+    const MeshTopology topology(mesh);
+    std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
+    for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
+      is_sharp[topology.find_edge(crease.v0, crease.v1)] = 1;
+    const double diagonal = placement_of(mesh).diagonal;
+    AnalyticFaces made =
+        make_analytic_faces({topology, mesh.positions, is_sharp, {}, diagonal}, 1.5e-6);
+    find_shells(topology, mesh.positions, made.face_of, made.brep);
+    const TopoDS_Shape shape = shape_of(made.brep, diagonal);
+    expect_solid(shape, wanted);
+    std::vector<GeomAbs_SurfaceType> found;
+    for (const TopoDS_Shape& face : parts(shape, TopAbs_FACE))
+      found.push_back(BRepAdaptor_Surface(TopoDS::Face(face)).GetType());
+    std::ranges::sort(found);
+    EXPECT_EQ(found, kinds);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <regex>
 
@@ -10,6 +11,7 @@
 #include "cli/json_schema.h"
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "planish/core/words.h"
 #include "planish/job/fit_file.h"
 #include "support/calls.h"
 #include "support/files.h"
@@ -30,6 +32,13 @@ class StepCommand : public FolderTest {
     flags.insert(flags.begin(), {"fit", input, "--device", "cpu", "-f"});
     if (std::ranges::find(flags, "--creases") == flags.end())
       flags.insert(flags.end(), {"--creases", "use"});
+    // Tests of splines, though the shapes are those of analytic surfaces.
+    const auto is_step = [](const std::string& flag) {
+      return flag.ends_with(".step") || flag.ends_with(".STP");
+    };
+    if (std::ranges::any_of(flags, is_step) &&
+        std::ranges::find(flags, "--step-analytic") == flags.end())
+      flags.insert(flags.end(), {"--step-analytic", "off"});
     return run_planish(flags);
   }
   // Its entry of the report, which is valid.
@@ -60,6 +69,42 @@ class StepCommand : public FolderTest {
   nlohmann::json report_;
   std::string messages_;
 };
+
+// A cylinder of 24 sides: named, with its radius, and as splines where they are asked for.
+TEST_F(StepCommand, AnalyticFacesAreNamed) {
+  std::string obj, below = "f", above = "f";
+  constexpr int kSides = 24;
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * 3.14159265358979323846 * i / kSides;
+    const double x = 3 * std::cos(angle), y = 3 * std::sin(angle);
+    const std::string at = "v " + std::to_string(x) + " " + std::to_string(y);
+    obj += at + " 0\n" + at + " 5\n";
+    const int next = (i + 1) % kSides;
+    obj += formatted("f {} {} {} {}\n", 2 * i + 1, 2 * next + 1, 2 * next + 2, 2 * i + 2);
+    above += formatted(" {}", 2 * i + 2);
+    below += formatted(" {}", 2 * (kSides - i) - 1);
+  }
+  const std::string pillar = write("pillar.obj", obj + above + "\n" + below + "\n");
+  const nlohmann::json step =
+      reported(pillar, {"--step-analytic", "auto", "--creases", "auto"})["step"];
+  EXPECT_EQ(step["faces"], 3);
+  EXPECT_EQ(step["planes"], 2);
+  EXPECT_EQ(step["analytic"]["faces"]["cylinder"], 1);
+  EXPECT_EQ(step["analytic"]["freeform_parts"], 0);
+  ASSERT_EQ(step["analytic"]["radii"].size(), 1u);
+  EXPECT_NEAR(step["analytic"]["radii"][0], 3, 1e-5);
+  EXPECT_EQ(step["valid"], true);
+  EXPECT_THAT(messages_, HasSubstr("3 faces (2 planes, 1 cylinder), 1 solid"));
+  EXPECT_THAT(read("p.step"), HasSubstr("CYLINDRICAL_SURFACE('',"));
+  const nlohmann::json splines = reported(pillar, {"--creases", "auto"})["step"];
+  EXPECT_EQ(splines["analytic"], nullptr);
+  EXPECT_GT(splines["faces"], 3);
+  EXPECT_THAT(read("p.step"), Not(HasSubstr("CYLINDRICAL_SURFACE")));
+  // A freeform part says why it is.
+  const nlohmann::json freeform = reported(cube_, {"--step-analytic", "auto"})["step"];
+  EXPECT_EQ(freeform["analytic"]["freeform_parts"], 1);
+  EXPECT_FALSE(freeform["analytic"]["freeform_reason"].get<std::string>().empty());
+}
 
 TEST_F(StepCommand, WritesAFileAndReportsIt) {
   const nlohmann::json output = reported(cube_, {});
@@ -144,8 +189,7 @@ TEST_F(StepCommand, UnitsOfGltfAreMetres) {
   EXPECT_THAT(messages_, HasSubstr("degrees at edges, in m\n"));
   (void)fit_file(glb, path("q.step"));
   EXPECT_THAT(read("q.step"), HasSubstr("SI_UNIT($,.METRE.)"));
-  EXPECT_THAT(fit(glb, {"-o", path("r.step"), "--dry-run"}).out,
-              HasSubstr("B-spline faces, in m)"));
+  EXPECT_THAT(fit(glb, {"-o", path("r.step"), "--dry-run"}).out, HasSubstr("(faces, in m)"));
   EXPECT_EQ(reported(glb, {"--step-unit", "in"})["step"]["unit"], "in");
   EXPECT_EQ(reported(cube_, {"--step-unit", "auto"})["step"]["unit"], "mm");
 }
@@ -247,7 +291,9 @@ TEST_F(StepCommand, RefusesByName) {
 
 TEST_F(StepCommand, TheLibrarySaysWhatItWrote) {
   FitFileOptions options;
-  options.settings.step = {{.angle = 1, .deviation = 1e-5, .face_size = 6}, StepUnit::Inch};
+  options.settings.step = {.faces = {.angle = 1, .deviation = 1e-5, .face_size = 6},
+                           .analytic = AnalyticChoice::Off,
+                           .unit = StepUnit::Inch};
   options.cage = path("cage.obj");
   options.settings.interpolation = InterpolationChoice::Progressive;
   const FileFit done = fit_file(torus_, path("c.step"), options);
@@ -293,7 +339,7 @@ TEST_F(StepCommand, DryRunsSayTheUnit) {
   const ProcessResult dry = fit(cube_, {"-o", path("p.step"), "--dry-run"});
   EXPECT_EQ(dry.exit_code, 0) << dry.err;
   EXPECT_FALSE(exists("p.step"));
-  EXPECT_THAT(dry.out, HasSubstr("p.step  (B-spline faces, in mm)"));
+  EXPECT_THAT(dry.out, HasSubstr("p.step  (faces, in mm)"));
 }
 
 TEST_F(StepCommand, FullDisksAndInterruptsLeaveTheOldFile) {

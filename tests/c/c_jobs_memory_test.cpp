@@ -80,7 +80,8 @@ class CJobsMemory : public testing::Test {
       }
       ++failures;
       ASSERT_EQ(status, PLANISH_NO_MEMORY) << n << ": " << planish_last_error();
-      ASSERT_TRUE(std::filesystem::is_empty(results_.path())) << n;
+      for (const auto& entry : std::filesystem::directory_iterator(results_.path()))
+        FAIL() << n << ": " << entry.path() << " is left";
     }
     EXPECT_GT(failures, 30);
   }
@@ -101,6 +102,7 @@ TEST_F(CJobsMemory, MeshesToEveryFormat) {
 // A result that is not as it was asked for is there, and its words fail nothing.
 TEST_F(CJobsMemory, WhatKeepsNoLimits) {
   set("step_tolerance", "1e-30");
+  set("step_analytic", "off");
   expect_clean_ends(given("cube.off", cube()), "a.step", PLANISH_NOT_CONVERGED);
   set("interpolation", "progressive");
   set("max_iterations", "1");

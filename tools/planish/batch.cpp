@@ -294,9 +294,10 @@ void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& j
     SheetRow& row = rows.emplace_back(outcome.report ? sheet_row(*outcome.report) : SheetRow());
     row.name = jobs[i].job.name;
     row.failure = relative_to(std::filesystem::current_path(), outcome.message);
-    row.page = utf8(absolute(path_of(jobs[i].job.page))
-                        .lexically_normal()
-                        .lexically_relative(absolute(path_of(path)).parent_path().lexically_normal()));
+    row.page =
+        utf8(absolute(path_of(jobs[i].job.page))
+                 .lexically_normal()
+                 .lexically_relative(absolute(path_of(path)).parent_path().lexically_normal()));
     row.given = std::move(outcome.pictures.given);
     row.surface = std::move(outcome.pictures.surface);
   }
@@ -401,7 +402,7 @@ std::string outputs_text(const PlannedJob& planned, FileFormat input, const Poly
     const bool is_cage = output.kind == OutputKind::Cage;
     const std::string what =
         info_of(output.format).is_brep
-            ? formatted("  (B-spline faces, in {})",
+            ? formatted("  (faces, in {})",
                         word_of(kStepUnitWords,
                                 settled_unit(planned.job.settings.step.unit, name_of(input))))
             : formatted("  ({}{})",

@@ -6,7 +6,6 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
-#include <numbers>
 
 #include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
@@ -29,6 +28,9 @@ Meridian meridian_of(const AnalyticSurface& surface, const glm::dvec3& point) {
   const double radius = glm::length(beside);
   return {height, radius, radius > 0 ? beside / radius : AxisFrame(surface.axis).x};
 }
+
+// Of a ruling of a cone that rises by 1: one over the cosine of its angle.
+double cone_length(const AnalyticSurface& cone) { return std::sqrt(1 + cone.slope * cone.slope); }
 
 // Circle through points of a plane, by least squares of |p|^2 - 2 c p + k.
 struct Circle {
@@ -97,24 +99,31 @@ std::optional<AnalyticSurface> guess_cylinder(std::span<const glm::dvec3> points
                          .radius = circle->radius};
 }
 
-// The cone about a direction by |q|^2 = 2 c q + k + 2 r s h + (s h)^2 for points that lie at q
-// across it and h along it, with centre c and radius r + s h, which is linear.
+// The cone about a direction by |q|^2 - (s h)^2 = 2 c q + k + 2 r s h, which is linear, for points
+// that lie at q across it and h along it, with centre c and radius r + s h. Normals tell s^2: two
+// rings of points do not.
 std::optional<AnalyticSurface> cone_about(const glm::dvec3& axis,
-                                          std::span<const glm::dvec3> points) {
+                                          std::span<const glm::dvec3> points,
+                                          std::span<const Facet> facets) {
   glm::dvec3 middle(0.0);
   for (const glm::dvec3& p : points) middle += p / static_cast<double>(points.size());
+  double slant = 0;
+  for (const Facet& facet : facets)
+    slant += glm::dot(facet.normal, axis) / static_cast<double>(facets.size());
+  if (!(std::abs(slant) < 0.999)) return std::nullopt;
+  const double squared = slant * slant / (1 - slant * slant);
   const AxisFrame frame(axis);
-  std::vector<double> a(25), b(5);
+  std::vector<double> a(16), b(4);
   double size = 0;
   for (const glm::dvec3& p : points) size = std::max(size, glm::length(p - middle));
   if (!(size > 0)) return std::nullopt;
   for (const glm::dvec3& p : points) {
     const glm::dvec3 q = (p - middle) / size;
     const double h = glm::dot(q, axis), x = glm::dot(q, frame.x), y = glm::dot(q, frame.y);
-    const std::array<double, 5> row{2 * x, 2 * y, 1, h, h * h};
-    for (std::size_t i = 0; i < 5; ++i) {
-      for (std::size_t j = 0; j < 5; ++j) a[5 * i + j] += row[i] * row[j];
-      b[i] += row[i] * (x * x + y * y);
+    const std::array<double, 4> row{2 * x, 2 * y, 1, h};
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) a[4 * i + j] += row[i] * row[j];
+      b[i] += row[i] * (x * x + y * y - squared * h * h);
     }
   }
   if (!solve_cholesky(a, b)) return std::nullopt;
@@ -126,7 +135,7 @@ std::optional<AnalyticSurface> cone_about(const glm::dvec3& axis,
       .kind = AnalyticKind::Cone,
       .origin = middle + size * (b[0] * frame.x + b[1] * frame.y - r0 / slope * axis),
       .axis = slope > 0 ? axis : -axis,
-      .angle = portable::atan(std::abs(slope))};
+      .slope = std::abs(slope)};
 }
 
 // Tips of a cone's normals lie on a circle about its axis.
@@ -134,7 +143,7 @@ std::optional<AnalyticSurface> guess_cone(std::span<const glm::dvec3> points,
                                           std::span<const Facet> facets) {
   glm::dvec3 mean(0.0);
   for (const Facet& facet : facets) mean += facet.normal / static_cast<double>(facets.size());
-  return cone_about(least_direction(spread_of(facets, mean)), points);
+  return cone_about(least_direction(spread_of(facets, mean)), points, facets);
 }
 
 std::optional<AnalyticSurface> guess_sphere(std::span<const glm::dvec3> points) {
@@ -230,7 +239,7 @@ double signed_distance(const AnalyticSurface& surface, const glm::dvec3& point) 
     case AnalyticKind::Cylinder:
       return at.radius - surface.radius;
     case AnalyticKind::Cone:
-      return at.radius * portable::cos(surface.angle) - at.height * portable::sin(surface.angle);
+      return (at.radius - surface.slope * at.height) / cone_length(surface);
     default:
       return portable::hypot(at.radius - surface.radius, at.height) - surface.minor;
   }
@@ -248,7 +257,7 @@ glm::dvec3 normal_at(const AnalyticSurface& surface, const glm::dvec3& point) {
     case AnalyticKind::Cylinder:
       return at.away;
     case AnalyticKind::Cone:
-      return portable::cos(surface.angle) * at.away - portable::sin(surface.angle) * surface.axis;
+      return (at.away - surface.slope * surface.axis) / cone_length(surface);
     default: {
       const double out = at.radius - surface.radius, length = portable::hypot(out, at.height);
       return length > 0 ? (out * at.away + at.height * surface.axis) / length : at.away;
@@ -282,7 +291,7 @@ AnalyticSurface changed(const AnalyticSurface& surface, const SurfaceChange& by)
   result.origin += by[2] * frame.x + by[3] * frame.y + by[4] * surface.axis;
   const glm::dvec3 turn = by[0] * frame.x + by[1] * frame.y;
   result.axis = glm::normalize(surface.axis + glm::cross(turn, surface.axis));
-  (surface.kind == AnalyticKind::Cone ? result.angle : result.radius) += by[5];
+  (surface.kind == AnalyticKind::Cone ? result.slope : result.radius) += by[5];
   result.minor += by[6];
   return result;
 }
@@ -303,8 +312,8 @@ SurfaceChange distance_gradient(const AnalyticSurface& surface, const glm::dvec3
     const Meridian at = meridian_of(surface, point);
     if (surface.kind == AnalyticKind::Torus) result[5] = -glm::dot(normal, at.away);
     if (surface.kind == AnalyticKind::Cone)
-      result[5] =
-          -at.radius * portable::sin(surface.angle) - at.height * portable::cos(surface.angle);
+      result[5] = -(at.height + surface.slope * at.radius) /
+                  (cone_length(surface) * (1 + surface.slope * surface.slope));
   }
   return result;
 }
@@ -371,12 +380,11 @@ double fit_surface(AnalyticSurface& surface, std::span<const glm::dvec3> points,
     damping *= 0.1;
     if (is_done && damping < 1e-6) break;
   }
-  const bool is_sound = surface.kind == AnalyticKind::Plane ? true
-                        : surface.kind == AnalyticKind::Cone
-                            ? surface.angle > 1e-4 && surface.angle < 0.5 * std::numbers::pi - 1e-3
-                        : surface.kind == AnalyticKind::Torus
-                            ? surface.minor > 0 && surface.radius > surface.minor
-                            : surface.radius > 0;
+  const bool is_sound =
+      surface.kind == AnalyticKind::Plane   ? true
+      : surface.kind == AnalyticKind::Cone  ? surface.slope > 1e-4 && surface.slope < 1e3
+      : surface.kind == AnalyticKind::Torus ? surface.minor > 0 && surface.radius > surface.minor
+                                            : surface.radius > 0;
   if (!is_sound) return kNoFit;
   double largest = 0;
   for (const glm::dvec3& p : points) {
@@ -398,7 +406,8 @@ std::optional<AnalyticSurface> guess_surface(AnalyticKind kind, std::span<const 
     case AnalyticKind::Cylinder:
       return guess_cylinder(points, facets);
     case AnalyticKind::Cone:
-      return around != nullptr ? cone_about(around->axis, points) : guess_cone(points, facets);
+      return around != nullptr ? cone_about(around->axis, points, facets)
+                               : guess_cone(points, facets);
     case AnalyticKind::Sphere:
       return guess_sphere(points);
     default:

@@ -27,7 +27,7 @@ struct AnalyticSurface {
   glm::dvec3 axis{0, 0, 1};  ///< of unit length; a cone opens along it
   double radius = 0;         ///< of a cylinder or sphere; of the circle inside a torus
   double minor = 0;          ///< of a torus' tube
-  double angle = 0;          ///< of a cone, between axis and rulings, radians
+  double slope = 0;          ///< of a cone: tangent of the angle between axis and rulings
 };
 
 /// Two unit vectors that make a right-handed frame with a unit vector.
@@ -42,7 +42,7 @@ struct AxisFrame {
 [[nodiscard]] glm::dvec3 normal_at(const AnalyticSurface& surface, const glm::dvec3& point);
 
 /// What changes a surface: turns about its frame's x and y through the origin, shifts along x, y
-/// and the axis, then radius (or a cone's angle) and minor radius.
+/// and the axis, then radius (or a cone's slope) and minor radius.
 inline constexpr std::size_t kSurfaceChanges = 7;
 using SurfaceChange = std::array<double, kSurfaceChanges>;
 /// Those that change a surface of the kind; the others leave it as it is.

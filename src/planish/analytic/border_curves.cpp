@@ -258,7 +258,7 @@ glm::dvec2 parameters_of(const AnalyticSurface& surface, const glm::dvec3& along
     case AnalyticKind::Cylinder:
       return {u, h};
     case AnalyticKind::Cone:
-      return {u, (h - height) / portable::cos(surface.angle)};
+      return {u, (h - height) * std::sqrt(1 + surface.slope * surface.slope)};
     case AnalyticKind::Sphere:
       return {u, portable::atan2(h, radius)};
     default:

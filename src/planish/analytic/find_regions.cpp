@@ -51,6 +51,7 @@ class RegionFinder {
     measure();
     make_clusters();
     join_clusters();
+    find_parts();
     find_directions();
     result_.region_of.assign(facets_.size(), kFree);
   }
@@ -61,9 +62,9 @@ class RegionFinder {
     for (const double tolerance : {1e-7, 4e-7, most}) {
       tolerance_ = std::min(tolerance, most);
       widen();
-      take_all();
-      rob();
-      take_all();
+      const bool is_last = tolerance_ == most;
+      take_all(is_last);
+      if (rob()) take_all(is_last);
     }
     take_known();
     take_slivers();
@@ -151,6 +152,27 @@ class RegionFinder {
     }
   }
 
+  // Faces by what edges join, sharp or not.
+  void find_parts() {
+    part_of_.assign(facets_.size(), kFree);
+    for (std::int32_t first = 0; first < std::ssize(facets_); ++first) {
+      if (part_of_[first] != kFree) continue;
+      std::vector<std::int32_t> open{first};
+      part_of_[first] = static_cast<std::int32_t>(part_count_);
+      while (!open.empty()) {
+        const std::int32_t f = open.back();
+        open.pop_back();
+        for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
+          const std::int32_t twin = topology_.twin(topology_.first_corner(f) + i);
+          if (twin < 0 || part_of_[topology_.face_of(twin)] != kFree) continue;
+          part_of_[topology_.face_of(twin)] = part_of_[first];
+          open.push_back(topology_.face_of(twin));
+        }
+      }
+      ++part_count_;
+    }
+  }
+
   void join_clusters() {
     for (std::int32_t c = 0; c < std::ssize(clusters_); ++c) {
       auto& neighbours = clusters_[c].neighbours;
@@ -199,7 +221,8 @@ class RegionFinder {
       if (!(std::abs(signed_distance(surface, p)) <= tolerance_)) return false;
       if (!is_apex(p)) mean += normal_at(surface, p);
     }
-    constexpr double kMostSpread = 65 * kDegree, kSlack = 0.5 * kDegree, kMostTurn = 45 * kDegree;
+    // Prisms of six sides and fewer are no cylinders.
+    constexpr double kMostSpread = 28 * kDegree, kSlack = 0.5 * kDegree, kMostTurn = 45 * kDegree;
     const double length = glm::length(mean);
     if (!(length > 0.5)) return false;
     mean /= length;
@@ -314,7 +337,9 @@ class RegionFinder {
                                                  const AnalyticSurface* around = nullptr) {
     std::vector<Facet> facets;
     for (const std::int32_t c : clusters) facets.push_back(clusters_[c].facet);
-    return through(kind, facets, faces_of(clusters), around);
+    // Flat pieces of such a surface in a grid tell it at once.
+    constexpr double kNear = 5e-3;  // of their size
+    return through(kind, facets, faces_of(clusters), around, kNear);
   }
   [[nodiscard]] std::optional<Candidate> through_faces(AnalyticKind kind,
                                                        std::span<const std::int32_t> clusters,
@@ -327,12 +352,19 @@ class RegionFinder {
   }
   [[nodiscard]] std::optional<Candidate> through(AnalyticKind kind, std::span<const Facet> facets,
                                                  std::vector<std::int32_t> faces,
-                                                 const AnalyticSurface* around = nullptr) {
+                                                 const AnalyticSurface* around = nullptr,
+                                                 double near = 1) {
     const std::vector<glm::dvec3> points = points_of(faces);
     // One place more than tells the surface, so that something speaks against it.
     if (points.size() <= changes_of(kind).size()) return std::nullopt;
     const auto guess = guess_surface(kind, points, facets, around);
     if (!guess) return std::nullopt;
+    double size = 0, off = 0;
+    for (const glm::dvec3& p : points) {
+      size = std::max(size, glm::length(p - points.front()));
+      off = std::max(off, std::abs(signed_distance(*guess, p)));
+    }
+    if (!(off <= near * size + tolerance_)) return std::nullopt;
     auto candidate = grown(*guess, std::move(faces));
     if (candidate && !(is_sensible(candidate->surface) && is_even(*candidate))) candidate.reset();
     return candidate;
@@ -340,29 +372,30 @@ class RegionFinder {
 
   // Takes surfaces through free clusters until there are none: large ones at once, the others by
   // their size, as long as all their faces are free.
-  void take_all() {
-    while (take_some()) {
+  void take_all(bool is_last) {
+    while (take_some(is_last)) {
     }
   }
   // Whether any was taken and others are to be looked for again.
-  bool take_some() {
+  bool take_some(bool is_last) {
     const std::size_t before = result_.regions.size();
     constexpr std::size_t kLarge = 24;  // clusters
     std::vector<Candidate> small;
     std::vector<char> is_covered(clusters_.size(), 0);
-    std::size_t misses = 0, hits = 0;
+    std::vector<std::size_t> misses(part_count_, 0), hits(part_count_, 0);
     for (std::int32_t c = 0; c < std::ssize(clusters_); ++c) {
       if (c % 64 == 0) check_stop();
       if (is_covered[c] != 0 || !is_free(c)) continue;
       // Of what has no names not everything is looked at.
-      constexpr std::size_t kMostMisses = 2000, kMissesPerHit = 1;
-      if (misses > kMostMisses + kMissesPerHit * hits) break;
+      constexpr std::size_t kMostMisses = 100;
+      const std::int32_t part = part_of_[clusters_[c].faces.front()];
+      if (misses[part] > (is_last ? kMostMisses : kMostMisses / 3) + hits[part]) continue;
       auto best = best_through(c);
       if (!best) {
-        ++misses;
+        ++misses[part];
         continue;
       }
-      hits += best->clusters;
+      hits[part] += best->clusters;
       if (best->clusters >= kLarge) {
         take(std::move(*best));
         continue;
@@ -446,8 +479,10 @@ class RegionFinder {
     }
   }
   // Faces of smaller regions that lie on a larger one, too, become its: pieces of it that were seen
-  // before it was whole. What is left of those is looked at anew.
-  void rob() {
+  // before it was whole. What is left of those is free.
+  // Whether there were any.
+  bool rob() {
+    bool is_any = false;
     std::vector<std::size_t> order(result_.regions.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto size = [&](std::size_t r) { return result_.regions[r].faces.size(); };
@@ -470,12 +505,14 @@ class RegionFinder {
         });
       std::ranges::sort(robbed);
       robbed.erase(std::ranges::unique(robbed).begin(), robbed.end());
+      is_any = is_any || !robbed.empty();
       for (const std::int32_t other : robbed) {
         for (const std::int32_t f : result_.regions[other].faces)
           if (result_.region_of[f] == other) result_.region_of[f] = kFree;
         result_.regions[other].faces.clear();
       }
     }
+    return is_any;
   }
 
   [[nodiscard]] std::vector<std::int32_t> beside(std::size_t region) const {
@@ -649,18 +686,22 @@ class RegionFinder {
     }
   }
 
-  // Whether all but one of a face's edges are those of a region on whose surface its vertices lie.
+  // Whether all but one of a triangle's edges are those of a region on whose surface its vertices
+  // lie, and which it looks like: not the end of a prism.
   [[nodiscard]] bool fills_notch(std::int32_t face, std::int32_t region) const {
+    constexpr double kMostTurn = 60 * kDegree;
+    if (topology_.face_size(face) != 3) return false;
+    const AnalyticRegion& to = result_.regions[region];
     std::int32_t shared = 0;
-    for (std::int32_t i = 0; i < topology_.face_size(face); ++i) {
-      const std::int32_t twin = topology_.twin(topology_.first_corner(face) + i);
+    glm::dvec3 mean(0.0);
+    for (std::int32_t i = 0; i < 3; ++i) {
+      const std::int32_t corner = topology_.first_corner(face) + i, twin = topology_.twin(corner);
       if (twin >= 0 && result_.region_of[topology_.face_of(twin)] == region) ++shared;
+      const glm::dvec3& p = positions_[topology_.vertex_of(corner)];
+      if (std::abs(signed_distance(to.surface, p)) > tolerance_) return false;
+      mean += normal_at(to.surface, p) * (to.is_inward ? -1.0 : 1.0);
     }
-    return shared + 1 >= topology_.face_size(face) &&
-           std::ranges::all_of(topology_.face(face), [&](std::int32_t v) {
-             return std::abs(signed_distance(result_.regions[region].surface, positions_[v])) <=
-                    tolerance_;
-           });
+    return shared >= 2 && angle_between(facets_[face].normal, mean) < kMostTurn;
   }
 
   // What no other surface took, and meets nothing of its size that none took smoothly.
@@ -748,6 +789,18 @@ class RegionFinder {
     return kept;
   }
 
+  // Whether a cone or cylinder passes through them, too: a row of facets between two circles.
+  [[nodiscard]] bool is_row(std::span<const std::int32_t> faces,
+                            std::span<const glm::dvec3> points) const {
+    std::vector<Facet> facets;
+    for (const std::int32_t f : faces) facets.push_back(facets_[f]);
+    for (const AnalyticKind kind : {AnalyticKind::Cylinder, AnalyticKind::Cone}) {
+      auto row = guess_surface(kind, points, facets);
+      if (row && fit_surface(*row, points, tolerance_) <= tolerance_) return true;
+    }
+    return false;
+  }
+
   // Whether points speak for a surface that has been fitted to them, beyond those that tell it: a
   // circle passes through any three.
   [[nodiscard]] bool is_told(const AnalyticSurface& surface, std::span<const std::int32_t> faces,
@@ -758,6 +811,7 @@ class RegionFinder {
     const std::vector<glm::dvec3> points = points_of(faces);
     glm::dvec3 axis = surface.axis, mean(0.0);
     if (surface.kind == AnalyticKind::Sphere) {
+      if (is_row(faces, points)) return false;
       least = 3;
       for (const std::int32_t f : faces) mean += facets_[f].area * facets_[f].normal;
       axis = ring != nullptr ? ring->axis : mean / std::max(glm::length(mean), 1e-300);
@@ -828,6 +882,8 @@ class RegionFinder {
   std::vector<std::int32_t> cluster_of_;
   std::vector<Cluster> clusters_;
   std::vector<glm::dvec3> directions_;
+  std::vector<std::int32_t> part_of_;  // by face
+  std::size_t part_count_ = 0;
   std::vector<std::int32_t> seen_, vertex_seen_;
   std::int32_t round_ = 0, vertex_round_ = 0;
   AnalyticRegions result_;

@@ -7,9 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <map>
-#include <numbers>
 #include <numeric>
-#include <optional>
 
 #include "planish/core/portable_math.h"
 
@@ -247,7 +245,7 @@ class Settler {
       const AnalyticSurface& s = regions_.regions[r].surface;
       if (s.kind == AnalyticKind::Plane) continue;
       placed_[r].radius = s.kind == AnalyticKind::Cone
-                              ? share_length(angles_, s.angle, certainties_[r].radius)
+                              ? share_length(slopes_, s.slope, certainties_[r].radius)
                               : share_length(lengths_, s.radius, certainties_[r].radius);
     }
     for (const std::size_t r : by_certainty([&](std::size_t i) { return certainties_[i].minor; })) {
@@ -298,7 +296,7 @@ class Settler {
     };
     for (std::size_t d = 0; d < directions_.size(); ++d) give(directions_[d].first, 2);
     for (Anchor& anchor : anchors_) give(anchor.first, 2);
-    for (auto* lengths : {&lengths_, &angles_, &places_})
+    for (auto* lengths : {&lengths_, &slopes_, &places_})
       for (Length& length : *lengths) give(length.unknown, 1);
   }
 
@@ -311,7 +309,7 @@ class Settler {
     if (at.along != kNone) s.origin += places_[at.along].value * axis;
     if (at.radius != kNone) {
       if (s.kind == AnalyticKind::Cone)
-        s.angle = angles_[at.radius].value;
+        s.slope = slopes_[at.radius].value;
       else
         s.radius = lengths_[at.radius].value;
     }
@@ -354,7 +352,7 @@ class Settler {
     }
     if (at.along != kNone) row.add(places_[at.along].unknown, -glm::dot(direction.axis, normal));
     if (at.radius != kNone)
-      row.add((s.kind == AnalyticKind::Cone ? angles_ : lengths_)[at.radius].unknown, gradient[5]);
+      row.add((s.kind == AnalyticKind::Cone ? slopes_ : lengths_)[at.radius].unknown, gradient[5]);
     if (at.minor != kNone) row.add(lengths_[at.minor].unknown, gradient[6]);
     return row;
   }
@@ -618,7 +616,7 @@ class Settler {
       const glm::dvec3 turn = by[direction.first] * frame.x + by[direction.first + 1] * frame.y;
       direction.axis = glm::normalize(direction.axis + glm::cross(turn, direction.axis));
     }
-    for (auto* lengths : {&lengths_, &angles_, &places_})
+    for (auto* lengths : {&lengths_, &slopes_, &places_})
       for (Length& length : *lengths)
         if (length.unknown >= 0) length.value += by[length.unknown];
   }
@@ -648,7 +646,7 @@ class Settler {
   std::vector<Direction> directions_;
   std::vector<Anchor> anchors_;
   std::vector<std::int32_t> anchor_of_;
-  std::vector<Length> lengths_, angles_, places_;
+  std::vector<Length> lengths_, slopes_, places_;
   std::vector<std::array<std::int32_t, 2>> right_angles_;
   std::vector<char> is_tangent_;
   std::vector<std::size_t> contacts_;

@@ -8,7 +8,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "planish/analytic/border_curves.h"
@@ -251,6 +250,7 @@ class PartBuilder {
       face.seams.push_back({add_edge(from, to, half, region, region), -1, -1});
       return;
     }
+    if (loops.empty()) throw Freeform{"a surface that does not close has no border"};
     if (!wound[0].empty() && !wound[1].empty())
       throw Freeform{"borders wind around a torus both ways"};
     const bool is_tube = !wound[1].empty();
@@ -329,7 +329,9 @@ class PartBuilder {
                      plan.sides.is_tangent ? std::span<const std::array<std::size_t, 2>>(pair)
                                            : std::span<const std::array<std::size_t, 2>>(),
                      reach);
-    require_near(reach, near, p, "a seam ends on no border");
+    // Where surfaces touch, their common points are told by the square root of rounding.
+    constexpr double kTold = 2e-8;
+    if (!(reach <= kTold)) throw Freeform{"a seam ends on no border"};
     for (const std::int32_t v : {plan.from, plan.to})
       if (v >= 0 && glm::length(brep_.vertices[v] - p) < kSamePoint) return v;
     for (const Split& known : plan.splits)
@@ -489,8 +491,9 @@ class PartBuilder {
         bool is_clear_of_poles = true;
         for (const LoopPoints& loop : points) {
           if (winding(turned, loop, false) != 0) ++wound;
-          for (const glm::dvec3& p : loop.points)
-            if (glm::length(glm::cross((p - s.origin) / s.radius, axis)) < 0.02)
+          for (std::size_t i = 0; i + 1 < loop.points.size(); ++i)
+            if (passes_pole((loop.points[i] - s.origin) / s.radius,
+                            (loop.points[i + 1] - s.origin) / s.radius, axis))
               is_clear_of_poles = false;
         }
         if (wound != wanted || !is_clear_of_poles) continue;
@@ -499,6 +502,16 @@ class PartBuilder {
       }
     }
     throw Freeform{"borders of a sphere leave no place for its poles"};
+  }
+  // Whether a chord of the unit sphere comes near the axis.
+  [[nodiscard]] static bool passes_pole(const glm::dvec3& from, const glm::dvec3& to,
+                                        const glm::dvec3& axis) {
+    constexpr double kNear = 0.05;
+    const glm::dvec3 a = from - glm::dot(from, axis) * axis,
+                     along = to - from - glm::dot(to - from, axis) * axis;
+    const double squared = glm::dot(along, along);
+    const double part = squared > 0 ? std::clamp(-glm::dot(a, along) / squared, 0.0, 1.0) : 0;
+    return glm::length(a + part * along) < kNear;
   }
   // Whether a region of a sphere holds the point in a direction from its centre.
   [[nodiscard]] bool holds(std::int32_t region, const glm::dvec3& direction) const {
@@ -755,6 +768,12 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
       if (has_free[part] != 0)
         throw Freeform{"some of its faces lie on no plane, cylinder, cone, sphere or torus"};
       PartBuilder(positions, topology, regions, borders, settled, brep).build(regions_of[part]);
+      std::vector<std::int32_t> number(regions.regions.size(), -1);
+      for (std::size_t i = 0; i < regions_of[part].size(); ++i)
+        number[regions_of[part][i]] = static_cast<std::int32_t>(i);
+      for (Brep::Edge& edge : brep.edges)
+        for (Brep::Line& line : edge.lines) line.face = number[line.face];
+      if (!check_brep(brep, 1).is_valid()) throw Freeform{"its faces would leave gaps"};
     } catch (const Freeform& freeform) {
       ++result.freeform_parts;
       if (result.first_reason.empty()) result.first_reason = freeform.reason;
@@ -789,7 +808,7 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
       edge.from += first_vertex;
       edge.to += first_vertex;
       edge.curve = to_model(*edge.curve, placement);
-      for (Brep::Line& line : edge.lines) line.face = face_of_region[line.face];
+      for (Brep::Line& line : edge.lines) line.face = face_of_region[regions_of[part][line.face]];
       result.brep.edges.push_back(std::move(edge));
     }
   }

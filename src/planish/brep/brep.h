@@ -17,8 +17,8 @@
 
 namespace planish {
 
-/// A surface as CAD programs hold it: untrimmed B-spline faces that meet along edges.
-/// All points are in model coordinates.
+/// A surface as CAD programs hold it: faces that meet along edges, untrimmed B-splines or on
+/// surfaces that have a name. All points are in model coordinates.
 struct Brep {
   /// An edge in a face's loop.
   struct Use {

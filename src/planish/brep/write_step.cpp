@@ -755,8 +755,8 @@ std::int64_t put_analytic(StepText& text, const Brep& brep, const Brep::Face& fa
     case AnalyticKind::Cylinder:
       return text.entity("CYLINDRICAL_SURFACE('',", Ref{place}, ',', s.radius, ')');
     case AnalyticKind::Cone:
-      return text.entity("CONICAL_SURFACE('',", Ref{place}, ',', height * portable::tan(s.angle),
-                         ',', s.angle, ')');
+      return text.entity("CONICAL_SURFACE('',", Ref{place}, ',', height * s.slope, ',',
+                         portable::atan(s.slope), ')');
     case AnalyticKind::Sphere:
       return text.entity("SPHERICAL_SURFACE('',", Ref{place}, ',', s.radius, ')');
     default:

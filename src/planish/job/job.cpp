@@ -308,18 +308,22 @@ JobWatch watch_of(const Callbacks& callbacks) {
 }
 
 FileFit file_fit(JobResult&& result) {
-  FileFit done;
-  done.fitted = std::move(result.fitted.front());
-  std::vector<Warning>& warnings = done.fitted.warnings;
-  if (result.report.meshes.empty()) warnings.clear();  // the report has them
-  warnings.insert(warnings.end(), result.report.warnings.begin(), result.report.warnings.end());
-  done.further.assign(std::make_move_iterator(result.fitted.begin() + 1),
-                      std::make_move_iterator(result.fitted.end()));
+  // The files are there, so nothing may fail for want of memory: all is moved.
   WrittenOutput& written = result.report.outputs.front();
-  done.vertex_count = written.vertices;
-  done.face_count = written.faces;
-  done.byte_count = written.bytes;
-  done.step = std::move(written.step);
+  FileFit done{.fitted = std::move(result.fitted.front()),
+               .vertex_count = written.vertices,
+               .face_count = written.faces,
+               .byte_count = written.bytes,
+               .step = std::move(written.step)};
+  std::vector<Warning>& warnings = done.fitted.warnings;
+  if (result.report.meshes.empty()) {  // the report has those of its one mesh
+    warnings = std::move(result.report.warnings);
+  } else {
+    warnings.insert(warnings.end(), std::make_move_iterator(result.report.warnings.begin()),
+                    std::make_move_iterator(result.report.warnings.end()));
+  }
+  result.fitted.erase(result.fitted.begin());
+  done.further = std::move(result.fitted);
   return done;
 }
 

@@ -364,6 +364,24 @@ std::string angle_text(double degrees) {
   return degrees < kNoise ? "0" : short_number(degrees);
 }
 
+// "14 faces (3 planes, 9 cylinders, 2 tori)".
+std::string faces_text(const StepFigures& step) {
+  if (step.analytic_parts == 0) return counted(step.faces, "B-spline face");
+  std::string kinds;
+  std::int64_t others = step.faces;
+  for (std::size_t k = 0; k < kAnalyticKinds; ++k) {
+    if (step.analytic[k] == 0) continue;
+    const auto kind = static_cast<AnalyticKind>(k);
+    kinds += kinds.empty() ? "" : ", ";
+    kinds += kind == AnalyticKind::Torus && step.analytic[k] != 1
+                 ? formatted("{} tori", step.analytic[k])
+                 : counted(step.analytic[k], std::string(name_of(kind)));
+    others -= step.analytic[k];
+  }
+  if (others > 0) kinds += ", " + counted(others, "B-spline face");
+  return counted(step.faces, "face") + " (" + kinds + ")";
+}
+
 std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   std::string line = output_name(output.path);
   line.resize(std::max(line.size(), path_width), ' ');
@@ -371,7 +389,7 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   if (output.kind == OutputKind::Cage) return line + "control cage";
   if (output.step) {
     const StepFigures& step = *output.step;
-    line += counted(step.faces, "B-spline face");
+    line += faces_text(step);
     if (step.solids > 0) line += ", " + counted(step.solids, "solid");
     if (step.open_shells > 0) line += ", " + counted(step.open_shells, "open shell");
     return formatted("{}, {} degrees at edges, in {}", line, angle_text(step.max_angle),

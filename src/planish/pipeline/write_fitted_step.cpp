@@ -173,13 +173,18 @@ std::optional<AnalyticFaces> analytic_faces_of(const FittedMesh& fitted,
                                                const StepFileOptions& options,
                                                std::shared_ptr<const PreparedMesh>& prepared) {
   const PolygonMesh& mesh = given_mesh(fitted);
-  if (options.settings.analytic == AnalyticChoice::Off || !mesh.hole_faces.empty()) return {};
+  // Whoever names another scheme wants its surface.
+  if (options.settings.analytic == AnalyticChoice::Off || !mesh.hole_faces.empty() ||
+      fitted.options.scheme != Scheme::DooSabin)
+    return {};
   prepared = fitted.bare ? prepare_mesh(mesh, options.name) : fitted.fit.prepared;
   const UsedPart used = used_part(mesh, prepared);
   const MeshTopology& topology = *prepared->topology;
-  // Whatever the fit has rounded: surfaces end where they disagree.
+  // Where features were looked for all of them count, whatever the fit has rounded of them.
   std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
-  for (const CreaseEdge& crease : find_features(used.mesh, topology).sharp_edges()) {
+  const std::vector<CreaseEdge> sharp =
+      fitted.finds_features ? find_features(used.mesh, topology).sharp_edges() : used.mesh.creases;
+  for (const CreaseEdge& crease : sharp) {
     const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
     if (edge >= 0) is_sharp[edge] = 1;
   }

@@ -205,8 +205,8 @@ fs::path make_temporary_folder(const fs::path& folder, std::error_code& error) {
   error = ::mkdtemp(name.data()) == nullptr ? last_reason() : std::error_code();
   if (error) return {};
   try {
-    return name;
-  } catch (...) {  // no memory for the path
+    return fs::path(name.c_str());  // copied, for the name is wanted where that fails
+  } catch (...) {
     ::rmdir(name.c_str());
     throw;
   }

@@ -1,0 +1,229 @@
+// Faces on planes, cylinders, cones, spheres and tori of parts whose surfaces are known.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "analytic/profile.h"
+#include "planish/brep/analytic_faces.h"
+#include "planish/features/find_features.h"
+#include "support/meshes.h"
+
+namespace planish::test {
+namespace {
+
+using Kinds = std::array<std::int64_t, kAnalyticKinds>;  // planes, cylinders, cones, spheres, tori
+
+constexpr double kPi = std::numbers::pi;
+
+PolygonMesh shaft() {
+  return Profile({0, 0})
+      .line({2, 0})
+      .line({2, 3})
+      .line({1.4, 3.6})
+      .line({1, 3.6})
+      .line({1, 5})
+      .line({0, 5})
+      .turned(40);
+}
+PolygonMesh filleted_shaft() {
+  return Profile({0, 0})
+      .line({2, 0})
+      .line({2, 1})
+      .line({1.5, 1})
+      .arc({1.5, 1.5}, 0.5, -kPi / 2, -kPi, 8)
+      .line({1, 3})
+      .arc({0.7, 3}, 0.3, 0, kPi / 2, 6)
+      .line({0, 3.3})
+      .turned(36);
+}
+PolygonMesh capsule() {
+  return Profile({0, -1})
+      .arc({0, 0}, 1, -kPi / 2, 0, 8)
+      .line({1, 2})
+      .arc({0, 2}, 1, 0, kPi / 2, 8)
+      .turned(32);
+}
+PolygonMesh ring() { return Profile({2.5, 0}).arc({2, 0}, 0.5, 0, 2 * kPi, 16).turned(32); }
+// A plate with a round bore through it.
+PolygonMesh plate() {
+  constexpr int kSteps = 32;
+  PolygonMesh mesh;
+  for (const double z : {0.0, 1.0}) {
+    for (int i = 0; i < kSteps; ++i) {
+      const double angle = 2 * kPi * i / kSteps, c = std::cos(angle), s = std::sin(angle);
+      mesh.positions.emplace_back(c, s, z);
+      const double reach = 3 / std::max(std::abs(c), std::abs(s));
+      mesh.positions.emplace_back(reach * c, reach * s, z);
+    }
+  }
+  for (int i = 0; i < kSteps; ++i) {
+    const int j = (i + 1) % kSteps, up = 2 * kSteps;
+    mesh.add_face({{2 * i, 2 * j, 2 * j + 1, 2 * i + 1}});                      // below
+    mesh.add_face({{up + 2 * i, up + 2 * i + 1, up + 2 * j + 1, up + 2 * j}});  // above
+    mesh.add_face({{2 * i, up + 2 * i, up + 2 * j, 2 * j}});                    // bore
+    mesh.add_face({{2 * i + 1, 2 * j + 1, up + 2 * j + 1, up + 2 * i + 1}});    // outside
+  }
+  return mesh;
+}
+
+// Of a ring of two polygons that meet twice a vertex: the welded mesh without doubles.
+PolygonMesh welded(const PolygonMesh& mesh) {
+  PolygonMesh result;
+  std::vector<std::int32_t> number;
+  for (const glm::dvec3& p : mesh.positions) {
+    const auto found = std::ranges::find_if(
+        result.positions, [&](const glm::dvec3& q) { return glm::length(p - q) < 1e-9; });
+    number.push_back(static_cast<std::int32_t>(found - result.positions.begin()));
+    if (found == result.positions.end()) result.positions.push_back(p);
+  }
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    std::vector<std::int32_t> face;
+    for (const std::int32_t v : mesh.face(f)) face.push_back(number[v]);
+    result.add_face(face);
+  }
+  return result;
+}
+
+AnalyticFaces faces_of(const PolygonMesh& mesh) {
+  const MeshTopology topology(mesh);
+  std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
+  for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
+    is_sharp[topology.find_edge(crease.v0, crease.v1)] = 1;
+  return make_analytic_faces({.topology = topology,
+                              .positions = mesh.positions,
+                              .is_sharp = is_sharp,
+                              .groups = {},
+                              .diagonal = placement_of(mesh).diagonal},
+                             1.5e-6);
+}
+
+struct Part {
+  std::string name;
+  PolygonMesh mesh;
+  Kinds kinds;
+  std::vector<double> radii;  // distinct
+};
+std::vector<Part> parts() {
+  return {{"shaft", shaft(), {3, 2, 1, 0, 0}, {1, 2}},
+          {"filleted shaft", filleted_shaft(), {3, 2, 0, 0, 2}, {0.3, 0.5, 0.7, 1, 1.5, 2}},
+          {"capsule", capsule(), {0, 1, 0, 2, 0}, {1}},
+          {"ring", welded(ring()), {0, 0, 0, 0, 1}, {0.5, 2}},
+          {"plate", plate(), {6, 1, 0, 0, 0}, {1}}};
+}
+
+void expect_part(const Part& part, const PolygonMesh& mesh, double scale) {
+  const AnalyticFaces made = faces_of(mesh);
+  EXPECT_EQ(made.freeform_parts, 0) << made.first_reason;
+  EXPECT_EQ(made.faces_by_kind, part.kinds);
+  ASSERT_EQ(made.radii.size(), part.radii.size());
+  for (std::size_t i = 0; i < made.radii.size(); ++i)
+    EXPECT_NEAR(made.radii[i] / scale, part.radii[i], 1e-6);
+  const BrepCheck check = check_brep(made.brep, placement_of(mesh).diagonal);
+  EXPECT_TRUE(check.is_valid()) << check.broken_loops << ' ' << check.unmatched_edges << ' '
+                                << check.largest_gap;
+  EXPECT_LT(made.largest_distance, 1e-6 * placement_of(mesh).diagonal);
+}
+
+TEST(AnalyticParts, HaveTheFacesThatTheyWereMadeOf) {
+  for (const Part& part : parts()) {
+    SCOPED_TRACE(part.name);
+    expect_part(part, part.mesh, 1);
+  }
+}
+
+// However they are turned, scaled, moved, cut to triangles, and their faces ordered.
+TEST(AnalyticParts, AreTheSameHoweverTheMeshIsWritten) {
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(1, 2, -0.7));
+  for (const Part& part : parts()) {
+    SCOPED_TRACE(part.name);
+    PolygonMesh moved = part.mesh;
+    for (glm::dvec3& p : moved.positions)
+      p = glm::dvec3(7, -3, 11) + 25.4 * (std::cos(1.1) * p + std::sin(1.1) * glm::cross(axis, p) +
+                                          (1 - std::cos(1.1)) * glm::dot(axis, p) * axis);
+    expect_part(part, moved, 25.4);
+    std::vector<std::vector<std::int32_t>> triangles;
+    for (std::int32_t f = 0; f < part.mesh.face_count(); ++f) {
+      const auto face = part.mesh.face(f);
+      for (std::size_t i = 1; i + 1 < face.size(); ++i)
+        triangles.push_back({face[0], face[i], face[i + 1]});
+    }
+    std::ranges::shuffle(triangles, std::mt19937(7));
+    PolygonMesh cut;
+    cut.positions = part.mesh.positions;
+    for (const auto& triangle : triangles) cut.add_face(triangle);
+    expect_part(part, cut, 1);
+    // float32, as STL has them.
+    for (glm::dvec3& p : cut.positions) p = glm::dvec3(glm::vec3(p));
+    expect_part(part, cut, 1);
+  }
+}
+
+TEST(AnalyticParts, WhatHasNoNameStaysFreeform) {
+  PolygonMesh bumpy = capsule();
+  for (glm::dvec3& p : bumpy.positions) p *= 1 + 0.05 * std::sin(3 * p.x) * std::cos(2 * p.y + p.z);
+  const AnalyticFaces made = faces_of(bumpy);
+  EXPECT_EQ(made.parts, 1);
+  EXPECT_EQ(made.freeform_parts, 1);
+  EXPECT_TRUE(made.brep.faces.empty());
+  EXPECT_FALSE(made.first_reason.empty());
+}
+
+TEST(AnalyticParts, AreTakenOneByOne) {
+  PolygonMesh both = shaft();
+  const std::int32_t first = both.vertex_count();
+  PolygonMesh bumpy = capsule();
+  for (const glm::dvec3& p : bumpy.positions)
+    both.positions.push_back(glm::dvec3(9, 0, 0) +
+                             (1 + 0.05 * std::sin(3 * p.x) * std::cos(2 * p.y + p.z)) * p);
+  for (std::int32_t f = 0; f < bumpy.face_count(); ++f) {
+    std::vector<std::int32_t> face;
+    for (const std::int32_t v : bumpy.face(f)) face.push_back(first + v);
+    both.add_face(face);
+  }
+  const AnalyticFaces made = faces_of(both);
+  EXPECT_EQ(made.parts, 2);
+  EXPECT_EQ(made.freeform_parts, 1);
+  EXPECT_EQ(made.faces_by_kind, (Kinds{3, 2, 1, 0, 0}));
+}
+
+// The two sides of a border of groups are two faces of one surface.
+TEST(AnalyticParts, GroupsEndFaces) {
+  const PolygonMesh mesh = shaft();
+  const MeshTopology topology(mesh);
+  std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
+  for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
+    is_sharp[topology.find_edge(crease.v0, crease.v1)] = 1;
+  std::vector<std::int32_t> groups(static_cast<std::size_t>(mesh.face_count()), 0);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    glm::dvec3 middle(0.0);
+    for (const std::int32_t v : mesh.face(f)) middle += mesh.positions[v];
+    groups[f] = middle.y > 0 ? 1 : 0;
+  }
+  const AnalyticFaces made = make_analytic_faces(
+      {topology, mesh.positions, is_sharp, groups, placement_of(mesh).diagonal}, 1.5e-6);
+  EXPECT_EQ(made.freeform_parts, 0) << made.first_reason;
+  EXPECT_EQ(made.faces_by_kind, (Kinds{6, 4, 2, 0, 0}));
+  EXPECT_TRUE(check_brep(made.brep, placement_of(mesh).diagonal).is_valid());
+}
+
+TEST(AnalyticParts, AreTheSameForEveryCallAndStopWhenAsked) {
+  const PolygonMesh mesh = filleted_shaft();
+  const AnalyticFaces one = faces_of(mesh), two = faces_of(mesh);
+  EXPECT_EQ(one.brep.vertices, two.brep.vertices);
+  const MeshTopology topology(mesh);
+  const std::vector<char> none(static_cast<std::size_t>(topology.edge_count()), 0);
+  const Callbacks stop{.cancelled = [] { return true; }};
+  EXPECT_ANY_THROW(
+      (void)make_analytic_faces({topology, mesh.positions, none, {}, 1}, 1.5e-6, stop));
+}
+
+}  // namespace
+}  // namespace planish::test
