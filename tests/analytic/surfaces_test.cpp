@@ -100,8 +100,9 @@ TEST(AnalyticSurfaces, AreFoundFromNearby) {
     EXPECT_NEAR(fitted.radius, s.radius, 1e-10);
     EXPECT_NEAR(fitted.minor, s.minor, 1e-10);
     EXPECT_NEAR(fitted.slope, s.slope, 1e-10);
-    if (s.kind != AnalyticKind::Sphere)
+    if (s.kind != AnalyticKind::Sphere) {
       EXPECT_NEAR(std::abs(glm::dot(fitted.axis, s.axis)), 1, 1e-13);
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "planish/analytic/spline_point.h"
 #include "planish/core/portable_math.h"
 
 namespace planish {
@@ -129,22 +130,8 @@ BorderCurve spline_through(std::span<const double> knots, std::span<const glm::d
 }
 
 glm::dvec3 point_at(const BorderCurve& curve, double t) {
-  const auto& knots = curve.knots;
-  const auto above = std::upper_bound(knots.begin() + 1, knots.end() - 1, t);
-  const auto span = static_cast<std::size_t>(above - knots.begin()) - 1;
-  const auto knot = [&](std::size_t k) {
-    return knots[std::min(k < kBorderDegree ? 0 : k - kBorderDegree, knots.size() - 1)];
-  };
-  std::array<glm::dvec3, kBorderDegree + 1> left;
-  for (std::size_t i = 0; i <= kBorderDegree; ++i) left[i] = curve.points[span + i];
-  for (std::size_t r = 1; r <= kBorderDegree; ++r) {
-    for (std::size_t i = 0; i + r <= kBorderDegree; ++i) {
-      const double low = knot(span + i + r), high = knot(span + i + kBorderDegree + 1);
-      const double part = (t - low) / (high - low);
-      left[i] = (1 - part) * left[i] + part * left[i + 1];
-    }
-  }
-  return left[0];
+  return spline_point<kBorderDegree>(
+      kBorderDegree, curve.knots, [&](std::size_t i) { return curve.points[i]; }, t);
 }
 
 // A spline on both surfaces: twice as many points until it is.
@@ -198,15 +185,6 @@ std::optional<BorderCurve> spline_along(const BorderSides& sides,
 }
 
 }  // namespace
-
-glm::dvec3 BorderSides::point(const glm::dvec3& near, double& reach) const {
-  const std::array<SidedSurface, 2> both{left, right};
-  const std::array<std::array<std::size_t, 2>, 1> pair{{{0, 1}}};
-  return common_point(near, both,
-                      is_tangent ? std::span<const std::array<std::size_t, 2>>(pair)
-                                 : std::span<const std::array<std::size_t, 2>>(),
-                      reach);
-}
 
 std::optional<BorderCurve> curve_along(const BorderSides& sides,
                                        std::span<const glm::dvec3> chain) {

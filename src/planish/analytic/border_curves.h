@@ -26,14 +26,6 @@ struct BorderCurve {
 };
 inline constexpr std::size_t kBorderDegree = 3;
 
-/// Where two surfaces meet.
-struct BorderSides {
-  SidedSurface left, right;
-  bool is_tangent = false;
-
-  [[nodiscard]] glm::dvec3 point(const glm::dvec3& near, double& reach) const;
-};
-
 /// Of the diagonal: curves lie on their surfaces within this.
 inline constexpr double kOnSurface = 1e-9;
 

@@ -11,16 +11,15 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/core/portable_math.h"
+#include "planish/core/vectors.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_parts.h"
 
 namespace planish {
 namespace {
 
 constexpr std::int32_t kFree = -1;
 constexpr std::size_t kMostNeighbours = 8;
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  return portable::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
 
 // Faces in one plane.
 struct Cluster {
@@ -43,6 +42,7 @@ class RegionFinder {
         topology_(topology),
         is_sharp_(is_sharp),
         tolerance_(tolerance),
+        parts_(face_components(topology)),
         facets_(topology.face_count()),
         doubt_(facets_.size()),
         cluster_of_(facets_.size(), kFree),
@@ -51,7 +51,6 @@ class RegionFinder {
     measure();
     make_clusters();
     join_clusters();
-    find_parts();
     find_directions();
     result_.region_of.assign(facets_.size(), kFree);
   }
@@ -82,22 +81,18 @@ class RegionFinder {
   void measure() {
     for (std::int32_t f = 0; f < topology_.face_count(); ++f) {
       const auto vertices = topology_.face(f);
-      const glm::dvec3& first = positions_[vertices[0]];
-      glm::dvec3 sum(0.0);
       double longest = 0;
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const glm::dvec3 from = positions_[vertices[i]],
-                         to = positions_[vertices[(i + 1) % vertices.size()]];
-        sum += glm::cross(from - first, to - first);
-        longest = std::max(longest, glm::length(to - from));
-      }
-      const double length = glm::length(sum);
       glm::dvec3 centre(0.0);
-      for (const std::int32_t v : vertices)
-        centre += positions_[v] / static_cast<double>(vertices.size());
-      facets_[f] = {length > 0 ? sum / length : glm::dvec3(0.0), 0.5 * length, centre};
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        const glm::dvec3 &from = positions_[vertices[i]],
+                         &to = positions_[vertices[(i + 1) % vertices.size()]];
+        longest = std::max(longest, glm::length(to - from));
+        centre += from / static_cast<double>(vertices.size());
+      }
+      const glm::dvec3 area = area_vector(positions_, vertices);
+      facets_[f] = {unit_or_zero(area), glm::length(area), centre};
       // What an error of the vertices turns the normal by, at most.
-      const double height = longest > 0 ? length / longest : 0;
+      const double height = longest > 0 ? 2 * facets_[f].area / longest : 0;
       doubt_[f] =
           height > 0 ? std::min(2 * tolerance_ / height, std::numbers::pi) : std::numbers::pi;
     }
@@ -149,27 +144,6 @@ class RegionFinder {
       }
       cluster.facet = {sum / std::max(glm::length(sum), 1e-300), glm::length(sum)};
       clusters_.push_back(std::move(cluster));
-    }
-  }
-
-  // Faces by what edges join, sharp or not.
-  void find_parts() {
-    part_of_.assign(facets_.size(), kFree);
-    for (std::int32_t first = 0; first < std::ssize(facets_); ++first) {
-      if (part_of_[first] != kFree) continue;
-      std::vector<std::int32_t> open{first};
-      part_of_[first] = static_cast<std::int32_t>(part_count_);
-      while (!open.empty()) {
-        const std::int32_t f = open.back();
-        open.pop_back();
-        for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
-          const std::int32_t twin = topology_.twin(topology_.first_corner(f) + i);
-          if (twin < 0 || part_of_[topology_.face_of(twin)] != kFree) continue;
-          part_of_[topology_.face_of(twin)] = part_of_[first];
-          open.push_back(topology_.face_of(twin));
-        }
-      }
-      ++part_count_;
     }
   }
 
@@ -299,7 +273,7 @@ class RegionFinder {
     Candidate candidate{surface, sign < 0, {}, 0};
     for (const std::int32_t f : faces)
       if (lies_on(f, surface, sign)) candidate.faces.push_back(f);
-    candidate.clusters = count_clusters(candidate.faces);
+    candidate.clusters = clusters_of(candidate.faces).size();
     return candidate;
   }
 
@@ -382,13 +356,14 @@ class RegionFinder {
     constexpr std::size_t kLarge = 24;  // clusters
     std::vector<Candidate> small;
     std::vector<char> is_covered(clusters_.size(), 0);
-    std::vector<std::size_t> misses(part_count_, 0), hits(part_count_, 0);
+    std::vector<std::size_t> misses(static_cast<std::size_t>(parts_.count), 0),
+        hits(misses.size(), 0);
     for (std::int32_t c = 0; c < std::ssize(clusters_); ++c) {
       if (c % 64 == 0) check_stop();
       if (is_covered[c] != 0 || !is_free(c)) continue;
       // Of what has no names not everything is looked at.
       constexpr std::size_t kMostMisses = 100;
-      const std::int32_t part = part_of_[clusters_[c].faces.front()];
+      const std::int32_t part = parts_.of_face[clusters_[c].faces.front()];
       if (misses[part] > (is_last ? kMostMisses : kMostMisses / 3) + hits[part]) continue;
       auto best = best_through(c);
       if (!best) {
@@ -426,7 +401,7 @@ class RegionFinder {
       for (std::size_t r = 0; r < result_.regions.size(); ++r) {
         const AnalyticRegion known = result_.regions[r];
         if (known.faces.empty() || known.surface.kind == AnalyticKind::Plane) continue;
-        const double sign = known.is_inward ? -1 : 1;
+        const double sign = known.side();
         const auto lies = [&](double side) {
           return std::ranges::all_of(
               clusters_[c].faces, [&](std::int32_t f) { return lies_on(f, known.surface, side); });
@@ -444,7 +419,7 @@ class RegionFinder {
             seen_[other] = round_;
             candidate.faces.push_back(other);
           });
-        if (count_clusters(candidate.faces) < 2) continue;
+        if (clusters_of(candidate.faces).size() < 2) continue;
         take(std::move(candidate));
         break;
       }
@@ -471,16 +446,14 @@ class RegionFinder {
     for (std::size_t r = 0; r < result_.regions.size(); ++r) {
       for (bool is_changed = true; is_changed;) {
         is_changed = false;
-        for (const std::int32_t other : beside(r)) {
-          is_changed = is_changed || join(r, other);
-          if (is_changed) break;
-        }
+        const std::vector<std::int32_t> others = beside(r);
+        is_changed =
+            std::ranges::any_of(others, [&](std::int32_t other) { return join(r, other); });
       }
     }
   }
   // Faces of smaller regions that lie on a larger one, too, become its: pieces of it that were seen
-  // before it was whole. What is left of those is free.
-  // Whether there were any.
+  // before it was whole. What is left of those is free. Whether there were any.
   bool rob() {
     bool is_any = false;
     std::vector<std::size_t> order(result_.regions.size());
@@ -497,7 +470,7 @@ class RegionFinder {
         each_neighbour(region.faces[i], [&](std::int32_t other) {
           const std::int32_t there = result_.region_of[other];
           if (there == own || there == kFree || size(there) >= before ||
-              !lies_on(other, region.surface, region.is_inward ? -1 : 1))
+              !lies_on(other, region.surface, region.side()))
             return;
           robbed.push_back(there);
           result_.region_of[other] = own;
@@ -562,11 +535,7 @@ class RegionFinder {
                               const AnalyticSurface* ring = nullptr) {
       if (!candidate || candidate->clusters < least) return false;
       if (!is_told(candidate->surface, candidate->faces, ring)) return false;
-      std::vector<std::int32_t> clusters;
-      for (const std::int32_t f : candidate->faces) clusters.push_back(cluster_of_[f]);
-      std::ranges::sort(clusters);
-      clusters.erase(std::ranges::unique(clusters).begin(), clusters.end());
-      known.push_back(std::move(clusters));
+      known.push_back(clusters_of(candidate->faces));
       if (!best || candidate->clusters > best->clusters) best = std::move(candidate);
       return true;
     };
@@ -676,7 +645,7 @@ class RegionFinder {
           if (region == kFree) continue;
           AnalyticRegion& to = result_.regions[region];
           if (is_sharp_[topology_.edge_of(topology_.first_corner(f) + i)] == kGroupBorder) continue;
-          if (!lies_on(f, to.surface, to.is_inward ? -1 : 1) && !fills_notch(f, region)) continue;
+          if (!lies_on(f, to.surface, to.side()) && !fills_notch(f, region)) continue;
           result_.region_of[f] = region;
           to.faces.push_back(f);
           is_changed = true;
@@ -699,7 +668,7 @@ class RegionFinder {
       if (twin >= 0 && result_.region_of[topology_.face_of(twin)] == region) ++shared;
       const glm::dvec3& p = positions_[topology_.vertex_of(corner)];
       if (std::abs(signed_distance(to.surface, p)) > tolerance_) return false;
-      mean += normal_at(to.surface, p) * (to.is_inward ? -1.0 : 1.0);
+      mean += normal_at(to.surface, p) * to.side();
     }
     return shared >= 2 && angle_between(facets_[face].normal, mean) < kMostTurn;
   }
@@ -729,7 +698,7 @@ class RegionFinder {
     for (std::size_t r = 0; r < result_.regions.size(); ++r) {
       const AnalyticRegion& region = result_.regions[r];
       if (region.faces.empty() || region.surface.kind == AnalyticKind::Plane) continue;
-      if (count_clusters(region.faces) >= kSmall) continue;
+      if (clusters_of(region.faces).size() >= kSmall) continue;
       double around = 0, odd = 0;  // lengths of its border
       for (const std::int32_t f : region.faces) {
         for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
@@ -762,18 +731,18 @@ class RegionFinder {
     for (const std::int32_t v : topology_.face(face)) {
       if (std::ranges::find(topology_.face(other), v) == topology_.face(other).end()) continue;
       const glm::dvec3& p = positions_[v];
-      const glm::dvec3 a = normal_at(region.surface, p) * (region.is_inward ? -1.0 : 1.0),
-                       b = normal_at(beside.surface, p) * (beside.is_inward ? -1.0 : 1.0);
-      largest = std::max(largest, angle_between(a, b));
+      largest = std::max(largest, angle_between(region.normal_at(p), beside.normal_at(p)));
     }
     return largest;
   }
 
-  [[nodiscard]] std::size_t count_clusters(std::span<const std::int32_t> faces) const {
+  // Ascending.
+  [[nodiscard]] std::vector<std::int32_t> clusters_of(std::span<const std::int32_t> faces) const {
     std::vector<std::int32_t> clusters;
     for (const std::int32_t f : faces) clusters.push_back(cluster_of_[f]);
     std::ranges::sort(clusters);
-    return static_cast<std::size_t>(std::ranges::unique(clusters).begin() - clusters.begin());
+    clusters.erase(std::ranges::unique(clusters).begin(), clusters.end());
+    return clusters;
   }
 
   AnalyticRegions finished() {
@@ -877,13 +846,12 @@ class RegionFinder {
   const MeshTopology& topology_;
   std::span<const char> is_sharp_;
   double tolerance_;
+  FaceComponents parts_;
   std::vector<Facet> facets_;
   std::vector<double> doubt_;  // radians, of their normals
   std::vector<std::int32_t> cluster_of_;
   std::vector<Cluster> clusters_;
   std::vector<glm::dvec3> directions_;
-  std::vector<std::int32_t> part_of_;  // by face
-  std::size_t part_count_ = 0;
   std::vector<std::int32_t> seen_, vertex_seen_;
   std::int32_t round_ = 0, vertex_round_ = 0;
   AnalyticRegions result_;

@@ -16,6 +16,13 @@ struct AnalyticRegion {
   bool is_inward = false;  ///< faces look against the surface's normals
   std::vector<std::int32_t> faces;
   double error = 0;  ///< of its vertices, from the surface: at most
+
+  /// Of the surface on which its faces are: 1 where its normals point to, else -1.
+  [[nodiscard]] double side() const { return is_inward ? -1 : 1; }
+  /// Out of the faces.
+  [[nodiscard]] glm::dvec3 normal_at(const glm::dvec3& point) const {
+    return side() * planish::normal_at(surface, point);
+  }
 };
 
 struct AnalyticRegions {

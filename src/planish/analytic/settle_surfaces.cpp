@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "planish/core/portable_math.h"
+#include "planish/mesh/face_geometry.h"
 
 namespace planish {
 namespace {
@@ -94,11 +95,7 @@ class Settler {
         if (!improve()) break;
     }
     keep_near(before);
-    SettledRegions result;
-    result.relations = {std::ssize(directions_), std::ssize(anchors_), std::ssize(lengths_),
-                        std::ssize(contacts_)};
-    result.is_tangent = is_tangent_;
-    return result;
+    return {std::move(is_tangent_)};
   }
 
  private:
@@ -177,7 +174,6 @@ class Settler {
   }
 
   void share_anchors() {
-    anchor_of_.assign(regions_.regions.size(), kNone);
     for (const std::size_t r : by_certainty([&](std::size_t i) { return certainties_[i].shift; })) {
       const AnalyticSurface& surface = regions_.regions[r].surface;
       if (surface.kind == AnalyticKind::Plane || surface.kind == AnalyticKind::Sphere) continue;
@@ -228,7 +224,7 @@ class Settler {
 
   std::int32_t share_length(std::vector<Length>& lengths, double value, double deviation) {
     std::int32_t found = kNone;
-    double nearest = std::min(1e-3 * std::abs(value), 1e300);
+    double nearest = 1e-3 * std::abs(value);
     for (std::int32_t l = 0; l < std::ssize(lengths); ++l) {
       const double apart = std::abs(lengths[l].value - value);
       if (apart > std::min(nearest, tolerance(deviation, lengths[l].deviation))) continue;
@@ -287,14 +283,12 @@ class Settler {
   }
 
   void number() {
-    std::vector<char> is_used(directions_.size(), 0);
-    for (const Placed& placed : placed_) is_used[placed.direction] = 1;
     const auto give = [&](std::int32_t& first, std::int32_t count) {
       if (first != kFree) return;
       first = unknowns_;
       unknowns_ += count;
     };
-    for (std::size_t d = 0; d < directions_.size(); ++d) give(directions_[d].first, 2);
+    for (Direction& direction : directions_) give(direction.first, 2);
     for (Anchor& anchor : anchors_) give(anchor.first, 2);
     for (auto* lengths : {&lengths_, &slopes_, &places_})
       for (Length& length : *lengths) give(length.unknown, 1);
@@ -329,6 +323,23 @@ class Settler {
       if (u < 0) return;
       unknown[count] = u;
       value[count++] = v;
+    }
+  };
+  // Rows of several regions, which may share unknowns, added up.
+  struct RowSum {
+    std::vector<std::int32_t> unknowns;
+    std::vector<double> values;
+
+    void add(const Row& row, double factor) {
+      for (std::size_t i = 0; i < row.count; ++i) {
+        const auto found = std::ranges::find(unknowns, row.unknown[i]);
+        if (found == unknowns.end()) {
+          unknowns.push_back(row.unknown[i]);
+          values.push_back(factor * row.value[i]);
+        } else {
+          values[static_cast<std::size_t>(found - unknowns.begin())] += factor * row.value[i];
+        }
+      }
     }
   };
   [[nodiscard]] Row row_of(std::size_t r, const glm::dvec3& p) const {
@@ -366,9 +377,9 @@ class Settler {
       if (chain.left < 0 || chain.right < 0) continue;
       double most = 0;
       for (const std::int32_t v : chain.vertices) {
-        const glm::dvec3 &p = positions_[v], a = sided_normal(chain.left, p),
-                         b = sided_normal(chain.right, p);
-        most = std::max(most, portable::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+        const glm::dvec3& p = positions_[v];
+        most = std::max(most, angle_between(regions_.regions[chain.left].normal_at(p),
+                                            regions_.regions[chain.right].normal_at(p)));
       }
       const double told = kTimes * (doubt(chain.left) + doubt(chain.right));
       if (most > kTouch + std::min(told, 2 * kDegree)) continue;
@@ -382,11 +393,6 @@ class Settler {
     const double size = s.kind == AnalyticKind::Torus ? s.minor : s.radius;
     return size > 0 ? std::min(1.0, certainties_[region].shift / size) : 0;
   }
-  [[nodiscard]] glm::dvec3 sided_normal(std::int32_t region, const glm::dvec3& p) const {
-    const AnalyticRegion& r = regions_.regions[region];
-    return normal_at(r.surface, p) * (r.is_inward ? -1.0 : 1.0);
-  }
-
   class Normal {
    public:
     explicit Normal(std::int32_t unknowns)
@@ -398,6 +404,13 @@ class Settler {
         for (std::size_t j = 0; j < unknowns.size(); ++j)
           matrix_[count_ * unknowns[i] + unknowns[j]] += weight * values[i] * values[j];
       }
+    }
+    void add(const Row& row, double residual, double weight) {
+      add(std::span(row.unknown).first(row.count), std::span(row.value).first(row.count), residual,
+          weight);
+    }
+    void add(const RowSum& sum, double residual, double weight) {
+      add(sum.unknowns, sum.values, residual, weight);
     }
     [[nodiscard]] bool solve() {
       double mean = 0;
@@ -417,9 +430,7 @@ class Settler {
     Normal normal(unknowns_);
     for (std::size_t r = 0; r < placed_.size(); ++r) {
       for (const glm::dvec3& p : points_[r]) {
-        const Row row = row_of(r, p);
-        normal.add(std::span(row.unknown).first(row.count), std::span(row.value).first(row.count),
-                   signed_distance(regions_.regions[r].surface, p), 1);
+        normal.add(row_of(r, p), signed_distance(regions_.regions[r].surface, p), 1);
       }
     }
     constexpr double kFirm = 1e9;  // weight of conditions: squares
@@ -436,8 +447,7 @@ class Settler {
         row.add(second.first, -glm::dot(g.y, first.axis));
         row.add(second.first + 1, glm::dot(g.x, first.axis));
       }
-      normal.add(std::span(row.unknown).first(row.count), std::span(row.value).first(row.count),
-                 glm::dot(first.axis, second.axis), kFirm);
+      normal.add(row, glm::dot(first.axis, second.axis), kFirm);
     }
     for (const std::size_t c : contacts_) add_contact(normal, c, kFirm);
     add_meetings(normal, kFirm);
@@ -452,9 +462,10 @@ class Settler {
   // Places of a chain: both distances are one there, and the normals' parts along it.
   void add_contact(Normal& normal, std::size_t c, double weight) {
     const BorderChain& chain = borders_.chains[c];
-    const auto a = chain.left, b = chain.right;
-    const double sign =
-        (regions_.regions[a].is_inward ? -1.0 : 1.0) * (regions_.regions[b].is_inward ? -1.0 : 1.0);
+    const std::int32_t a = chain.left, b = chain.right;
+    const AnalyticRegion &first = regions_.regions[a], &second = regions_.regions[b];
+    const double sign = first.side() * second.side();
+    const BorderSides sides{{&first.surface, first.side()}, {&second.surface, second.side()}, true};
     // Not at its ends, where a third surface may touch both and leave their contact open.
     for (const double place : {0.2, 0.5, 0.8}) {
       const double at = place * static_cast<double>(chain.vertices.size() - 1);
@@ -463,66 +474,30 @@ class Settler {
                        &to = positions_[chain.vertices[before + 1]];
       const double part = at - static_cast<double>(before);
       const glm::dvec3 near = (1 - part) * from + part * to;
-      const std::array<SidedSurface, 2> two{
-          SidedSurface{&regions_.regions[a].surface, regions_.regions[a].is_inward ? -1.0 : 1.0},
-          SidedSurface{&regions_.regions[b].surface, regions_.regions[b].is_inward ? -1.0 : 1.0}};
-      const std::array<std::array<std::size_t, 2>, 1> pair{{{0, 1}}};
       double reach = 0;
-      const glm::dvec3 p = common_point(near, two, pair, reach);
-      Row first = row_of(a, p), second = row_of(b, p);
-      add_difference(
-          normal, first, second, sign,
-          signed_distance(*two[0].surface, p) - sign * signed_distance(*two[1].surface, p), weight);
+      const glm::dvec3 p = sides.point(near, reach), normal_a = normal_at(first.surface, p),
+                       normal_b = normal_at(second.surface, p);
+      RowSum apart;
+      apart.add(row_of(a, p), 1);
+      apart.add(row_of(b, p), -sign);
+      normal.add(apart,
+                 signed_distance(first.surface, p) - sign * signed_distance(second.surface, p),
+                 weight);
       // The same a little further along the chain and back: what normals along it differ by.
       glm::dvec3 along = to - from;
-      along -= glm::dot(along, normal_at(*two[0].surface, p)) * normal_at(*two[0].surface, p);
+      along -= glm::dot(along, normal_a) * normal_a;
       if (!(glm::length(along) > 0)) continue;
       along = glm::normalize(along);
       constexpr double kStep = 1e-4;
-      Row far = row_of(a, p + kStep * along), back = row_of(a, p - kStep * along);
-      const Row far_b = row_of(b, p + kStep * along), back_b = row_of(b, p - kStep * along);
-      std::vector<std::int32_t> unknowns;
-      std::vector<double> values;
-      const auto put_row = [&](const Row& row, double factor) {
-        for (std::size_t i = 0; i < row.count; ++i) {
-          const auto found = std::ranges::find(unknowns, row.unknown[i]);
-          if (found == unknowns.end()) {
-            unknowns.push_back(row.unknown[i]);
-            values.push_back(factor * row.value[i]);
-          } else {
-            values[static_cast<std::size_t>(found - unknowns.begin())] += factor * row.value[i];
-          }
-        }
-      };
       constexpr double kReach = 0.02;  // what an angle counts for as a length
       const double scale = kReach * 0.5 / kStep;
-      put_row(far, scale);
-      put_row(back, -scale);
-      put_row(far_b, -sign * scale);
-      put_row(back_b, sign * scale);
-      const double residual = kReach * glm::dot(along, normal_at(*two[0].surface, p) -
-                                                           sign * normal_at(*two[1].surface, p));
-      normal.add(unknowns, values, residual, weight);
+      RowSum turned;
+      for (const double way : {1.0, -1.0})
+        turned.add(row_of(a, p + way * kStep * along), way * scale);
+      for (const double way : {1.0, -1.0})
+        turned.add(row_of(b, p + way * kStep * along), -sign * way * scale);
+      normal.add(turned, kReach * glm::dot(along, normal_a - sign * normal_b), weight);
     }
-  }
-  static void add_difference(Normal& normal, const Row& first, const Row& second, double sign,
-                             double residual, double weight) {
-    std::vector<std::int32_t> unknowns;
-    std::vector<double> values;
-    for (std::size_t i = 0; i < first.count; ++i) {
-      unknowns.push_back(first.unknown[i]);
-      values.push_back(first.value[i]);
-    }
-    for (std::size_t i = 0; i < second.count; ++i) {
-      const auto found = std::ranges::find(unknowns, second.unknown[i]);
-      if (found == unknowns.end()) {
-        unknowns.push_back(second.unknown[i]);
-        values.push_back(-sign * second.value[i]);
-      } else {
-        values[static_cast<std::size_t>(found - unknowns.begin())] -= sign * second.value[i];
-      }
-    }
-    normal.add(unknowns, values, residual, weight);
   }
 
   // Vertices where more than three surfaces meet: those beyond the three that tell the point best
@@ -545,22 +520,11 @@ class Settler {
         const AnalyticSurface& other = regions_.regions[meeting.regions[k]].surface;
         // The point moves by -inverse (changes of the three), so the fourth distance changes so.
         const glm::dvec3 shares = glm::transpose(inverse) * normal_at(other, p);
-        std::vector<std::int32_t> unknowns;
-        std::vector<double> values;
-        const auto put_row = [&](const Row& row, double factor) {
-          for (std::size_t i = 0; i < row.count; ++i) {
-            const auto found = std::ranges::find(unknowns, row.unknown[i]);
-            if (found == unknowns.end()) {
-              unknowns.push_back(row.unknown[i]);
-              values.push_back(factor * row.value[i]);
-            } else {
-              values[static_cast<std::size_t>(found - unknowns.begin())] += factor * row.value[i];
-            }
-          }
-        };
-        put_row(row_of(meeting.regions[k], p), 1);
-        for (int i = 0; i < 3; ++i) put_row(row_of(meeting.regions[std::size_t(i)], p), -shares[i]);
-        normal.add(unknowns, values, signed_distance(other, p), weight);
+        RowSum moved;
+        moved.add(row_of(meeting.regions[k], p), 1);
+        for (int i = 0; i < 3; ++i)
+          moved.add(row_of(meeting.regions[static_cast<std::size_t>(i)], p), -shares[i]);
+        normal.add(moved, signed_distance(other, p), weight);
       }
     }
   }
@@ -645,7 +609,6 @@ class Settler {
   std::vector<Placed> placed_;
   std::vector<Direction> directions_;
   std::vector<Anchor> anchors_;
-  std::vector<std::int32_t> anchor_of_;
   std::vector<Length> lengths_, slopes_, places_;
   std::vector<std::array<std::int32_t, 2>> right_angles_;
   std::vector<char> is_tangent_;
@@ -659,6 +622,14 @@ class Settler {
 SettledRegions settle_surfaces(std::span<const glm::dvec3> positions, const MeshTopology& topology,
                                const RegionBorders& borders, AnalyticRegions& regions) {
   return Settler(positions, topology, borders, regions).settle();
+}
+
+glm::dvec3 BorderSides::point(const glm::dvec3& near, double& reach,
+                              const AnalyticSurface* cut) const {
+  constexpr std::array<std::array<std::size_t, 2>, 1> kBoth{{{0, 1}}};
+  const std::array<SidedSurface, 3> all{left, right, SidedSurface{cut, 1}};
+  return common_point(near, std::span(all).first(cut != nullptr ? 3 : 2),
+                      std::span(kBoth).first(is_tangent ? 1 : 0), reach);
 }
 
 glm::dvec3 common_point(const glm::dvec3& near, std::span<const SidedSurface> surfaces,

@@ -11,19 +11,10 @@
 
 namespace planish {
 
-/// What regions were found to have in common.
-struct SurfaceRelations {
-  std::int64_t directions = 0;  ///< distinct ones of regions that have one
-  std::int64_t lines = 0;       ///< distinct axes
-  std::int64_t lengths = 0;     ///< distinct radii
-  std::int64_t tangent = 0;     ///< chains along which two surfaces touch
-};
-
 /// Regions whose surfaces agree: what is parallel, at right angles, on one axis, in one plane, of
 /// one radius within what the vertices tell is so exactly, surfaces that touch along a chain touch,
 /// and those that meet at a vertex meet in a point. Least squares under these conditions.
 struct SettledRegions {
-  SurfaceRelations relations;
   std::vector<char> is_tangent;  ///< by chain
 };
 [[nodiscard]] SettledRegions settle_surfaces(std::span<const glm::dvec3> positions,
@@ -44,5 +35,15 @@ struct SidedSurface {
                                       std::span<const SidedSurface> surfaces,
                                       std::span<const std::array<std::size_t, 2>> touching,
                                       double& reach);
+
+/// Where two surfaces meet.
+struct BorderSides {
+  SidedSurface left, right;
+  bool is_tangent = false;
+
+  /// Their common_point(), of `cut` too where it is given.
+  [[nodiscard]] glm::dvec3 point(const glm::dvec3& near, double& reach,
+                                 const AnalyticSurface* cut = nullptr) const;
+};
 
 }  // namespace planish

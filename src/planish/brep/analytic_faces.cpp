@@ -17,6 +17,8 @@
 #include "planish/core/guards.h"
 #include "planish/core/portable_math.h"
 #include "planish/core/words.h"
+#include "planish/mesh/face_geometry.h"
+#include "planish/mesh/mesh_parts.h"
 
 namespace planish {
 namespace {
@@ -58,6 +60,11 @@ class PartBuilder {
     for (const std::int32_t r : regions) plan(r);
     for (const std::int32_t c : chains_) make_edges(c);
     for (const std::int32_t r : regions) make_face(r);
+    std::vector<std::int32_t> number(regions_.regions.size(), -1);
+    for (std::size_t i = 0; i < regions.size(); ++i)
+      number[regions[i]] = static_cast<std::int32_t>(i);
+    for (Brep::Edge& edge : brep_.edges)
+      for (Brep::Line& line : edge.lines) line.face = number[line.face];
   }
 
  private:
@@ -86,7 +93,7 @@ class PartBuilder {
     return regions_.regions[region].surface;
   }
   [[nodiscard]] SidedSurface sided(std::int32_t region) const {
-    return {&surface(region), regions_.regions[region].is_inward ? -1.0 : 1.0};
+    return {&surface(region), regions_.regions[region].side()};
   }
 
   std::int32_t add_vertex(const glm::dvec3& point) {
@@ -238,7 +245,7 @@ class PartBuilder {
       if (around != 0) wound[1].push_back(static_cast<std::int32_t>(l));
     }
     if (s.kind == AnalyticKind::Torus && loops.empty()) {
-      whole_torus(s, face);
+      whole_torus(region, s, face);
       return;
     }
     if (s.kind == AnalyticKind::Sphere && loops.empty()) {
@@ -266,11 +273,10 @@ class PartBuilder {
     }
   }
 
-  void whole_torus(const AnalyticSurface& s, FacePlan& face) {
+  void whole_torus(std::int32_t region, const AnalyticSurface& s, FacePlan& face) {
     const AxisFrame frame(s.axis);
     const glm::dvec3 p = s.origin + (s.radius + s.minor) * frame.x;
     const std::int32_t vertex = add_vertex(p);
-    const std::int32_t region = region_of_plan(face);
     face.seams.push_back(
         {add_edge(vertex, vertex, arc(s.origin, s.axis, p), region, region), -1, -1});
     face.seams.push_back(
@@ -278,13 +284,7 @@ class PartBuilder {
          -1, -1});
     face.is_whole_torus = true;
   }
-  [[nodiscard]] std::int32_t region_of_plan(const FacePlan& face) const {
-    for (const auto& [region, plan] : faces_)
-      if (&plan == &face) return region;
-    return -1;
-  }
-
-  // Where a loop passes an angle; empty unless once.
+  // Where a loop passes an angle.
   [[nodiscard]] std::vector<ChainPlace> crossings(const AnalyticSurface& s, const LoopPoints& loop,
                                                   double angle, bool is_tube) const {
     std::vector<ChainPlace> result;
@@ -321,14 +321,8 @@ class PartBuilder {
     const double part = at.place - static_cast<double>(before);
     const glm::dvec3 near = (1 - part) * plan.points[before] + part * plan.points[after];
     const AnalyticSurface cut = at_angle(s, angle, is_tube);
-    std::array<SidedSurface, 3> three{plan.sides.left, plan.sides.right, SidedSurface{&cut, 1}};
-    const std::array<std::array<std::size_t, 2>, 1> pair{{{0, 1}}};
     double reach = 0;
-    const glm::dvec3 p =
-        common_point(near, three,
-                     plan.sides.is_tangent ? std::span<const std::array<std::size_t, 2>>(pair)
-                                           : std::span<const std::array<std::size_t, 2>>(),
-                     reach);
+    const glm::dvec3 p = plan.sides.point(near, reach, &cut);
     // Where surfaces touch, their common points are told by the square root of rounding.
     constexpr double kTold = 2e-8;
     if (!(reach <= kTold)) throw Freeform{"a seam ends on no border"};
@@ -395,8 +389,8 @@ class PartBuilder {
     const auto& loops = borders_.loops[region];
     glm::dvec3 pole = s.origin;
     if (s.kind == AnalyticKind::Sphere) {
-      const double side = (winding(s, points[a], false) > 0 ? 1.0 : -1.0) *
-                          (regions_.regions[region].is_inward ? -1.0 : 1.0);
+      const double side =
+          (winding(s, points[a], false) > 0 ? 1.0 : -1.0) * regions_.regions[region].side();
       pole += side * s.radius * s.axis;
     }
     for (const double angle : seam_angles(s, std::span(&loops[a], 1), false)) {
@@ -458,12 +452,8 @@ class PartBuilder {
     const AnalyticSurface& s = surface(region);
     if (points.empty()) return s.axis;
     glm::dvec3 middle(0.0);
-    for (const std::int32_t f : regions_.regions[region].faces) {
-      const auto v = topology_.face(f);
-      for (std::size_t i = 1; i + 1 < v.size(); ++i)
-        middle += glm::cross(positions_[v[i]] - positions_[v[0]],
-                             positions_[v[i + 1]] - positions_[v[0]]);
-    }
+    for (const std::int32_t f : regions_.regions[region].faces)
+      middle += area_vector(positions_, topology_.face(f));
     std::vector<glm::dvec3> candidates;
     const auto add = [&](const glm::dvec3& axis) {
       if (glm::length(axis) > 1e-12) candidates.push_back(glm::normalize(axis));
@@ -691,29 +681,6 @@ class PartBuilder {
   std::map<std::int32_t, std::int32_t> vertex_of_;
 };
 
-// Faces by what edges join.
-std::vector<std::int32_t> parts_of(const MeshTopology& topology, std::int32_t& count) {
-  std::vector<std::int32_t> part(static_cast<std::size_t>(topology.face_count()), -1);
-  count = 0;
-  for (std::int32_t first = 0; first < topology.face_count(); ++first) {
-    if (part[first] >= 0) continue;
-    std::vector<std::int32_t> open{first};
-    part[first] = count;
-    while (!open.empty()) {
-      const std::int32_t f = open.back();
-      open.pop_back();
-      for (std::int32_t i = 0; i < topology.face_size(f); ++i) {
-        const std::int32_t twin = topology.twin(topology.first_corner(f) + i);
-        if (twin < 0 || part[topology.face_of(twin)] >= 0) continue;
-        part[topology.face_of(twin)] = count;
-        open.push_back(topology.face_of(twin));
-      }
-    }
-    ++count;
-  }
-  return part;
-}
-
 AnalyticSurface to_model(AnalyticSurface surface, const Placement& placement) {
   surface.origin = placement.to_model(surface.origin);
   surface.radius *= placement.diagonal;
@@ -751,28 +718,22 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
 
   AnalyticFaces result;
   result.face_of.assign(static_cast<std::size_t>(topology.face_count()), -1);
-  std::int32_t part_count = 0;
-  const std::vector<std::int32_t> part_of = parts_of(topology, part_count);
-  std::vector<std::vector<std::int32_t>> regions_of(part_count);
+  const FaceComponents parts = face_components(topology);
+  std::vector<std::vector<std::int32_t>> regions_of(static_cast<std::size_t>(parts.count));
   for (std::int32_t r = 0; r < std::ssize(regions.regions); ++r)
-    regions_of[part_of[regions.regions[r].faces.front()]].push_back(r);
-  std::vector<char> has_free(part_count, 0);
+    regions_of[parts.of_face[regions.regions[r].faces.front()]].push_back(r);
+  std::vector<char> has_free(regions_of.size(), 0);
   for (std::int32_t f = 0; f < topology.face_count(); ++f)
-    if (regions.region_of[f] < 0) has_free[part_of[f]] = 1;
-  result.parts = part_count;
+    if (regions.region_of[f] < 0) has_free[parts.of_face[f]] = 1;
+  result.parts = parts.count;
   std::vector<std::int32_t> face_of_region(regions.regions.size(), -1);
-  for (std::int32_t part = 0; part < part_count; ++part) {
+  for (std::int32_t part = 0; part < parts.count; ++part) {
     check_stop();
     Brep brep;
     try {
       if (has_free[part] != 0)
         throw Freeform{"some of its faces lie on no plane, cylinder, cone, sphere or torus"};
       PartBuilder(positions, topology, regions, borders, settled, brep).build(regions_of[part]);
-      std::vector<std::int32_t> number(regions.regions.size(), -1);
-      for (std::size_t i = 0; i < regions_of[part].size(); ++i)
-        number[regions_of[part][i]] = static_cast<std::int32_t>(i);
-      for (Brep::Edge& edge : brep.edges)
-        for (Brep::Line& line : edge.lines) line.face = number[line.face];
       if (!check_brep(brep, 1).is_valid()) throw Freeform{"its faces would leave gaps"};
     } catch (const Freeform& freeform) {
       ++result.freeform_parts;
@@ -785,8 +746,7 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
       const std::int32_t region = regions_of[part][i];
       face_of_region[region] = static_cast<std::int32_t>(result.brep.faces.size());
       Brep::Face& face = brep.faces[i];
-      for (auto* loop : {&face.loop})
-        for (Brep::Use& use : *loop) use.edge += first_edge;
+      for (Brep::Use& use : face.loop) use.edge += first_edge;
       for (auto& hole : face.holes)
         for (Brep::Use& use : hole) use.edge += first_edge;
       face.surface = to_model(*face.surface, placement);
@@ -821,9 +781,8 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
 
 Brep joined_parts(const Brep& freeform, const AnalyticFaces& analytic, const MeshTopology& topology,
                   std::span<const glm::dvec3> points, std::span<const std::int32_t> analytic_at) {
-  std::int32_t part_count = 0;
-  const std::vector<std::int32_t> part_of = parts_of(topology, part_count);
-  std::vector<std::int32_t> analytic_of(part_count, -1);
+  const FaceComponents parts = face_components(topology);
+  std::vector<std::int32_t> analytic_of(static_cast<std::size_t>(parts.count), -1);
   std::vector<char> is_dropped(freeform.shells.size(), 0);
   std::vector<std::size_t> shell_of(freeform.faces.size());
   for (std::size_t s = 0; s < freeform.shells.size(); ++s)
@@ -831,7 +790,7 @@ Brep joined_parts(const Brep& freeform, const AnalyticFaces& analytic, const Mes
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
     for (const std::int32_t v : topology.face(f)) {
       if (analytic_at[v] < 0) continue;
-      analytic_of[part_of[f]] = analytic_at[v];
+      analytic_of[parts.of_face[f]] = analytic_at[v];
       if (freeform.places[v].face >= 0) is_dropped[shell_of[freeform.places[v].face]] = 1;
     }
   }
@@ -873,7 +832,7 @@ Brep joined_parts(const Brep& freeform, const AnalyticFaces& analytic, const Mes
   for (Brep::Place& place : result.places)
     if (place.face >= 0) place.face = face_number[place.face];
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
-    const std::int32_t known = analytic_of[part_of[f]];
+    const std::int32_t known = analytic_of[parts.of_face[f]];
     face_of[f] = known >= 0 ? known : result.places[topology.face(f)[0]].face;
   }
   find_shells(topology, points, face_of, result);

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/analytic/spline_point.h"
 #include "planish/brep/caps.h"
 #include "planish/brep/quad_layout.h"
 #include "planish/brep/spline_surface.h"
@@ -21,41 +22,16 @@
 #include "planish/core/parallel.h"
 #include "planish/core/portable_math.h"
 #include "planish/core/words.h"
+#include "planish/mesh/edge_groups.h"
 #include "planish/surface/memory_need.h"
 
 namespace planish {
-namespace {
-
-// De Boor's scheme; point(i) is the control point i.
-template <class Point>
-glm::dvec3 spline_point(std::size_t degree, std::span<const double> knots, const Point& point,
-                        double t) {
-  const auto above = std::upper_bound(knots.begin() + 1, knots.end() - 1, t);
-  const auto span = static_cast<std::size_t>(above - knots.begin()) - 1;
-  // Those with their counts.
-  const auto knot = [&](std::size_t k) {
-    return knots[std::min(k < degree ? 0 : k - degree, knots.size() - 1)];
-  };
-  std::array<glm::dvec3, kMostSplineDegree + 1> left;
-  for (std::size_t i = 0; i <= degree; ++i) left[i] = point(span + i);
-  for (std::size_t r = 1; r <= degree; ++r) {
-    for (std::size_t i = 0; i + r <= degree; ++i) {
-      const double low = knot(span + i + r), high = knot(span + i + degree + 1);
-      const double part = (t - low) / (high - low);
-      left[i] = (1 - part) * left[i] + part * left[i + 1];
-    }
-  }
-  return left[0];
-}
-
-}  // namespace
-
 glm::dvec3 point_of(const Brep& brep, const Brep::Face& face, const glm::dvec2& at) {
   const std::size_t rows = point_count(brep.degree, face.knots_u);
-  return spline_point(
+  return spline_point<kMostSplineDegree>(
       brep.degree, face.knots_v,
       [&](std::size_t j) {
-        return spline_point(
+        return spline_point<kMostSplineDegree>(
             brep.degree, face.knots_u, [&](std::size_t i) { return face.points[i + rows * j]; },
             at.x);
       },
@@ -63,7 +39,7 @@ glm::dvec3 point_of(const Brep& brep, const Brep::Face& face, const glm::dvec2& 
 }
 
 glm::dvec3 point_of(const Brep& brep, const Brep::Edge& edge, double t) {
-  return spline_point(
+  return spline_point<kMostSplineDegree>(
       brep.degree, edge.knots, [&](std::size_t i) { return edge.points[i]; }, t);
 }
 
@@ -264,24 +240,12 @@ std::size_t slot(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 // Faces by shells.
 void join_faces(Brep& brep) {
-  std::vector<std::int32_t> parent(brep.faces.size());
-  for (std::size_t f = 0; f < parent.size(); ++f) parent[f] = static_cast<std::int32_t>(f);
-  const auto root = [&](std::int32_t f) {
-    while (parent[slot(f)] != f) {
-      auto& up = parent[slot(f)];
-      up = parent[slot(up)];
-      f = up;
-    }
-    return f;
-  };
-  for (const Brep::Edge& edge : brep.edges) {
-    if (edge.lines[1].face < 0) continue;
-    const std::int32_t a = root(edge.lines[0].face), b = root(edge.lines[1].face);
-    parent[slot(std::max(a, b))] = std::min(a, b);
-  }
+  DisjointSets sets(brep.faces.size());
+  for (const Brep::Edge& edge : brep.edges)
+    if (edge.lines[1].face >= 0) sets.unite(edge.lines[0].face, edge.lines[1].face);
   std::vector<std::int32_t> shell_of(brep.faces.size(), -1);
   for (std::size_t f = 0; f < brep.faces.size(); ++f) {
-    std::int32_t& shell = shell_of[slot(root(static_cast<std::int32_t>(f)))];
+    std::int32_t& shell = shell_of[slot(sets.find(static_cast<std::int32_t>(f)))];
     if (shell < 0) {
       shell = static_cast<std::int32_t>(brep.shells.size());
       brep.shells.push_back({{}, true});
@@ -290,7 +254,7 @@ void join_faces(Brep& brep) {
   }
   for (const Brep::Edge& edge : brep.edges) {
     if (edge.lines[1].face < 0)
-      brep.shells[slot(shell_of[slot(root(edge.lines[0].face))])].is_closed = false;
+      brep.shells[slot(shell_of[slot(sets.find(edge.lines[0].face))])].is_closed = false;
   }
 }
 

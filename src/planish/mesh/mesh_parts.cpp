@@ -154,6 +154,22 @@ MeshParts mesh_parts(const PolygonMesh& mesh) {
   return parts;
 }
 
+FaceComponents face_components(const MeshTopology& topology) {
+  const std::int32_t count = topology.face_count();
+  DisjointSets sets(static_cast<std::size_t>(count));
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
+    if (twin >= 0) sets.unite(topology.face_of(corner), topology.face_of(twin));
+  }
+  FaceComponents parts{std::vector<std::int32_t>(static_cast<std::size_t>(count)), 0};
+  // The first face of a set is its root.
+  for (std::int32_t f = 0; f < count; ++f) {
+    const std::int32_t root = sets.find(f);
+    parts.of_face[f] = root == f ? parts.count++ : parts.of_face[root];
+  }
+  return parts;
+}
+
 std::vector<PolygonMesh> meshes_of(const MeshParts& parts, const PolygonMesh& mesh) {
   std::vector<PolygonMesh> meshes(static_cast<std::size_t>(parts.count));
   std::vector<std::int32_t> number(mesh.positions.size(), -1);

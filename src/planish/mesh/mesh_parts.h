@@ -61,6 +61,13 @@ struct MeshParts {
 };
 [[nodiscard]] MeshParts mesh_parts(const PolygonMesh& mesh);
 
+/// Faces by what edges join: parts that touch at a vertex alone are two.
+struct FaceComponents {
+  std::vector<std::int32_t> of_face;
+  std::int32_t count = 0;  ///< numbered by their first faces
+};
+[[nodiscard]] FaceComponents face_components(const MeshTopology& topology);
+
 /// Each part by itself: its places, faces and tagged edges.
 [[nodiscard]] std::vector<PolygonMesh> meshes_of(const MeshParts& parts, const PolygonMesh& mesh);
 
