@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "analytic/analytic_case.h"
 #include "analytic/profile.h"
 #include "planish/brep/analytic_faces.h"
-#include "planish/features/find_features.h"
 #include "support/meshes.h"
 
 namespace planish::test {
@@ -92,19 +92,6 @@ PolygonMesh welded(const PolygonMesh& mesh) {
   return result;
 }
 
-AnalyticFaces faces_of(const PolygonMesh& mesh) {
-  const MeshTopology topology(mesh);
-  std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
-  for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
-    is_sharp[topology.find_edge(crease.v0, crease.v1)] = 1;
-  return make_analytic_faces({.topology = topology,
-                              .positions = mesh.positions,
-                              .is_sharp = is_sharp,
-                              .groups = {},
-                              .diagonal = placement_of(mesh).diagonal},
-                             1.5e-6);
-}
-
 struct Part {
   std::string name;
   PolygonMesh mesh;
@@ -120,7 +107,7 @@ std::vector<Part> parts() {
 }
 
 void expect_part(const Part& part, const PolygonMesh& mesh, double scale) {
-  const AnalyticFaces made = faces_of(mesh);
+  const AnalyticFaces made = analytic_faces_of(mesh);
   EXPECT_EQ(made.freeform_parts, 0) << made.first_reason;
   EXPECT_EQ(made.faces_by_kind, part.kinds);
   ASSERT_EQ(made.radii.size(), part.radii.size());
@@ -169,7 +156,7 @@ TEST(AnalyticParts, AreTheSameHoweverTheMeshIsWritten) {
 TEST(AnalyticParts, WhatHasNoNameStaysFreeform) {
   PolygonMesh bumpy = capsule();
   for (glm::dvec3& p : bumpy.positions) p *= 1 + 0.05 * std::sin(3 * p.x) * std::cos(2 * p.y + p.z);
-  const AnalyticFaces made = faces_of(bumpy);
+  const AnalyticFaces made = analytic_faces_of(bumpy);
   EXPECT_EQ(made.parts, 1);
   EXPECT_EQ(made.freeform_parts, 1);
   EXPECT_TRUE(made.brep.faces.empty());
@@ -188,7 +175,7 @@ TEST(AnalyticParts, AreTakenOneByOne) {
     for (const std::int32_t v : bumpy.face(f)) face.push_back(first + v);
     both.add_face(face);
   }
-  const AnalyticFaces made = faces_of(both);
+  const AnalyticFaces made = analytic_faces_of(both);
   EXPECT_EQ(made.parts, 2);
   EXPECT_EQ(made.freeform_parts, 1);
   EXPECT_EQ(made.faces_by_kind, (Kinds{3, 2, 1, 0, 0}));
@@ -197,18 +184,13 @@ TEST(AnalyticParts, AreTakenOneByOne) {
 // The two sides of a border of groups are two faces of one surface.
 TEST(AnalyticParts, GroupsEndFaces) {
   const PolygonMesh mesh = shaft();
-  const MeshTopology topology(mesh);
-  std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
-  for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
-    is_sharp[topology.find_edge(crease.v0, crease.v1)] = 1;
   std::vector<std::int32_t> groups(static_cast<std::size_t>(mesh.face_count()), 0);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     glm::dvec3 middle(0.0);
     for (const std::int32_t v : mesh.face(f)) middle += mesh.positions[v];
     groups[f] = middle.y > 0 ? 1 : 0;
   }
-  const AnalyticFaces made = make_analytic_faces(
-      {topology, mesh.positions, is_sharp, groups, placement_of(mesh).diagonal}, 1.5e-6);
+  const AnalyticFaces made = analytic_faces_of(mesh, groups);
   EXPECT_EQ(made.freeform_parts, 0) << made.first_reason;
   EXPECT_EQ(made.faces_by_kind, (Kinds{6, 4, 2, 0, 0}));
   EXPECT_TRUE(check_brep(made.brep, placement_of(mesh).diagonal).is_valid());
@@ -216,13 +198,10 @@ TEST(AnalyticParts, GroupsEndFaces) {
 
 TEST(AnalyticParts, AreTheSameForEveryCallAndStopWhenAsked) {
   const PolygonMesh mesh = filleted_shaft();
-  const AnalyticFaces one = faces_of(mesh), two = faces_of(mesh);
+  const AnalyticFaces one = analytic_faces_of(mesh), two = analytic_faces_of(mesh);
   EXPECT_EQ(one.brep.vertices, two.brep.vertices);
-  const MeshTopology topology(mesh);
-  const std::vector<char> none(static_cast<std::size_t>(topology.edge_count()), 0);
   const Callbacks stop{.cancelled = [] { return true; }};
-  EXPECT_ANY_THROW(
-      (void)make_analytic_faces({topology, mesh.positions, none, {}, 1}, 1.5e-6, stop));
+  EXPECT_ANY_THROW((void)analytic_faces_of(mesh, {}, stop));
 }
 
 }  // namespace

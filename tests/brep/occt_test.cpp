@@ -30,13 +30,15 @@ TEST(OpenCascade, ReadsWhatIsWritten) {
 #include <numbers>
 #include <string>
 
+#include "analytic/analytic_case.h"
+#include "analytic/mixed_shapes.h"
 #include "analytic/profile.h"
 #include "limit/limit_case.h"
 #include "planish/brep/analytic_faces.h"
 #include "planish/brep/brep.h"
 #include "planish/brep/subdivision_splines.h"
 #include "planish/brep/write_step.h"
-#include "planish/features/find_features.h"
+#include "planish/pipeline/write_fitted_step.h"
 
 namespace planish::test {
 namespace {
@@ -162,21 +164,46 @@ TEST(OpenCascade, ReadsAnalyticFaces) {
              {GeomAbs_Plane, GeomAbs_Plane, GeomAbs_Cylinder, GeomAbs_Torus},
              // By Pappus, of a quarter disc and what is inside.
              kPi * (4 + 1) + 2 * kPi * (1 + 4 / (3 * kPi)) * kPi / 4}}) {
-    const MeshTopology topology(mesh);
-    std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
-    for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
-      is_sharp[topology.find_edge(crease.v0, crease.v1)] = 1;
-    const double diagonal = placement_of(mesh).diagonal;
-    AnalyticFaces made =
-        make_analytic_faces({topology, mesh.positions, is_sharp, {}, diagonal}, 1.5e-6);
-    find_shells(topology, mesh.positions, made.face_of, made.brep);
-    const TopoDS_Shape shape = shape_of(made.brep, diagonal);
+    AnalyticFaces made = analytic_faces_of(mesh);
+    find_shells(MeshTopology(mesh), mesh.positions, made.face_of, made.brep);
+    const TopoDS_Shape shape = shape_of(made.brep, placement_of(mesh).diagonal);
     expect_solid(shape, wanted);
     std::vector<GeomAbs_SurfaceType> found;
     for (const TopoDS_Shape& face : parts(shape, TopAbs_FACE))
       found.push_back(BRepAdaptor_Surface(TopoDS::Face(face)).GetType());
     std::ranges::sort(found);
     EXPECT_EQ(found, kinds);
+  }
+}
+
+// Beside freeform faces: the volume is that of a fine mesh of the surface, nearly.
+TEST(OpenCascade, ReadsFreeformFacesBesideAnalyticOnes) {
+  for (const MixedShape& shape : mixed_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const FittedMesh fitted = fit_mesh(shape.mesh, "part", *make_cpu_backend());
+    const auto path = (std::filesystem::path(testing::TempDir()) / "mixed_occt.step").string();
+    const StepFigures figures = write_fitted_step(path, fitted, {});
+    ASSERT_EQ(figures.mixed_parts, 1);
+    STEPControl_Reader reader;
+    ASSERT_EQ(reader.ReadFile(path.c_str()), IFSelect_RetDone);
+    reader.TransferRoots();
+    const TopoDS_Shape solid = reader.OneShape();
+    EXPECT_TRUE(BRepCheck_Analyzer(solid).IsValid());
+    EXPECT_EQ(parts(solid, TopAbs_SOLID).size(), 1u);
+    EXPECT_EQ(std::ssize(parts(solid, TopAbs_FACE)), figures.faces);
+    const double wanted = volume_by([&](int level) {
+      return evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), fitted.evaluate_options(level));
+    });
+    EXPECT_NEAR(volume(solid), wanted, 5e-3 * wanted);
+    if (shape.name != "cylinder") continue;  // cuts take long
+    const TopoDS_Shape box =
+        BRepPrimAPI_MakeBox(gp_Pnt(0.1234, -100, -100), gp_Pnt(100, 100, 100)).Shape();
+    BRepAlgoAPI_Cut outside(solid, box);
+    BRepAlgoAPI_Common inside(solid, box);
+    ASSERT_TRUE(outside.IsDone() && inside.IsDone());
+    EXPECT_TRUE(BRepCheck_Analyzer(outside.Shape()).IsValid());
+    EXPECT_NEAR(volume(outside.Shape()) + volume(inside.Shape()), volume(solid),
+                1e-5 * volume(solid));
   }
 }
 

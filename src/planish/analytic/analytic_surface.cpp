@@ -265,6 +265,10 @@ glm::dvec3 normal_at(const AnalyticSurface& surface, const glm::dvec3& point) {
   }
 }
 
+glm::dvec3 nearest_point(const AnalyticSurface& surface, const glm::dvec3& point) {
+  return point - signed_distance(surface, point) * normal_at(surface, point);
+}
+
 std::span<const std::uint8_t> changes_of(AnalyticKind kind) {
   static constexpr std::array<std::uint8_t, 3> kPlane{0, 1, 4};
   static constexpr std::array<std::uint8_t, 5> kCylinder{0, 1, 2, 3, 5};

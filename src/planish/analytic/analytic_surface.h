@@ -41,6 +41,9 @@ struct AxisFrame {
 /// The gradient of that distance, of unit length; a fixed one where there is none.
 [[nodiscard]] glm::dvec3 normal_at(const AnalyticSurface& surface, const glm::dvec3& point);
 
+/// Of the surface: the point nearest to one.
+[[nodiscard]] glm::dvec3 nearest_point(const AnalyticSurface& surface, const glm::dvec3& point);
+
 /// What changes a surface: turns about its frame's x and y through the origin, shifts along x, y
 /// and the axis, then radius (or a cone's slope) and minor radius.
 inline constexpr std::size_t kSurfaceChanges = 7;

@@ -244,19 +244,28 @@ glm::dvec2 parameters_of(const AnalyticSurface& surface, const glm::dvec3& along
   }
 }
 
+ParameterWalk::ParameterWalk(const AnalyticSurface& surface, const glm::dvec3& along, double height,
+                             const glm::dvec3& first)
+    : surface_(surface),
+      along_(along),
+      height_(height),
+      last_(parameters_of(surface, along, height, first)) {}
+
+glm::dvec2 ParameterWalk::near_last(const glm::dvec3& place) const {
+  glm::dvec2 uv = parameters_of(surface_, along_, height_, place);
+  const auto near = [](double value, double other) {
+    return other + std::remainder(value - other, 2 * std::numbers::pi);
+  };
+  if (surface_.kind != AnalyticKind::Plane) uv.x = near(uv.x, last_.x);
+  if (surface_.kind == AnalyticKind::Torus) uv.y = near(uv.y, last_.y);
+  return uv;
+}
+
 ParameterCurve parameter_curve(const AnalyticSurface& surface, const glm::dvec3& along,
                                double height, const BorderCurve& spline) {
   const std::vector<double>& knots = spline.knots;
-  glm::dvec2 last = parameters_of(surface, along, height, spline.points.front());
-  const auto at = [&](double t) {
-    glm::dvec2 uv = parameters_of(surface, along, height, point_at(spline, t));
-    const auto near = [](double value, double other) {
-      return other + std::remainder(value - other, 2 * std::numbers::pi);
-    };
-    if (surface.kind != AnalyticKind::Plane) uv.x = near(uv.x, last.x);
-    if (surface.kind == AnalyticKind::Torus) uv.y = near(uv.y, last.y);
-    return uv;
-  };
+  ParameterWalk walk(surface, along, height, spline.points.front());
+  const auto at = [&](double t) { return walk.near_last(point_at(spline, t)); };
   // The ends' derivatives by differences of second order.
   constexpr double kStep = 1e-3;  // of a span
   const auto slope = [&](double t, double step) {
@@ -265,8 +274,7 @@ ParameterCurve parameter_curve(const AnalyticSurface& surface, const glm::dvec3&
   const glm::dvec2 first = slope(knots.front(), kStep * (knots[1] - knots[0]));
   std::vector<glm::dvec3> places;
   for (const double t : knots) {
-    last = at(t);
-    places.emplace_back(last, 0.0);
+    places.emplace_back(walk.next(point_at(spline, t)), 0.0);
   }
   const glm::dvec2 end = slope(knots.back(), -kStep * (knots.back() - knots[knots.size() - 2]));
   ParameterCurve curve;

@@ -52,6 +52,22 @@ struct ParameterCurve {
                                              const glm::dvec3& along, double height,
                                              const BorderCurve& spline);
 
+/// The parameters of places on a surface that are passed in order, without turns between them.
+class ParameterWalk {
+ public:
+  /// As parameters_of(). The surface must outlive it.
+  ParameterWalk(const AnalyticSurface& surface, const glm::dvec3& along, double height,
+                const glm::dvec3& first);
+  [[nodiscard]] glm::dvec2 near_last(const glm::dvec3& place) const;
+  glm::dvec2 next(const glm::dvec3& place) { return last_ = near_last(place); }
+
+ private:
+  const AnalyticSurface& surface_;
+  glm::dvec3 along_;
+  double height_;
+  glm::dvec2 last_;
+};
+
 /// Places along a curve between its ends, near enough for its distance from a surface to be seen.
 [[nodiscard]] std::vector<glm::dvec3> places_along(const BorderCurve& curve, const glm::dvec3& from,
                                                    const glm::dvec3& to);

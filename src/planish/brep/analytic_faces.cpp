@@ -8,12 +8,14 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "planish/analytic/border_curves.h"
 #include "planish/analytic/find_regions.h"
 #include "planish/analytic/region_borders.h"
 #include "planish/analytic/settle_surfaces.h"
+#include "planish/brep/freeform_side.h"
 #include "planish/core/guards.h"
 #include "planish/core/portable_math.h"
 #include "planish/core/words.h"
@@ -29,11 +31,6 @@ constexpr double kSamePoint = 1e-7;
 
 double wrapped(double angle) { return angle - kTurn * std::floor(angle / kTurn + 0.5); }
 
-// What a part cannot be made of: says why.
-struct Freeform {
-  std::string reason;
-};
-
 // A point on a chain: behind so many of its vertices.
 struct ChainPlace {
   std::int32_t chain = 0;
@@ -43,41 +40,53 @@ struct ChainPlace {
 // The part of the B-rep of faces that edges join, in unit coordinates.
 class PartBuilder {
  public:
-  PartBuilder(std::span<const glm::dvec3> positions, const MeshTopology& topology,
-              const AnalyticRegions& regions, const RegionBorders& borders,
-              const SettledRegions& settled, Brep& brep)
-      : positions_(positions),
+  // `freeform`: faces between those on surfaces; null: there are none.
+  PartBuilder(const AnalyticParts& found, const MeshTopology& topology,
+              const FreeformFaces* freeform, Brep& brep)
+      : positions_(found.positions),
         topology_(topology),
-        regions_(regions),
-        borders_(borders),
-        settled_(settled),
+        placement_(found.placement),
+        regions_(found.regions),
+        borders_(found.borders),
+        settled_(found.settled),
+        freeform_(freeform),
         brep_(brep) {}
 
-  // Adds the faces of these regions, in their order. Throws Freeform, and the B-rep is to be
-  // forgotten then.
-  void build(std::span<const std::int32_t> regions) {
+  // Whether these regions can have faces, whatever B-spline faces they end at. Throws NotAnalytic.
+  void try_regions(std::span<const std::int32_t> regions) {
+    is_trial_ = true;
+    for (const std::int32_t r : regions) number_[r] = r;
     gather_chains(regions);
+    for (const std::int32_t r : regions) plan(r);
+    for (const std::int32_t c : chains_)
+      if (borders_.chains[c].right >= 0) make_edges(c);
+  }
+  // Adds the faces of these regions, in their order, and behind them these B-spline faces. Throws
+  // NotAnalytic, and the B-rep is to be forgotten then.
+  void build(std::span<const std::int32_t> regions, std::span<const std::int32_t> freeform) {
+    std::int32_t count = 0;
+    for (const std::int32_t r : regions) number_[r] = count++;
+    if (!freeform.empty()) free_.emplace(*freeform_, placement_, freeform, count, brep_);
+    gather_chains(regions);
+    if (free_) {
+      free_->move_borders();
+      set_free_points();
+    }
     for (const std::int32_t r : regions) plan(r);
     for (const std::int32_t c : chains_) make_edges(c);
     for (const std::int32_t r : regions) make_face(r);
-    std::vector<std::int32_t> number(regions_.regions.size(), -1);
-    for (std::size_t i = 0; i < regions.size(); ++i)
-      number[regions[i]] = static_cast<std::int32_t>(i);
-    for (Brep::Edge& edge : brep_.edges)
-      for (Brep::Line& line : edge.lines) line.face = number[line.face];
+    if (free_) free_->add_faces();
   }
 
  private:
-  struct Split {
-    double place = 0;  // on the chain
-    std::int32_t vertex = 0;
-  };
+  using Split = FreeformSide::Split;  // places are on the chain
   struct ChainPlan {
-    BorderSides sides;
+    BorderSides sides;               // beside freeform faces the left one alone
     std::vector<glm::dvec3> points;  // of its vertices, on both surfaces
     std::vector<Split> splits;       // of a closed chain all its vertices, else those between ends
     std::int32_t from = -1, to = -1;
     std::vector<std::int32_t> edges;  // in its order, from its first split where it is closed
+    bool is_free = false;             // beside freeform faces: places are as FreeformSide has them
   };
   // A curve inside a face that closes it: from a vertex to another or to the same one.
   struct Seam {
@@ -110,9 +119,7 @@ class PartBuilder {
     std::map<std::int32_t, std::vector<std::int32_t>> chains_at;
     for (const std::int32_t c : chains_) {
       const BorderChain& chain = borders_.chains[c];
-      if (chain.is_boundary) throw Freeform{"it is open"};
-      if (chain.left < 0 || chain.right < 0)
-        throw Freeform{"some of its faces lie on no plane, cylinder, cone, sphere or torus"};
+      if (chain.is_boundary) throw NotAnalytic{"it is open", chain.left};
       if (chain.is_closed) continue;
       chains_at[chain.vertices.front()].push_back(c);
       chains_at[chain.vertices.back()].push_back(c);
@@ -121,11 +128,15 @@ class PartBuilder {
     for (const std::int32_t c : chains_) {
       const BorderChain& chain = borders_.chains[c];
       ChainPlan& plan = plans_[c];
-      plan.sides = {sided(chain.left), sided(chain.right), settled_.is_tangent[c] != 0};
       if (!chain.is_closed) {
         plan.from = vertex_of_.at(chain.vertices.front());
         plan.to = vertex_of_.at(chain.vertices.back());
       }
+      if (chain.right < 0) {
+        plan_free_chain(c);
+        continue;
+      }
+      plan.sides = {sided(chain.left), sided(chain.right), settled_.is_tangent[c] != 0};
       const std::size_t last = chain.vertices.size() - 1;
       for (std::size_t i = 0; i <= last; ++i) {
         const glm::dvec3& given = positions_[chain.vertices[i]];
@@ -136,16 +147,26 @@ class PartBuilder {
         } else {
           double reach = 0;
           plan.points.push_back(plan.sides.point(given, reach));
-          require_near(reach, given, plan.points.back(),
-                       "two surfaces do not meet where their faces do");
+          require_near(
+              reach, given, plan.points.back(),
+              {"two surfaces do not meet where their faces do", smaller(chain.left, chain.right)});
         }
       }
     }
   }
   static void require_near(double reach, const glm::dvec3& from, const glm::dvec3& to,
-                           const char* reason) {
+                           const NotAnalytic& otherwise) {
     constexpr double kMostMoved = 2e-3;  // of the diagonal
-    if (!(reach <= kOnSurface) || !(glm::length(to - from) <= kMostMoved)) throw Freeform{reason};
+    if (!(reach <= kOnSurface) || !(glm::length(to - from) <= kMostMoved)) throw otherwise;
+  }
+  [[nodiscard]] double area_of(std::int32_t region) const {
+    double area = 0;
+    for (const std::int32_t f : regions_.regions[region].faces)
+      area += glm::length(area_vector(positions_, topology_.face(f)));
+    return area;
+  }
+  [[nodiscard]] std::int32_t smaller(std::int32_t a, std::int32_t b) const {
+    return area_of(a) < area_of(b) ? a : b;
   }
   std::int32_t junction(std::int32_t vertex, const std::vector<std::int32_t>& chains) {
     std::vector<std::int32_t> around;
@@ -157,16 +178,59 @@ class PartBuilder {
     };
     std::vector<std::array<std::size_t, 2>> touching;
     for (const std::int32_t c : chains) {
-      const std::size_t a = index(borders_.chains[c].left), b = index(borders_.chains[c].right);
+      const std::size_t a = index(borders_.chains[c].left);
+      if (borders_.chains[c].right < 0) continue;
+      const std::size_t b = index(borders_.chains[c].right);
       if (settled_.is_tangent[c] != 0) touching.push_back({a, b});
     }
     std::vector<SidedSurface> surfaces;
     for (const std::int32_t r : around) surfaces.push_back(sided(r));
     double reach = 0;
     const glm::dvec3 point = common_point(positions_[vertex], surfaces, touching, reach);
-    require_near(reach, positions_[vertex], point,
-                 "surfaces that meet at a vertex have no point in common");
+    require_near(
+        reach, positions_[vertex], point,
+        {"surfaces that meet at a vertex have no point in common",
+         *std::ranges::min_element(around, {}, [&](std::int32_t r) { return area_of(r); })});
     return add_vertex(point);
+  }
+
+  void plan_free_chain(std::int32_t c) {
+    const BorderChain& chain = borders_.chains[c];
+    ChainPlan& plan = plans_.at(c);
+    plan.is_free = true;
+    plan.sides.left = sided(chain.left);
+    if (is_trial_) {
+      for (const std::int32_t v : chain.vertices)
+        plan.points.push_back(nearest_point(surface(chain.left), positions_[v]));
+    } else if (free_) {
+      plan.splits = free_->add_chain(c, surface(chain.left), plan.from, plan.to);
+    } else {
+      throw NotAnalytic{"some of its faces lie on no plane, cylinder, cone, sphere or torus"};
+    }
+  }
+  void set_free_points() {
+    for (auto& [c, plan] : plans_) {
+      if (!plan.is_free) continue;
+      for (double place = 0; place <= free_->length(c); ++place)
+        plan.points.push_back(free_->point(c, place));
+      if (borders_.chains[c].is_closed) plan.points.back() = plan.points.front();
+    }
+  }
+  // The place between one point of a chain and the next at which it has an angle, which it passes
+  // there.
+  [[nodiscard]] double place_of_angle(std::int32_t c, const AnalyticSurface& s, double low,
+                                      double angle, bool is_tube) const {
+    // Such that sums and differences of parameters are exact.
+    constexpr int kHalvings = 30;
+    const auto off = [&](double place) {
+      return wrapped(angle_of(s, free_->point(c, place), is_tube) - angle);
+    };
+    const bool rises = off(low + 1) > off(low);
+    for (int i = 1; i <= kHalvings; ++i) {
+      const double step = std::ldexp(1.0, -i);
+      if ((off(low + step) < 0) == rises) low += step;
+    }
+    return low;
   }
 
   // Angle of a point about the axis, or around the tube.
@@ -221,11 +285,19 @@ class PartBuilder {
   }
 
   void plan(std::int32_t region) {
+    try {
+      plan_seams(region);
+    } catch (NotAnalytic& reason) {
+      if (reason.region < 0) reason.region = region;
+      throw;
+    }
+  }
+  void plan_seams(std::int32_t region) {
     const auto& loops = borders_.loops[region];
     AnalyticSurface s = surface(region);
     FacePlan& face = faces_[region];
     if (s.kind == AnalyticKind::Plane) {
-      if (loops.empty()) throw Freeform{"a plane has no border"};
+      if (loops.empty()) throw NotAnalytic{"a plane has no border"};
       return;
     }
     std::vector<LoopPoints> points;
@@ -238,9 +310,9 @@ class PartBuilder {
     for (std::size_t l = 0; l < points.size(); ++l) {
       const int about = winding(s, points[l], false);
       const int around = s.kind == AnalyticKind::Torus ? winding(s, points[l], true) : 0;
-      if (about != 0 && around != 0) throw Freeform{"a border winds around a torus both ways"};
+      if (about != 0 && around != 0) throw NotAnalytic{"a border winds around a torus both ways"};
       if (std::abs(about) > 1 || std::abs(around) > 1)
-        throw Freeform{"a border winds around a surface more than once"};
+        throw NotAnalytic{"a border winds around a surface more than once"};
       if (about != 0) wound[0].push_back(static_cast<std::int32_t>(l));
       if (around != 0) wound[1].push_back(static_cast<std::int32_t>(l));
     }
@@ -257,9 +329,9 @@ class PartBuilder {
       face.seams.push_back({add_edge(from, to, half, region, region), -1, -1});
       return;
     }
-    if (loops.empty()) throw Freeform{"a surface that does not close has no border"};
+    if (loops.empty()) throw NotAnalytic{"a surface that does not close has no border"};
     if (!wound[0].empty() && !wound[1].empty())
-      throw Freeform{"borders wind around a torus both ways"};
+      throw NotAnalytic{"borders wind around a torus both ways"};
     const bool is_tube = !wound[1].empty();
     const auto& ends = wound[is_tube ? 1 : 0];
     if (ends.empty()) return;
@@ -269,7 +341,7 @@ class PartBuilder {
                s.kind != AnalyticKind::Cylinder) {
       join_pole(region, s, points, ends[0], face);
     } else {
-      throw Freeform{"borders wind around a surface otherwise than in pairs"};
+      throw NotAnalytic{"borders wind around a surface otherwise than in pairs"};
     }
   }
 
@@ -320,17 +392,26 @@ class PartBuilder {
     const std::size_t after = std::min(before + 1, plan.points.size() - 1);
     const double part = at.place - static_cast<double>(before);
     const glm::dvec3 near = (1 - part) * plan.points[before] + part * plan.points[after];
-    const AnalyticSurface cut = at_angle(s, angle, is_tube);
-    double reach = 0;
-    const glm::dvec3 p = plan.sides.point(near, reach, &cut);
-    // Where surfaces touch, their common points are told by the square root of rounding.
-    constexpr double kTold = 2e-8;
-    if (!(reach <= kTold)) throw Freeform{"a seam ends on no border"};
+    glm::dvec3 p;
+    double place = at.place;
+    if (plan.is_free && is_trial_) {
+      p = nearest_point(surface(chain.left), near);
+    } else if (!plan.is_free) {
+      const AnalyticSurface cut = at_angle(s, angle, is_tube);
+      double reach = 0;
+      p = plan.sides.point(near, reach, &cut);
+      // Where surfaces touch, their common points are told by the square root of rounding.
+      constexpr double kTold = 2e-8;
+      if (!(reach <= kTold)) throw NotAnalytic{"a seam ends on no border"};
+    } else {
+      if (part > 0)
+        place = place_of_angle(at.chain, s, static_cast<double>(before), angle, is_tube);
+      p = free_->point(at.chain, place);
+    }
     for (const std::int32_t v : {plan.from, plan.to})
       if (v >= 0 && glm::length(brep_.vertices[v] - p) < kSamePoint) return v;
     for (const Split& known : plan.splits)
       if (glm::length(brep_.vertices[known.vertex] - p) < kSamePoint) return known.vertex;
-    double place = at.place;
     if (chain.is_closed && place >= last) place -= last;
     const std::int32_t vertex = add_vertex(p);
     plan.splits.push_back({place, vertex});
@@ -369,12 +450,12 @@ class PartBuilder {
       const std::int32_t from = split(s, at_a[0], angle, is_tube),
                          to = split(s, at_b[0], angle, is_tube);
       const glm::dvec3 p = brep_.vertices[from], q = brep_.vertices[to];
-      if (glm::length(p - q) < kSamePoint) throw Freeform{"borders touch"};
+      if (glm::length(p - q) < kSamePoint) throw NotAnalytic{"borders touch"};
       face.seams.push_back(
           {add_edge(from, to, seam_curve(region, s, p, q, is_tube), region, region), a, b});
       return;
     }
-    throw Freeform{"no seam between two borders passes its holes by"};
+    throw NotAnalytic{"no seam between two borders passes its holes by"};
   }
   [[nodiscard]] bool is_clear(const AnalyticSurface& s, const std::vector<LoopPoints>& points,
                               std::int32_t a, std::int32_t b, double angle, bool is_tube) const {
@@ -402,7 +483,7 @@ class PartBuilder {
           {add_edge(from, to, seam_curve(region, s, p, pole, false), region, region), a, -1});
       return;
     }
-    throw Freeform{"no seam to a pole passes its holes by"};
+    throw NotAnalytic{"no seam to a pole passes its holes by"};
   }
 
   [[nodiscard]] BorderCurve seam_curve(std::int32_t region, const AnalyticSurface& s,
@@ -491,7 +572,7 @@ class PartBuilder {
         if (poles == (wanted == 1 ? 1 : 0)) return axis;
       }
     }
-    throw Freeform{"borders of a sphere leave no place for its poles"};
+    throw NotAnalytic{"borders of a sphere leave no place for its poles"};
   }
   // Whether a chord of the unit sphere comes near the axis.
   [[nodiscard]] static bool passes_pole(const glm::dvec3& from, const glm::dvec3& to,
@@ -527,8 +608,8 @@ class PartBuilder {
     edge.from = from;
     edge.to = to;
     edge.curve = std::move(curve);
-    edge.lines[0].face = left;  // regions, until faces have numbers
-    edge.lines[1].face = right;
+    edge.lines[0].face = number_.at(left);
+    edge.lines[1].face = number_.at(right);
     brep_.edges.push_back(std::move(edge));
     return static_cast<std::int32_t>(brep_.edges.size()) - 1;
   }
@@ -549,6 +630,10 @@ class PartBuilder {
       ends.push_back({last, plan.to});
     }
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+      if (plan.is_free) {
+        plan.edges.push_back(free_->add_edge(c, ends[i], ends[i + 1], number_.at(chain.left)));
+        continue;
+      }
       std::vector<glm::dvec3> points{brep_.vertices[ends[i].vertex]};
       const glm::dvec3 target = brep_.vertices[ends[i + 1].vertex];
       for (double k = std::floor(ends[i].place) + 1; k < ends[i + 1].place; ++k) {
@@ -560,7 +645,9 @@ class PartBuilder {
       }
       points.push_back(target);
       const auto curve = curve_along(plan.sides, points);
-      if (!curve) throw Freeform{"two surfaces do not meet between their vertices"};
+      if (!curve)
+        throw NotAnalytic{"two surfaces do not meet between their vertices",
+                          smaller(chain.left, chain.right)};
       plan.edges.push_back(
           add_edge(ends[i].vertex, ends[i + 1].vertex, *curve, chain.left, chain.right));
     }
@@ -584,7 +671,7 @@ class PartBuilder {
                                                    std::int32_t vertex) const {
     const auto found =
         std::ranges::find_if(uses, [&](const Brep::Use& use) { return start_of(use) == vertex; });
-    if (found == uses.end()) throw Freeform{"a seam ends on no border"};
+    if (found == uses.end()) throw NotAnalytic{"a seam ends on no border"};
     std::ranges::rotate(uses, found);
     return uses;
   }
@@ -670,10 +757,15 @@ class PartBuilder {
 
   std::span<const glm::dvec3> positions_;
   const MeshTopology& topology_;
+  const Placement& placement_;
   const AnalyticRegions& regions_;
   const RegionBorders& borders_;
   const SettledRegions& settled_;
+  const FreeformFaces* freeform_;
   Brep& brep_;
+  bool is_trial_ = false;
+  std::optional<FreeformSide> free_;
+  std::map<std::int32_t, std::int32_t> number_;  // of faces of the part, by region
   std::vector<std::int32_t> chains_;
   std::map<std::int32_t, ChainPlan> plans_;
   std::map<std::int32_t, FacePlan> faces_;
@@ -695,16 +787,69 @@ BorderCurve to_model(BorderCurve curve, const Placement& placement) {
   return curve;
 }
 
+// One by one for each part: those that left their vertices when all were settled, and whose faces
+// cannot be closed.
+std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology& topology,
+                                  double tolerance) {
+  std::vector<char> is_unsound(found.regions.regions.size(), 0);
+  for (const std::vector<std::int32_t>& regions : found.regions_of) {
+    const double most = 2 * tolerance;
+    for (const std::int32_t r : regions) {
+      const AnalyticRegion& region = found.regions.regions[r];
+      for (const std::int32_t f : region.faces)
+        for (const std::int32_t v : topology.face(f))
+          if (!(std::abs(signed_distance(region.surface, found.positions[v])) <= most))
+            is_unsound[r] = 1;
+    }
+    if (std::ranges::any_of(regions, [&](std::int32_t r) { return is_unsound[r] != 0; })) continue;
+    try {
+      Brep brep;
+      PartBuilder(found, topology, nullptr, brep).try_regions(regions);
+    } catch (const NotAnalytic& reason) {
+      if (reason.region >= 0) is_unsound[reason.region] = 1;
+    }
+  }
+  return is_unsound;
+}
+
+// Whether there were any.
+bool drop_regions(const std::vector<char>& is_dropped, AnalyticRegions& regions) {
+  AnalyticRegions kept;
+  kept.region_of.assign(regions.region_of.size(), -1);
+  for (std::size_t r = 0; r < is_dropped.size(); ++r) {
+    if (is_dropped[r] != 0) continue;
+    for (const std::int32_t f : regions.regions[r].faces)
+      kept.region_of[f] = static_cast<std::int32_t>(kept.regions.size());
+    kept.regions.push_back(std::move(regions.regions[r]));
+  }
+  std::swap(kept, regions);
+  return kept.regions.size() != regions.regions.size();
+}
+
+// What a face of a region says of the whole.
+void add_figures(const AnalyticParts& found, const AnalyticRegion& region,
+                 const MeshTopology& topology, const AnalyticSurface& in_model,
+                 AnalyticFaces& result) {
+  ++result.faces_by_kind[static_cast<std::size_t>(in_model.kind)];
+  if (in_model.radius > 0) result.radii.push_back(in_model.radius);
+  if (in_model.minor > 0) result.radii.push_back(in_model.minor);
+  for (const std::int32_t f : region.faces)
+    for (const std::int32_t v : topology.face(f))
+      result.largest_distance = std::max(
+          result.largest_distance,
+          found.placement.diagonal * std::abs(signed_distance(region.surface, found.positions[v])));
+}
+
 }  // namespace
 
-AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
+AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, double tolerance,
                                   const Callbacks& callbacks) {
   const HostScope host(callbacks);
   const MeshTopology& topology = mesh.topology;
-  Placement placement = placement_of(mesh.positions);
-  placement.diagonal = mesh.diagonal;
-  std::vector<glm::dvec3> positions;
-  for (const glm::dvec3& p : mesh.positions) positions.push_back(placement.to_unit(p));
+  AnalyticParts found;
+  found.placement = placement_of(mesh.positions);
+  found.placement.diagonal = mesh.diagonal;
+  for (const glm::dvec3& p : mesh.positions) found.positions.push_back(found.placement.to_unit(p));
   // Groups end faces as sharp edges do.
   std::vector<char> is_sharp(mesh.is_sharp.begin(), mesh.is_sharp.end());
   for (std::int32_t e = 0; !mesh.groups.empty() && e < topology.edge_count(); ++e) {
@@ -712,68 +857,93 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
     if (twin >= 0 && mesh.groups[topology.face_of(corner)] != mesh.groups[topology.face_of(twin)])
       is_sharp[e] = kGroupBorder;
   }
-  AnalyticRegions regions = find_regions(positions, topology, is_sharp, tolerance);
-  const RegionBorders borders = find_borders(topology, regions);
-  const SettledRegions settled = settle_surfaces(positions, topology, borders, regions);
+  AnalyticRegions regions = find_regions(found.positions, topology, is_sharp, tolerance);
+  found.parts = face_components(topology);
+  // Regions that surfaces cannot be settled for become freeform, until all others can.
+  do {
+    check_stop();
+    found.regions = regions;
+    found.borders = find_borders(topology, found.regions);
+    found.settled = settle_surfaces(found.positions, topology, found.borders, found.regions);
+    found.regions_of.assign(static_cast<std::size_t>(found.parts.count), {});
+    for (std::int32_t r = 0; r < std::ssize(found.regions.regions); ++r)
+      found.regions_of[found.parts.of_face[found.regions.regions[r].faces.front()]].push_back(r);
+  } while (drop_regions(unsound_regions(found, topology, tolerance), regions));
+  found.has_free.assign(found.regions_of.size(), 0);
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    if (found.regions.region_of[f] < 0) found.has_free[found.parts.of_face[f]] = 1;
+  return found;
+}
 
+AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, const AnalyticParts& found,
+                                  const FreeformFaces* freeform, const Callbacks& callbacks) {
+  const HostScope host(callbacks);
+  const MeshTopology& topology = mesh.topology;
+  const Placement& placement = found.placement;
   AnalyticFaces result;
   result.face_of.assign(static_cast<std::size_t>(topology.face_count()), -1);
-  const FaceComponents parts = face_components(topology);
-  std::vector<std::vector<std::int32_t>> regions_of(static_cast<std::size_t>(parts.count));
-  for (std::int32_t r = 0; r < std::ssize(regions.regions); ++r)
-    regions_of[parts.of_face[regions.regions[r].faces.front()]].push_back(r);
-  std::vector<char> has_free(regions_of.size(), 0);
-  for (std::int32_t f = 0; f < topology.face_count(); ++f)
-    if (regions.region_of[f] < 0) has_free[parts.of_face[f]] = 1;
-  result.parts = parts.count;
-  std::vector<std::int32_t> face_of_region(regions.regions.size(), -1);
-  for (std::int32_t part = 0; part < parts.count; ++part) {
+  result.parts = found.parts.count;
+  std::vector<std::vector<std::int32_t>> freeform_of(found.regions_of.size());
+  if (freeform != nullptr) {
+    result.freeform_number.assign(freeform->brep.faces.size(), -1);
+    for (std::size_t f = 0; f < freeform->part_of.size(); ++f)
+      if (freeform->part_of[f] >= 0)
+        freeform_of[freeform->part_of[f]].push_back(static_cast<std::int32_t>(f));
+  }
+  std::vector<std::int32_t> face_of_part(found.regions_of.size(), -1);
+  for (std::int32_t part = 0; part < found.parts.count; ++part) {
     check_stop();
+    const std::vector<std::int32_t>& regions = found.regions_of[part];
     Brep brep;
     try {
-      if (has_free[part] != 0)
-        throw Freeform{"some of its faces lie on no plane, cylinder, cone, sphere or torus"};
-      PartBuilder(positions, topology, regions, borders, settled, brep).build(regions_of[part]);
-      if (!check_brep(brep, 1).is_valid()) throw Freeform{"its faces would leave gaps"};
-    } catch (const Freeform& freeform) {
+      if (regions.empty())
+        throw NotAnalytic{"its faces lie on no plane, cylinder, cone, sphere or torus"};
+      if (found.has_free[part] != 0 && freeform_of[part].empty())
+        throw NotAnalytic{
+            "triangles were joined or vertices added across borders of its planes, cylinders, "
+            "cones, spheres and tori; --quads off --refine off may keep these"};
+      PartBuilder(found, topology, freeform, brep).build(regions, freeform_of[part]);
+      if (!check_brep(brep, 1).is_valid()) throw NotAnalytic{"its faces would leave gaps"};
+    } catch (const NotAnalytic& reason) {
       ++result.freeform_parts;
-      if (result.first_reason.empty()) result.first_reason = freeform.reason;
+      if (result.first_reason.empty()) result.first_reason = reason.reason;
       continue;
     }
+    if (found.has_free[part] != 0) ++result.mixed_parts;
     const auto first_vertex = static_cast<std::int32_t>(result.brep.vertices.size()),
-               first_edge = static_cast<std::int32_t>(result.brep.edges.size());
+               first_edge = static_cast<std::int32_t>(result.brep.edges.size()),
+               first_face = static_cast<std::int32_t>(result.brep.faces.size());
+    face_of_part[part] = first_face;
     for (std::size_t i = 0; i < brep.faces.size(); ++i) {
-      const std::int32_t region = regions_of[part][i];
-      face_of_region[region] = static_cast<std::int32_t>(result.brep.faces.size());
       Brep::Face& face = brep.faces[i];
       for (Brep::Use& use : face.loop) use.edge += first_edge;
       for (auto& hole : face.holes)
         for (Brep::Use& use : hole) use.edge += first_edge;
-      face.surface = to_model(*face.surface, placement);
-      if (!mesh.groups.empty()) face.group = mesh.groups[regions.regions[region].faces.front()];
-      ++result.faces_by_kind[static_cast<std::size_t>(face.surface->kind)];
-      const AnalyticSurface& s = *face.surface;
-      if (s.radius > 0) result.radii.push_back(s.radius);
-      if (s.minor > 0) result.radii.push_back(s.minor);
-      for (const std::int32_t f : regions.regions[region].faces)
-        for (const std::int32_t v : topology.face(f))
-          result.largest_distance = std::max(
-              result.largest_distance,
-              placement.diagonal *
-                  std::abs(signed_distance(regions.regions[region].surface, positions[v])));
+      for (glm::dvec3& p : face.points) p = placement.to_model(p);
+      if (i < regions.size()) {
+        const AnalyticRegion& region = found.regions.regions[regions[i]];
+        face.surface = to_model(*face.surface, placement);
+        if (!mesh.groups.empty()) face.group = mesh.groups[region.faces.front()];
+        add_figures(found, region, topology, *face.surface, result);
+      } else {
+        result.freeform_number[freeform_of[part][i - regions.size()]] =
+            static_cast<std::int32_t>(result.brep.faces.size());
+      }
       result.brep.faces.push_back(std::move(face));
     }
     for (const glm::dvec3& p : brep.vertices) result.brep.vertices.push_back(placement.to_model(p));
     for (Brep::Edge& edge : brep.edges) {
       edge.from += first_vertex;
       edge.to += first_vertex;
-      edge.curve = to_model(*edge.curve, placement);
-      for (Brep::Line& line : edge.lines) line.face = face_of_region[regions_of[part][line.face]];
+      if (edge.curve) edge.curve = to_model(*edge.curve, placement);
+      for (glm::dvec3& p : edge.points) p = placement.to_model(p);
+      for (Brep::Line& line : edge.lines)
+        if (line.face >= 0) line.face += first_face;
       result.brep.edges.push_back(std::move(edge));
     }
   }
   for (std::int32_t f = 0; f < topology.face_count(); ++f)
-    if (regions.region_of[f] >= 0) result.face_of[f] = face_of_region[regions.region_of[f]];
+    result.face_of[f] = face_of_part[found.parts.of_face[f]];
   std::ranges::sort(result.radii);
   result.radii.erase(std::ranges::unique(result.radii).begin(), result.radii.end());
   return result;
@@ -829,8 +999,12 @@ Brep joined_parts(const Brep& freeform, const AnalyticFaces& analytic, const Mes
     result.faces.push_back(std::move(face));
   }
   std::vector<std::int32_t> face_of(static_cast<std::size_t>(topology.face_count()), -1);
-  for (Brep::Place& place : result.places)
-    if (place.face >= 0) place.face = face_number[place.face];
+  for (Brep::Place& place : result.places) {
+    if (place.face < 0) continue;
+    const std::int32_t kept =
+        analytic.freeform_number.empty() ? -1 : analytic.freeform_number[place.face];
+    place.face = kept >= 0 ? kept : face_number[place.face];
+  }
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
     const std::int32_t known = analytic_of[parts.of_face[f]];
     face_of[f] = known >= 0 ? known : result.places[topology.face(f)[0]].face;

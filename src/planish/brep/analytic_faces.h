@@ -8,9 +8,15 @@
 #include <vector>
 
 #include "planish/analytic/analytic_surface.h"
+#include "planish/analytic/find_regions.h"
+#include "planish/analytic/region_borders.h"
+#include "planish/analytic/settle_surfaces.h"
 #include "planish/brep/brep.h"
+#include "planish/brep/free_borders.h"
 #include "planish/core/callbacks.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 
@@ -23,26 +29,49 @@ struct AnalyticMesh {
   double diagonal = 1;
 };
 
+/// What of a mesh lies on surfaces that have a name, part by part: faces that edges join.
+struct AnalyticParts {
+  Placement placement;                ///< all that follows is in unit coordinates
+  std::vector<glm::dvec3> positions;  ///< of the mesh's vertices
+  AnalyticRegions regions;
+  RegionBorders borders;
+  SettledRegions settled;
+  FaceComponents parts;
+  std::vector<std::vector<std::int32_t>> regions_of;  ///< by part
+  std::vector<char> has_free;                         ///< by part: not all its faces are of regions
+};
+
+/// Within `tolerance` of the diagonal. Throws Error{Cancelled}.
+[[nodiscard]] AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, double tolerance,
+                                                const Callbacks& callbacks = {});
+
 struct AnalyticFaces {
   /// The faces, with edges and vertices and without shells; places are nowhere.
   Brep brep;
-  std::vector<std::int32_t> face_of;  ///< by face of the mesh; -1: its part is freeform
+  std::vector<std::int32_t> face_of;  ///< by face of the mesh: one of its part; -1: it is freeform
+  /// By face of FreeformFaces::brep, what it is here; -1: it is not. Empty without these.
+  std::vector<std::int32_t> freeform_number;
   std::array<std::int64_t, kAnalyticKinds> faces_by_kind{};
-  std::vector<double> radii;                   ///< distinct ones, ascending, in model units
-  double largest_distance = 0;                 ///< of vertices from their surfaces, in model units
-  std::int64_t parts = 0, freeform_parts = 0;  ///< of faces that are joined by edges
-  std::string first_reason;                    ///< why the first freeform one is
+  std::vector<double> radii;    ///< distinct ones, ascending, in model units
+  double largest_distance = 0;  ///< of vertices from their surfaces, in model units
+  std::int64_t parts = 0;
+  std::int64_t mixed_parts = 0;     ///< that have freeform faces beside those on surfaces
+  std::int64_t freeform_parts = 0;  ///< that are freeform as a whole
+  std::string first_reason;         ///< why the first of these is
 };
 
-/// Faces of each part of the mesh that planes, cylinders, cones, spheres and tori make up whole,
-/// within `tolerance` of the diagonal. Edges are lines, circles, ellipses and splines on both
-/// surfaces; what closes around an axis has a seam. Throws Error{Cancelled}.
-[[nodiscard]] AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, double tolerance,
+/// Faces of each part that lies on planes, cylinders, cones, spheres and tori, with freeform faces
+/// between where these are given. Edges are lines, circles, ellipses and splines on both surfaces;
+/// what closes around an axis has a seam. Freeform faces that end at one on a surface are moved
+/// onto it there. Throws Error{Cancelled}.
+[[nodiscard]] AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh,
+                                                const AnalyticParts& found,
+                                                const FreeformFaces* freeform = nullptr,
                                                 const Callbacks& callbacks = {});
 
-/// Both kinds of parts together: of the freeform faces those of parts that are analytic are left
-/// out. `analytic_at`: by vertex of the topology that these were made of, an analytic face of its
-/// part; -1: its part is freeform. Shells are found anew; `points`: of those vertices.
+/// All parts together: of the freeform faces those of other parts are left out. `analytic_at`: by
+/// vertex of the topology that these were made of, a face of its part that stands in `analytic`;
+/// -1: its part is freeform. Shells are found anew; `points`: of those vertices.
 [[nodiscard]] Brep joined_parts(const Brep& freeform, const AnalyticFaces& analytic,
                                 const MeshTopology& topology, std::span<const glm::dvec3> points,
                                 std::span<const std::int32_t> analytic_at);

@@ -401,6 +401,7 @@ std::vector<FaceEdges> make_topology(const QuadLayout& layout, std::size_t half_
           Brep::Edge made;
           made.from = vertex(layout.origin(side[i]));
           made.to = vertex(layout.target(side[j - 1]));
+          made.half_edge = side[i];
           brep.edges.push_back(std::move(made));
         }
         i = j;
@@ -497,7 +498,7 @@ Brep make_brep(const SplineSurface& surface, const BrepOptions& options, const C
   check(options);
   const HostScope host(callbacks);
   callbacks.report("faces", 0);
-  const QuadLayout layout(surface, options.face_size, groups);
+  const QuadLayout layout(surface, options.face_size, groups, options.has_corners);
   constexpr double kDepthsShare = 0.4;  // of the time
   const Callbacks depths_callbacks = share_of(callbacks, 0, kDepthsShare);
   const CapDepths depths =
@@ -625,6 +626,16 @@ std::vector<double> spans_of(const Brep::Edge& edge, const Brep::Face& face,
 
 void add_gap(const Brep& brep, const Brep::Edge& edge, const Brep::Line& line, Gap& gap) {
   const Brep::Face& face = brep.faces[line.face];
+  if (face.surface) {
+    for (std::size_t i = 0; i + 1 < edge.knots.size(); ++i) {
+      for (const double part : {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875}) {
+        const glm::dvec3 there =
+            point_of(brep, edge, (1 - part) * edge.knots[i] + part * edge.knots[i + 1]);
+        gap.add(std::abs(signed_distance(*face.surface, there)), there);
+      }
+    }
+    return;
+  }
   if (face.plane) {
     for (const glm::dvec3& p : edge.points)
       gap.add(std::abs(glm::dot(p - face.points.front(), face.plane->normal)), p);

@@ -56,6 +56,8 @@ struct Brep {
     std::vector<double> knots;      ///< as those of faces, from 0 to the number of quads
     std::vector<glm::dvec3> points;
     std::array<Line, 2> lines;  ///< the second has no face at a boundary
+    /// Of Q_1, the first one along it on the first line's face: see QuadLayout. -1: of none.
+    std::int32_t half_edge = -1;
     /// Instead of knots and points, between faces on analytic surfaces.
     std::optional<BorderCurve> curve;
   };
@@ -113,6 +115,7 @@ struct BrepOptions {
   double angle = 0.25;          ///< degrees that normals may jump by at edges
   double deviation = 1e-6;      ///< from the surface along its normals, of the diagonal
   std::int32_t face_size = 16;  ///< quads of Q_1 on a face's side, of which a mesh's quad has two
+  bool has_corners = false;     ///< faces have a corner wherever the border of a group turns
 };
 
 /// The surface as B-spline faces without holes between them: exact but in squares of 2^-m of a quad

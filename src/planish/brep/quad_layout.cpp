@@ -37,14 +37,13 @@ std::vector<std::int32_t> QuadLayout::Rectangle::side(int index) const {
 }
 
 QuadLayout::QuadLayout(const SplineSurface& surface, std::int32_t face_size,
-                       std::span<const std::int32_t> groups)
+                       std::span<const std::int32_t> groups, bool has_corners)
     : surface_(surface), topology_(surface.topology()) {
   marked_.assign(4 * at(topology_.corner_count()), 0);
   extraordinary_.assign(at(vertex_count()), 0);
   seen_.assign(at(vertex_count()), 0);
   find_extraordinary();
-  mark_curves(groups);
-  std::vector<std::int32_t> tracks;
+  std::vector<std::int32_t> tracks = mark_curves(groups, has_corners);
   for (std::int32_t h = 0; h < 4 * topology_.corner_count(); ++h) {
     if (!is_hidden(h / 4) && is_extraordinary(origin(h))) tracks.push_back(h);
   }
@@ -146,7 +145,8 @@ void QuadLayout::mark(std::int32_t h) {
   if (const std::int32_t other = twin(h); other >= 0) marked_[at(other)] = 1;
 }
 
-void QuadLayout::mark_curves(std::span<const std::int32_t> groups) {
+std::vector<std::int32_t> QuadLayout::mark_curves(std::span<const std::int32_t> groups,
+                                                  bool has_corners) {
   const auto is_border = [&](std::int32_t h) {
     const std::int32_t other = twin(h);
     return other < 0 || is_sharp(h) ||
@@ -158,6 +158,17 @@ void QuadLayout::mark_curves(std::span<const std::int32_t> groups) {
     mark(h);
     seen_[at(origin(h))] = seen_[at(target(h))] = 1;
   }
+  std::vector<std::int32_t> tracks;
+  for (std::int32_t c = 0; has_corners && c < topology_.corner_count(); ++c) {
+    if (is_hidden(c) || !is_border(4 * c)) continue;
+    // More than two quads from here to the next border.
+    std::vector<std::int32_t> between;
+    for (std::int32_t d = topology_.ccw(c); d >= 0 && d != c && !is_border(4 * d);
+         d = topology_.ccw(d))
+      between.push_back(4 * d);
+    if (between.size() > 1) tracks.insert(tracks.end(), between.begin(), between.end());
+  }
+  return tracks;
 }
 
 // All by one edge in turn, so that meeting tracks have gone about as far.

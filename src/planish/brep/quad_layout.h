@@ -28,9 +28,10 @@ class QuadLayout {
   };
 
   /// Rectangles of at most `face_size` quads a side, each of faces of one group. `groups`: one for
-  /// each face of the mesh; empty: all have the same.
+  /// each face of the mesh; empty: all have the same. `has_corners`: where the border of a group
+  /// turns, rectangles beside it have a corner.
   QuadLayout(const SplineSurface& surface, std::int32_t face_size,
-             std::span<const std::int32_t> groups = {});
+             std::span<const std::int32_t> groups = {}, bool has_corners = false);
 
   /// Of the polynomials on the quads.
   [[nodiscard]] std::size_t degree() const { return surface_.degree(); }
@@ -65,7 +66,9 @@ class QuadLayout {
 
   void find_extraordinary();
   void mark(std::int32_t half_edge);
-  void mark_curves(std::span<const std::int32_t> groups);
+  // Tracks that start where curves turn.
+  [[nodiscard]] std::vector<std::int32_t> mark_curves(std::span<const std::int32_t> groups,
+                                                      bool has_corners);
   void follow(std::vector<std::int32_t> tracks);
   void seed(std::int32_t half_edge);
   // Half edges without a mark within regions that are no rectangles.

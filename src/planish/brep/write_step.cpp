@@ -25,6 +25,7 @@
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/portable_math.h"
+#include "planish/core/vectors.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
 #include "planish/files/shared/ordered_stream.h"
@@ -58,7 +59,8 @@ class StepNumbers {
 
   // Distinct lines of curves in parameters, three entities each, before all vertices.
   struct PlaneLine {
-    std::int32_t x = 0, y = 0, direction = 0;
+    double x = 0, y = 0;
+    int direction = 0;
     friend auto operator<=>(const PlaneLine&, const PlaneLine&) = default;
   };
   [[nodiscard]] const std::vector<PlaneLine>& lines() const { return lines_; }
@@ -146,26 +148,32 @@ std::int64_t curve_entities(const BorderCurve& curve) {
 // Splines on surfaces that are not flat say where in their parameters they are: OpenCASCADE loses
 // its way on cones else.
 bool wants_parameters(const Brep& brep, const Brep::Edge& edge, const Brep::Line& line) {
-  return edge.curve->kind == CurveKind::Spline && line.face >= 0 &&
-         brep.faces[line.face].surface->kind != AnalyticKind::Plane;
+  if (line.face < 0 || (edge.curve && edge.curve->kind != CurveKind::Spline)) return false;
+  const auto& surface = brep.faces[line.face].surface;
+  return surface && surface->kind != AnalyticKind::Plane;
 }
 
 // Inner points, the curve, where it is on B-splines its curves in their parameters and what names
 // them all, and the edge.
 std::int64_t StepNumbers::of_edge(const Brep::Edge& edge) const {
-  if (edge.curve) {
-    std::int64_t count = curve_entities(*edge.curve) + 1, sides = 0;
-    for (const Brep::Line& line : edge.lines) sides += wants_parameters(brep_, edge, line) ? 1 : 0;
-    return count + sides * (std::ssize(edge.curve->points) + 3) + (sides > 0 ? 1 : 0);
+  // Its own and what is beside it: by lines, or by splines with their points.
+  std::int64_t count = edge.curve ? curve_entities(*edge.curve) + 1 : std::ssize(edge.points);
+  const std::int64_t points = std::ssize(edge.curve ? edge.curve->points : edge.points);
+  bool has_curves = false;
+  for (const Brep::Line& line : edge.lines) {
+    const bool is_spline = wants_parameters(brep_, edge, line);
+    if (is_spline) {
+      count += points + 3;
+    } else if (has_curve(line)) {
+      count += 1;
+    }
+    has_curves = has_curves || is_spline || has_curve(line);
   }
-  const std::int64_t curves =
-      (has_curve(edge.lines[0]) ? 1 : 0) + (has_curve(edge.lines[1]) ? 1 : 0);
-  return std::ssize(edge.points) + curves + (curves > 0 ? 1 : 0);
+  return count + (has_curves ? 1 : 0);
 }
 
 StepNumbers::PlaneLine StepNumbers::plane_line(const Brep::Line& line) {
-  return {static_cast<std::int32_t>(line.from.x), static_cast<std::int32_t>(line.from.y),
-          line.direction};
+  return {line.from.x, line.from.y, line.direction};
 }
 
 std::int64_t StepNumbers::line(const Brep::Line& line) const {
@@ -661,69 +669,69 @@ std::int64_t put_curve(StepText& text, const Brep& brep, const StepNumbers& numb
   return id;
 }
 
+// Where a spline lies in the parameters of an analytic face.
+std::int64_t put_parameters(StepText& text, const Brep& brep, const StepNumbers& numbers,
+                            const StepContext& context, const Brep::Edge& edge,
+                            std::int32_t index) {
+  const Brep::Face& face = brep.faces[index];
+  const double height = placed_height(brep, face);
+  const std::int64_t first = text.next_id();
+  std::vector<glm::dvec2> points;
+  if (edge.curve) {
+    points = parameter_curve(*face.surface, face.along, height, *edge.curve).points;
+  } else {
+    ParameterWalk walk(*face.surface, face.along, height, edge.points.front());
+    const auto at = [&](double t) { return glm::dvec3(walk.next(point_of(brep, edge, t)), 0.0); };
+    for (const glm::dvec3& p : quadratic_points(edge.knots, at)) points.emplace_back(p.x, p.y);
+  }
+  for (const glm::dvec2& p : points) text.point(p);
+  const std::size_t degree = edge.curve ? kBorderDegree : brep.degree;
+  const std::int64_t flat = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
+  text.integer(static_cast<std::int64_t>(degree));
+  text.put(',');
+  text.references(first, std::ssize(points));
+  text.put(",.UNSPECIFIED.,.F.,.F.");
+  put_knots(text, degree, {edge.curve ? edge.curve->knots : edge.knots});
+  const std::int64_t defined =
+      text.entity("DEFINITIONAL_REPRESENTATION('',(", Ref{flat}, "),", Ref{context.plane}, ')');
+  return text.entity("PCURVE('',", Ref{numbers.surface(index)}, ',', Ref{defined}, ')');
+}
+
 void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers,
               const StepContext& context, std::int64_t e) {
   const Brep::Edge& edge = brep.edges[e];
+  std::int64_t curve = 0;
   if (edge.curve) {
-    std::int64_t curve = put_curve(text, brep, numbers, edge);
-    std::vector<std::int64_t> beside;
-    for (const Brep::Line& line : edge.lines) {
-      if (!wants_parameters(brep, edge, line)) continue;
-      const Brep::Face& face = brep.faces[line.face];
-      const std::int64_t first = text.next_id();
-      const std::vector<glm::dvec2> points =
-          parameter_curve(*face.surface, face.along, placed_height(brep, face), *edge.curve).points;
-      for (const glm::dvec2& p : points) text.point(p);
-      const std::int64_t flat = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
-      text.integer(static_cast<std::int64_t>(kBorderDegree));
-      text.put(',');
-      text.references(first, std::ssize(points));
-      text.put(",.UNSPECIFIED.,.F.,.F.");
-      put_knots(text, kBorderDegree, {edge.curve->knots});
-      const std::int64_t defined =
-          text.entity("DEFINITIONAL_REPRESENTATION('',(", Ref{flat}, "),", Ref{context.plane}, ')');
-      beside.push_back(
-          text.entity("PCURVE('',", Ref{numbers.surface(line.face)}, ',', Ref{defined}, ')'));
-    }
-    if (!beside.empty()) {
-      const std::int64_t on_surfaces = text.begin("SURFACE_CURVE('',");
-      text.put(Ref{curve});
-      text.put(',');
-      put_list(text, beside);
-      text.put(",.CURVE_3D.)");
-      text.end();
-      curve = on_surfaces;
-    }
-    text.entity("EDGE_CURVE('',", Ref{numbers.vertex(edge.from)}, ',', Ref{numbers.vertex(edge.to)},
-                ',', Ref{curve}, ",.T.)");
-    return;
+    curve = put_curve(text, brep, numbers, edge);
+  } else {
+    const std::int64_t first = text.next_id();
+    for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) text.point(edge.points[i]);
+    curve = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
+    put_spline_points(text, numbers, edge, edge.points, brep.degree, first);
+    put_knots(text, brep.degree, {edge.knots});
   }
-  const std::int64_t first = text.next_id();
-  for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) text.point(edge.points[i]);
-  std::int64_t curve = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
-  put_spline_points(text, numbers, edge, edge.points, brep.degree, first);
-  put_knots(text, brep.degree, {edge.knots});
   // Planes stand for themselves.
-  std::array<std::int64_t, 2> beside{};
+  std::vector<std::int64_t> beside;
   bool has_curves = false;
-  for (std::size_t s = 0; s < 2 && edge.lines[s].face >= 0; ++s) {
-    const std::int64_t surface = numbers.surface(edge.lines[s].face);
-    const bool has_curve = numbers.has_curve(edge.lines[s]);
-    has_curves = has_curves || has_curve;
-    beside[s] = has_curve ? text.entity("PCURVE('',", Ref{surface}, ',',
-                                        Ref{numbers.line(edge.lines[s])}, ')')
-                          : surface;
+  for (const Brep::Line& line : edge.lines) {
+    if (line.face < 0) continue;
+    const std::int64_t surface = numbers.surface(line.face);
+    if (wants_parameters(brep, edge, line)) {
+      beside.push_back(put_parameters(text, brep, numbers, context, edge, line.face));
+    } else if (numbers.has_curve(line)) {
+      beside.push_back(text.entity("PCURVE('',", Ref{surface}, ',', Ref{numbers.line(line)}, ')'));
+    } else {
+      if (!edge.curve) beside.push_back(surface);
+      continue;
+    }
+    has_curves = true;
   }
   if (has_curves) {
     const std::int64_t on_surfaces = text.begin("SURFACE_CURVE('',");
     text.put(Ref{curve});
-    text.put(",(");
-    text.put(Ref{beside[0]});
-    if (beside[1] != 0) {
-      text.put(',');
-      text.put(Ref{beside[1]});
-    }
-    text.put("),.CURVE_3D.)");
+    text.put(',');
+    put_list(text, beside);
+    text.put(",.CURVE_3D.)");
     text.end();
     curve = on_surfaces;
   }

@@ -115,8 +115,10 @@ OrderedJson spot_json(const Brep::Spot& spot) {
 }
 
 OrderedJson analytic_json(const StepFigures& step) {
-  if (step.analytic_parts + step.freeform_parts == 0) return nullptr;
-  OrderedJson json{{"parts", step.analytic_parts}, {"freeform_parts", step.freeform_parts}};
+  if (step.analytic_parts + step.mixed_parts + step.freeform_parts == 0) return nullptr;
+  OrderedJson json{{"parts", step.analytic_parts},
+                   {"mixed_parts", step.mixed_parts},
+                   {"freeform_parts", step.freeform_parts}};
   for (std::size_t k = 0; k < kAnalyticKinds; ++k)
     json["faces"][std::string(name_of(static_cast<AnalyticKind>(k)))] = step.analytic[k];
   json["radii"] = step.radii;
@@ -366,7 +368,7 @@ std::string angle_text(double degrees) {
 
 // "14 faces (3 planes, 9 cylinders, 2 tori)".
 std::string faces_text(const StepFigures& step) {
-  if (step.analytic_parts == 0) return counted(step.faces, "B-spline face");
+  if (step.analytic_parts + step.mixed_parts == 0) return counted(step.faces, "B-spline face");
   std::string kinds;
   std::int64_t others = step.faces;
   for (std::size_t k = 0; k < kAnalyticKinds; ++k) {

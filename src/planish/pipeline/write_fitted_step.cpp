@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "planish/brep/analytic_faces.h"
+#include "planish/brep/free_borders.h"
 #include "planish/brep/subdivision_splines.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
@@ -168,47 +169,125 @@ const PolygonMesh& given_mesh(const FittedMesh& fitted) {
   return fitted.bare ? *fitted.bare : fitted.mesh;
 }
 
-// The analytic faces of the mesh as it was given, where there may be any.
-std::optional<AnalyticFaces> analytic_faces_of(const FittedMesh& fitted,
-                                               const StepFileOptions& options,
-                                               std::shared_ptr<const PreparedMesh>& prepared) {
+// The mesh as it was given, and what of it lies on surfaces that have a name.
+struct GivenParts {
+  std::shared_ptr<const PreparedMesh> prepared;
+  UsedPart used;
+  std::span<const std::int32_t> groups;
+  double diagonal = 1;
+  AnalyticParts found;
+
+  [[nodiscard]] AnalyticMesh mesh() const {
+    return {.topology = *prepared->topology,
+            .positions = used.mesh.positions,
+            .is_sharp = {},
+            .groups = groups,
+            .diagonal = diagonal};
+  }
+};
+
+std::span<const std::int32_t> groups_in(const PolygonMesh& mesh) {
+  return mesh.groups.size() > 1 ? std::span(mesh.face_groups) : std::span<const std::int32_t>();
+}
+
+// Null where nobody wants them.
+std::unique_ptr<const GivenParts> given_parts(const FittedMesh& fitted,
+                                              const StepFileOptions& options) {
   const PolygonMesh& mesh = given_mesh(fitted);
   // Whoever names another scheme wants its surface.
   if (options.settings.analytic == AnalyticChoice::Off || !mesh.hole_faces.empty() ||
       fitted.options.scheme != Scheme::DooSabin)
-    return {};
-  prepared = fitted.bare ? prepare_mesh(mesh, options.name) : fitted.fit.prepared;
-  const UsedPart used = used_part(mesh, prepared);
+    return nullptr;
+  auto prepared = fitted.bare ? prepare_mesh(mesh, options.name) : fitted.fit.prepared;
+  auto given = std::make_unique<GivenParts>(GivenParts{.prepared = prepared,
+                                                       .used = used_part(mesh, prepared),
+                                                       .groups = groups_in(mesh),
+                                                       .diagonal = fitted.fit.placement.diagonal,
+                                                       .found = {}});
   const MeshTopology& topology = *prepared->topology;
   // Where features were looked for all of them count, whatever the fit has rounded of them.
   std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
   const std::vector<CreaseEdge> sharp =
-      fitted.finds_features ? find_features(used.mesh, topology).sharp_edges() : used.mesh.creases;
+      fitted.finds_features ? find_features(given->used.mesh, topology).sharp_edges()
+                            : given->used.mesh.creases;
   for (const CreaseEdge& crease : sharp) {
     const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
     if (edge >= 0) is_sharp[edge] = 1;
   }
-  return make_analytic_faces({.topology = topology,
-                              .positions = used.mesh.positions,
-                              .is_sharp = is_sharp,
-                              .groups = mesh.groups.size() > 1 ? std::span(mesh.face_groups)
-                                                               : std::span<const std::int32_t>(),
-                              .diagonal = fitted.fit.placement.diagonal},
-                             kAnalyticTolerance, options.callbacks);
+  AnalyticMesh analytic = given->mesh();
+  analytic.is_sharp = is_sharp;
+  given->found = find_analytic_parts(analytic, kAnalyticTolerance, options.callbacks);
+  return given;
 }
 
-// By vertex of the fitted mesh's topology, a face of its part where that is analytic.
-std::vector<std::int32_t> analytic_at(const AnalyticFaces& analytic, const PreparedMesh& given,
-                                      const PreparedMesh& fitted) {
-  std::vector<std::int32_t> by_vertex(static_cast<std::size_t>(given.given_vertex_count), -1);
-  for (std::int32_t f = 0; f < given.topology->face_count(); ++f)
-    for (const std::int32_t v : given.topology->face(f))
-      by_vertex[given.vertices[v]] = analytic.face_of[f];
-  std::vector<std::int32_t> result;
-  // Vertices that were added stand behind all given ones.
-  for (const std::int32_t v : fitted.vertices)
-    result.push_back(v < std::ssize(by_vertex) ? by_vertex[v] : -1);
+// By vertex of the fitted mesh's topology, where it lies in that of the given one.
+std::vector<std::array<std::int32_t, 2>> places_in(const PreparedMesh& given,
+                                                   const FittedMesh& fitted) {
+  std::vector<std::int32_t> number(static_cast<std::size_t>(given.given_vertex_count), -1);
+  for (std::size_t v = 0; v < given.vertices.size(); ++v)
+    number[given.vertices[v]] = static_cast<std::int32_t>(v);
+  std::vector<std::array<std::int32_t, 2>> result;
+  for (const std::int32_t v : fitted.fit.prepared->vertices) {
+    // Vertices that were added stand behind all given ones.
+    const std::int32_t added = v - std::int32_t(std::ssize(number));
+    if (added < 0) {
+      result.push_back({number[v], number[v]});
+      continue;
+    }
+    const AddedVertex& of = fitted.added_vertices[added];
+    constexpr double kBeside = 1e-9;  // of a triangle's height
+    std::array<std::int32_t, 2> on{-1, -1};
+    for (int i = 0; i < 3; ++i)
+      if (std::abs(of.weights[i]) < kBeside)
+        on = {number[of.vertices[(i + 1) % 3]], number[of.vertices[(i + 2) % 3]]};
+    result.push_back(on);
+  }
   return result;
+}
+
+// The B-spline faces of parts that have others on surfaces, and where these meet.
+struct MixedFaces {
+  FreeBorders borders;
+  // By face of the fitted mesh, its group + group_count (its part + 1, or 0 where it is not free):
+  // faces end at borders.
+  std::vector<std::int32_t> groups;
+  std::int32_t group_count = 1;
+  bool has_any = false;
+};
+MixedFaces find_mixed_faces(const GivenParts& given, const FittedMesh& fitted,
+                            std::span<const std::array<std::int32_t, 2>> places,
+                            std::vector<char>& is_sound) {
+  const MeshTopology& topology = *fitted.fit.prepared->topology;
+  const AnalyticParts& found = given.found;
+  MixedFaces mixed;
+  mixed.borders = find_free_borders(found.borders, {topology, places});
+  // Parts whose borders the fitted mesh has, too.
+  for (std::size_t c = 0; c < found.borders.chains.size(); ++c) {
+    const BorderChain& chain = found.borders.chains[c];
+    if (chain.right < 0 && !chain.is_boundary && mixed.borders.corners[c].empty())
+      is_sound[found.parts.of_face[found.regions.regions[chain.left].faces.front()]] = 0;
+  }
+  std::vector<std::int32_t> part_at(given.prepared->vertices.size(), -1);
+  for (std::int32_t f = 0; f < given.prepared->topology->face_count(); ++f)
+    for (const std::int32_t v : given.prepared->topology->face(f))
+      part_at[v] = found.parts.of_face[f];
+  const FaceComponents own = face_components(topology);
+  std::vector<std::int32_t> part_of(static_cast<std::size_t>(own.count), -1);
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    for (const std::int32_t v : topology.face(f))
+      if (places[v][0] >= 0) part_of[own.of_face[f]] = part_at[places[v][0]];
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    if (mixed.borders.is_torn[f] != 0) is_sound[part_of[own.of_face[f]]] = 0;
+  const std::span<const std::int32_t> groups = groups_in(fitted.mesh);
+  if (!groups.empty()) mixed.group_count = std::int32_t(std::ssize(fitted.mesh.groups));
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    const std::int32_t part = part_of[own.of_face[f]];
+    const bool is_free = mixed.borders.is_free[f] != 0 && part >= 0 && is_sound[part] != 0;
+    mixed.has_any = mixed.has_any || is_free;
+    mixed.groups.push_back((groups.empty() ? 0 : groups[f]) +
+                           (is_free ? mixed.group_count * (part + 1) : 0));
+  }
+  return mixed;
 }
 
 // A fitted mesh's faces for a file, and what is to be said of them.
@@ -218,44 +297,106 @@ struct MadeFaces {
   std::optional<AnalyticFaces> analytic;
 };
 
-Brep freeform_faces(const FittedMesh& fitted, const SplineSurface& surface,
-                    const StepFileOptions& options, const Callbacks& callbacks) {
-  return make_brep(surface, options.settings.faces, callbacks,
-                   fitted.mesh.groups.size() > 1 ? std::span(fitted.mesh.face_groups)
-                                                 : std::span<const std::int32_t>());
-}
+// Of the whole mesh, and what of it lies on surfaces instead.
+class MixedFacesMaker {
+ public:
+  MixedFacesMaker(const FittedMesh& fitted, const GivenParts& given, const StepFileOptions& options)
+      : fitted_(fitted),
+        given_(given),
+        options_(options),
+        places_(places_in(*given.prepared, fitted)) {}
+
+  void make(const SplineSurface& surface, const Callbacks& callbacks, MadeFaces& made) {
+    const AnalyticParts& found = given_.found;
+    std::vector<char> is_sound = found.has_free;
+    for (std::size_t part = 0; part < is_sound.size(); ++part)
+      if (found.regions_of[part].empty()) is_sound[part] = 0;
+    make_with(is_sound, surface, callbacks, made);
+    // Borders that no part has used in the end should not cut its faces.
+    std::vector<char> is_mixed(is_sound.size(), 0);
+    for (std::size_t f = 0; f < made.analytic->face_of.size(); ++f)
+      if (made.analytic->face_of[f] >= 0) is_mixed[found.parts.of_face[f]] = 1;
+    for (std::size_t part = 0; part < is_sound.size(); ++part)
+      is_mixed[part] = is_mixed[part] != 0 && is_sound[part] != 0 ? 1 : 0;
+    if (is_mixed != is_sound) make_with(is_mixed, surface, callbacks, made);
+    join(made);
+  }
+
+ private:
+  // With freeform faces beside others in parts that are sound.
+  void make_with(std::vector<char>& is_sound, const SplineSurface& surface,
+                 const Callbacks& callbacks, MadeFaces& made) const {
+    const MixedFaces mixed = find_mixed_faces(given_, fitted_, places_, is_sound);
+    BrepOptions with_corners = options_.settings.faces;
+    with_corners.has_corners = mixed.has_any;
+    made.brep = make_brep(surface, with_corners, callbacks, mixed.groups);
+    std::vector<std::int32_t> part_of(made.brep.faces.size(), -1);
+    std::vector<char> is_free(made.brep.faces.size(), 0);
+    for (std::size_t f = 0; f < made.brep.faces.size(); ++f) {
+      Brep::Face& face = made.brep.faces[f];
+      part_of[f] = face.group / mixed.group_count - 1;
+      is_free[f] = part_of[f] >= 0 ? 1 : 0;
+      face.group %= mixed.group_count;
+    }
+    const FreeformFaces freeform{made.brep, part_of,
+                                 spans_along(given_.found.borders, mixed.borders,
+                                             *fitted_.fit.prepared->topology, made.brep, is_free)};
+    made.analytic = make_analytic_faces(given_.mesh(), given_.found, &freeform, options_.callbacks);
+  }
+  void join(MadeFaces& made) const {
+    if (made.analytic->freeform_parts == made.analytic->parts) return;
+    const MeshTopology& given = *given_.prepared->topology;
+    std::vector<std::int32_t> by_vertex(given_.prepared->vertices.size(), -1), analytic_at;
+    for (std::int32_t f = 0; f < given.face_count(); ++f)
+      for (const std::int32_t v : given.face(f)) by_vertex[v] = made.analytic->face_of[f];
+    for (const auto& [v, other] : places_)
+      analytic_at.push_back(v == other && v >= 0 ? by_vertex[v] : -1);
+    const UsedPart used = used_part(fitted_.mesh, fitted_.fit.prepared);
+    made.brep = joined_parts(made.brep, *made.analytic, *fitted_.fit.prepared->topology,
+                             used.mesh.positions, analytic_at);
+  }
+
+  const FittedMesh& fitted_;
+  const GivenParts& given_;
+  const StepFileOptions& options_;
+  std::vector<std::array<std::int32_t, 2>> places_;
+};
 
 MadeFaces make_faces(const FittedMesh& fitted, const StepFileOptions& options,
                      const std::function<const LimitSurface&()>& limit,
                      const Callbacks& callbacks) {
   MadeFaces made;
-  std::shared_ptr<const PreparedMesh> given;
-  made.analytic = analytic_faces_of(fitted, options, given);
-  if (made.analytic && made.analytic->freeform_parts == 0) {
-    made.brep = std::move(made.analytic->brep);
-    const UsedPart used = used_part(given_mesh(fitted), given);
-    find_shells(*given->topology, used.mesh.positions, made.analytic->face_of, made.brep);
-    return made;
+  const auto given = given_parts(fitted, options);
+  const bool has_free =
+      given && std::ranges::any_of(given->found.has_free, [](char free) { return free != 0; });
+  if (given && !has_free) {
+    made.analytic = make_analytic_faces(given->mesh(), given->found, nullptr, options.callbacks);
+    if (made.analytic->freeform_parts == 0) {
+      made.brep = std::move(made.analytic->brep);
+      find_shells(*given->prepared->topology, given->used.mesh.positions, made.analytic->face_of,
+                  made.brep);
+      return made;
+    }
   }
   if (fitted.options.scheme == Scheme::DooSabin) {
     std::optional<LimitSurface> own;
     const LimitSurface& surface =
         limit ? limit()
               : own.emplace(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
-    made.brep = freeform_faces(fitted, DooSabinSplines(surface), options, callbacks);
     made.folded = folded_part(fitted, surface);
-  } else {
-    const EvaluateOptions evaluated = fitted.evaluate_options(1);
-    const SurfaceMesh level_one = evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), evaluated);
-    made.brep =
-        freeform_faces(fitted, CatmullClarkSplines(fitted.fit.cage, evaluated), options, callbacks);
-    made.folded = surface_quality(level_one, fitted.mesh).folded_area;
+    const DooSabinSplines splines(surface);
+    if (given) {
+      MixedFacesMaker(fitted, *given, options).make(splines, callbacks, made);
+    } else {
+      made.brep = make_brep(splines, options.settings.faces, callbacks, groups_in(fitted.mesh));
+    }
+    return made;
   }
-  if (!made.analytic || made.analytic->freeform_parts == made.analytic->parts) return made;
-  const PreparedMesh& prepared = *fitted.fit.prepared;
-  const UsedPart used = used_part(fitted.mesh, fitted.fit.prepared);
-  made.brep = joined_parts(made.brep, *made.analytic, *prepared.topology, used.mesh.positions,
-                           analytic_at(*made.analytic, *given, prepared));
+  const EvaluateOptions evaluated = fitted.evaluate_options(1);
+  const SurfaceMesh level_one = evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), evaluated);
+  made.brep = make_brep(CatmullClarkSplines(fitted.fit.cage, evaluated), options.settings.faces,
+                        callbacks, groups_in(fitted.mesh));
+  made.folded = surface_quality(level_one, fitted.mesh).folded_area;
   return made;
 }
 
@@ -312,7 +453,8 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
     figures.analytic = made.analytic->faces_by_kind;
     figures.radii = made.analytic->radii;
     figures.freeform_parts = made.analytic->freeform_parts;
-    figures.analytic_parts = made.analytic->parts - figures.freeform_parts;
+    figures.mixed_parts = made.analytic->mixed_parts;
+    figures.analytic_parts = made.analytic->parts - figures.freeform_parts - figures.mixed_parts;
     figures.freeform_reason = made.analytic->first_reason;
     figures.analytic_distance = made.analytic->largest_distance;
   }

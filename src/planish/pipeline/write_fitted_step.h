@@ -42,7 +42,7 @@ struct StepFigures {
   /// Those of parts that planes, cylinders, cones, spheres and tori make up, by kind.
   std::array<std::int64_t, kAnalyticKinds> analytic{};
   std::vector<double> radii;  ///< theirs, distinct ones, ascending
-  std::int64_t analytic_parts = 0, freeform_parts = 0;
+  std::int64_t analytic_parts = 0, mixed_parts = 0, freeform_parts = 0;
   std::string freeform_reason;   ///< why the first freeform part is, where they were looked for
   double analytic_distance = 0;  ///< of given vertices from analytic faces, in model units
   std::int64_t solids = 0, voids = 0, open_shells = 0;
