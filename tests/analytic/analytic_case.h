@@ -16,8 +16,7 @@ namespace planish::test {
 /// The analytic faces of a mesh whose features are found, without freeform ones beside them.
 inline AnalyticFaces analytic_faces_of(const PolygonMesh& mesh,
                                        std::span<const std::int32_t> groups = {},
-                                       const Callbacks& callbacks = {}) {
-  constexpr double kTolerance = 1.5e-6;
+                                       const Callbacks& callbacks = {}, double tolerance = 1.5e-6) {
   const MeshTopology topology(mesh);
   std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
   for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
@@ -27,8 +26,8 @@ inline AnalyticFaces analytic_faces_of(const PolygonMesh& mesh,
                               .is_sharp = is_sharp,
                               .groups = groups,
                               .diagonal = placement_of(mesh).diagonal};
-  return make_analytic_faces(analytic, find_analytic_parts(analytic, kTolerance, callbacks),
-                             nullptr, callbacks);
+  return make_analytic_faces(analytic, find_analytic_parts(analytic, tolerance, callbacks), nullptr,
+                             callbacks);
 }
 
 }  // namespace planish::test

@@ -153,6 +153,26 @@ TEST(AnalyticParts, AreTheSameHoweverTheMeshIsWritten) {
   }
 }
 
+// As a scan has it: a tenth of the tolerance.
+TEST(AnalyticParts, NoisyOnesWantATolerance) {
+  for (const Part& part : parts()) {
+    SCOPED_TRACE(part.name);
+    PolygonMesh noisy = part.mesh;
+    const double diagonal = placement_of(noisy).diagonal;
+    std::mt19937 random(11);
+    std::normal_distribution<double> noise(0, 1e-5 * diagonal);
+    for (glm::dvec3& p : noisy.positions)
+      p += glm::dvec3(noise(random), noise(random), noise(random));
+    EXPECT_NE(analytic_faces_of(noisy).faces_by_kind, part.kinds);
+    const AnalyticFaces made = analytic_faces_of(noisy, {}, {}, 1e-4);
+    EXPECT_EQ(made.faces_by_kind, part.kinds) << made.first_reason;
+    ASSERT_EQ(made.radii.size(), part.radii.size());
+    for (std::size_t i = 0; i < made.radii.size(); ++i)
+      EXPECT_NEAR(made.radii[i], part.radii[i], 1e-3 * part.radii[i]);
+    EXPECT_TRUE(check_brep(made.brep, diagonal).is_valid());
+  }
+}
+
 TEST(AnalyticParts, WhatHasNoNameStaysFreeform) {
   PolygonMesh bumpy = capsule();
   for (glm::dvec3& p : bumpy.positions) p *= 1 + 0.05 * std::sin(3 * p.x) * std::cos(2 * p.y + p.z);

@@ -66,6 +66,11 @@ v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0\n
 f 1/1 4/2 3/3 2/4\nf 5/1 6/2 7/3 8/4\nf 1/1 2/2 6/3 5/4\nf 2/1 3/2 7/3 6/4\nf 3/1 4/2 8/3 7/4\nf 4/1 1/2 5/3 8/4
 """
 
+# A box one of whose vertices is off its planes.
+ROUGH = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1.0004\nv 0 1 1
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+"""
+
 
 def waves(faces_of, jitter=0.0, width=1.0):
     """A wavy sheet of 8 by 8 quads, each as faces_of(a, b, c, d) has it, its inner vertices off by up to so much
@@ -121,6 +126,7 @@ def write(folder):
     (folder / "notch.obj").write_text(NOTCH)
     (folder / "asset.gltf").write_text(asset())
     (folder / "oak.png").write_bytes(picture())
+    (folder / "rough.obj").write_text(ROUGH)
     (folder / "model").mkdir()
     (folder / "model/box.obj").write_text(BOX)
     (folder / "model/box.mtl").write_text("newmtl wood\nmap_Kd ../oak.png\n")

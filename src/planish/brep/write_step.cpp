@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "planish/brep/brep.h"
+#include "planish/brep/moved_faces.h"
 #include "planish/brep/spline_surface.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"

@@ -267,9 +267,21 @@ std::vector<FitOption> step_options() {
                   kStepUnitWords, &FitSettings::step, &StepSettings::unit),
       word_option({.name = "step_analytic",
                    .initial = "auto",
-                   .help = "STEP: parts that planes, cylinders, cones, spheres and tori make up "
-                           "get such faces; off: all faces are splines through every vertex"},
+                   .help = "STEP: what lies on planes, cylinders, cones, spheres and tori gets "
+                           "such faces; off: all faces are splines through every vertex"},
                   kAnalyticWords, &FitSettings::step, &StepSettings::analytic),
+      number_option(
+          {.name = "step_analytic_tolerance",
+           .limits = {.least = 0,
+                      .most = kMostAnalyticTolerance,
+                      .above_least = true,
+                      .wanted = "a fraction of the bounding-box diagonal above 0 and up "
+                                "to 0.01 is wanted, such as 1e-4"},
+           .choices = "T",
+           .initial = "1.5e-6",
+           .help = "STEP: largest distance of vertices from such a surface, as a fraction of the "
+                   "diagonal: more for noisy parts"},
+          &FitSettings::step, &StepSettings::analytic_tolerance),
       number_option({.name = "step_angle",
                      .limits = {.least = 0,
                                 .most = kMostBrepAngle,

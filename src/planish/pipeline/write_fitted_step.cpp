@@ -20,8 +20,6 @@
 namespace planish {
 namespace {
 
-constexpr double kAnalyticTolerance = 1.5e-6;  // of the diagonal
-
 std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
   std::string text;
   if (brep.max_angle > wanted.angle)
@@ -216,7 +214,8 @@ std::unique_ptr<const GivenParts> given_parts(const FittedMesh& fitted,
   }
   AnalyticMesh analytic = given->mesh();
   analytic.is_sharp = is_sharp;
-  given->found = find_analytic_parts(analytic, kAnalyticTolerance, options.callbacks);
+  given->found =
+      find_analytic_parts(analytic, options.settings.analytic_tolerance, options.callbacks);
   return given;
 }
 

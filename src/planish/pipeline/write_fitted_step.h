@@ -23,10 +23,13 @@ struct GltfMaterials;  // materials.h
 /// Whether faces on planes, cylinders, cones, spheres and tori are written as such.
 enum class AnalyticChoice : std::uint8_t { Auto, Off };
 
+constexpr double kMostAnalyticTolerance = 1e-2;
+
 /// How a surface becomes STEP.
 struct StepSettings {
   BrepOptions faces;
   AnalyticChoice analytic = AnalyticChoice::Auto;
+  double analytic_tolerance = 1.5e-6;  ///< of vertices from such surfaces, of the diagonal
   StepUnit unit = StepUnit::OfInput;
 };
 
