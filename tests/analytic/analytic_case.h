@@ -13,21 +13,42 @@
 
 namespace planish::test {
 
-/// The analytic faces of a mesh whose features are found, without freeform ones beside them.
+/// A mesh whose features are found, for analytic faces of it.
+class AnalyticCase {
+ public:
+  explicit AnalyticCase(const PolygonMesh& mesh, std::span<const std::int32_t> groups = {})
+      : mesh_(mesh),
+        groups_(groups),
+        topology_(mesh),
+        is_sharp_(static_cast<std::size_t>(topology_.edge_count()), 0) {
+    for (const CreaseEdge& crease : find_features(mesh, topology_).sharp_edges())
+      is_sharp_[static_cast<std::size_t>(topology_.find_edge(crease.v0, crease.v1))] = 1;
+  }
+  [[nodiscard]] AnalyticMesh mesh() const {
+    return {.topology = topology_,
+            .positions = mesh_.positions,
+            .is_sharp = is_sharp_,
+            .groups = groups_,
+            .diagonal = placement_of(mesh_).diagonal};
+  }
+  [[nodiscard]] AnalyticParts found(double tolerance = 1.5e-6,
+                                    const Callbacks& callbacks = {}) const {
+    return find_analytic_parts(mesh(), tolerance, callbacks);
+  }
+
+ private:
+  const PolygonMesh& mesh_;
+  std::span<const std::int32_t> groups_;
+  MeshTopology topology_;
+  std::vector<char> is_sharp_;
+};
+
+/// Its analytic faces without freeform ones beside them.
 inline AnalyticFaces analytic_faces_of(const PolygonMesh& mesh,
                                        std::span<const std::int32_t> groups = {},
                                        const Callbacks& callbacks = {}, double tolerance = 1.5e-6) {
-  const MeshTopology topology(mesh);
-  std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
-  for (const CreaseEdge& crease : find_features(mesh, topology).sharp_edges())
-    is_sharp[static_cast<std::size_t>(topology.find_edge(crease.v0, crease.v1))] = 1;
-  const AnalyticMesh analytic{.topology = topology,
-                              .positions = mesh.positions,
-                              .is_sharp = is_sharp,
-                              .groups = groups,
-                              .diagonal = placement_of(mesh).diagonal};
-  return make_analytic_faces(analytic, find_analytic_parts(analytic, tolerance, callbacks), nullptr,
-                             callbacks);
+  const AnalyticCase of(mesh, groups);
+  return make_analytic_faces(of.mesh(), of.found(tolerance, callbacks), nullptr, callbacks);
 }
 
 }  // namespace planish::test

@@ -183,6 +183,25 @@ TEST(AnalyticParts, WhatHasNoNameStaysFreeform) {
   EXPECT_FALSE(made.first_reason.empty());
 }
 
+// Each row of a body that is turned lies on a cone, which is none of its profile's.
+TEST(AnalyticParts, RowsOfAFreeformBodyAreNoCones) {
+  for (const int steps : {40, 90}) {
+    SCOPED_TRACE(steps);
+    Profile vase({0, 0});
+    vase.line({1, 0});
+    for (int i = 1; i <= steps; ++i) {
+      const double t = static_cast<double>(i) / steps;
+      vase.line({1 + 0.4 * std::sin(5 * t) + 0.1 * std::sin(13 * t), 3 * t});
+    }
+    vase.line({0, 3});
+    const PolygonMesh mesh = vase.turned(48);
+    Kinds found{};
+    for (const AnalyticRegion& region : AnalyticCase(mesh).found().regions.regions)
+      ++found[static_cast<std::size_t>(region.surface.kind)];
+    EXPECT_EQ(found, (Kinds{2, 0, 0, 0, 0}));
+  }
+}
+
 TEST(AnalyticParts, AreTakenOneByOne) {
   PolygonMesh both = shaft();
   const std::int32_t first = both.vertex_count();

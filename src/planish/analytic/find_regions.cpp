@@ -358,8 +358,13 @@ class RegionFinder {
     std::vector<char> is_covered(clusters_.size(), 0);
     std::vector<std::size_t> misses(static_cast<std::size_t>(parts_.count), 0),
         hits(misses.size(), 0);
-    for (std::int32_t c = 0; c < std::ssize(clusters_); ++c) {
-      if (c % 64 == 0) check_stop();
+    // From all over the part in turn, by steps of the golden section.
+    const std::size_t count = clusters_.size();
+    auto step = static_cast<std::size_t>(0.618 * static_cast<double>(count)) + 1;
+    while (std::gcd(step, count) != 1) ++step;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i % 64 == 0) check_stop();
+      const auto c = static_cast<std::int32_t>(i * step % count);
       if (is_covered[c] != 0 || !is_free(c)) continue;
       // Of what has no names not everything is looked at.
       constexpr std::size_t kMostMisses = 100;
@@ -688,18 +693,24 @@ class RegionFinder {
   }
 
   // Small curved regions that meet smoothly what no surface took, or another surface at an angle:
-  // pieces of a surface that has no name. Whether there were any.
+  // pieces of a surface that has no name. So are rows of facets around an axis, however long, which
+  // lie on cones whatever they are rows of, and single facets. Whether there were any.
   bool drop_doubtful() {
-    // Where they differ by more they meet in an edge.
-    constexpr double kMeets = 1 * kDegree, kEdge = 12 * kDegree;
-    constexpr std::size_t kSmall = 24;  // clusters
-    const auto is_odd = [&](double turn) { return turn > kMeets && turn < kEdge; };
+    // Where they differ by more they meet in an edge, unless they do so on both sides.
+    constexpr double kMeets = 1 * kDegree, kEdge = 12 * kDegree, kBothEdges = 24 * kDegree;
+    constexpr double kRowsMeet = 0.1 * kDegree;  // which tell their cones well
+    constexpr std::size_t kSmall = 24;           // clusters
+    constexpr std::size_t kFacet = 4;            // points
     std::vector<std::int32_t> doubtful;
     for (std::size_t r = 0; r < result_.regions.size(); ++r) {
       const AnalyticRegion& region = result_.regions[r];
-      if (region.faces.empty() || region.surface.kind == AnalyticKind::Plane) continue;
-      if (clusters_of(region.faces).size() >= kSmall) continue;
-      double around = 0, odd = 0;  // lengths of its border
+      if (region.faces.empty()) continue;
+      const bool is_plane = region.surface.kind == AnalyticKind::Plane;
+      if (is_plane && points_of(region.faces).size() > kFacet) continue;
+      const bool is_small = clusters_of(region.faces).size() < kSmall;
+      const bool is_row = !is_plane && has_no_inside(region);
+      if (!is_small && !is_row) continue;
+      double around = 0, odd = 0, on_both = 0;  // lengths of its border
       for (const std::int32_t f : region.faces) {
         for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
           const std::int32_t corner = topology_.first_corner(f) + i, twin = topology_.twin(corner);
@@ -710,19 +721,37 @@ class RegionFinder {
                           positions_[topology_.vertex_of(corner)]);
           around += length;
           if (twin < 0 || is_sharp_[topology_.edge_of(corner)] != 0) continue;
-          if (there == kFree ||
-              is_odd(turn_at(f, topology_.face_of(twin), region, result_.regions[there])))
-            odd += length;
+          if (there == kFree) {
+            odd += is_small ? length : 0;
+            continue;
+          }
+          const double turn = turn_at(f, topology_.face_of(twin), region, result_.regions[there]);
+          if (!(turn > (is_small ? kMeets : kRowsMeet))) continue;
+          if (turn < kEdge) odd += length;
+          if (is_row && turn < kBothEdges) on_both += length;
         }
       }
       constexpr double kPart = 0.1;
-      if (odd > kPart * around) doubtful.push_back(static_cast<std::int32_t>(r));
+      if (odd > kPart * around || on_both > (1 - kPart) * around)
+        doubtful.push_back(static_cast<std::int32_t>(r));
     }
     for (const std::int32_t r : doubtful) {
       for (const std::int32_t f : result_.regions[r].faces) result_.region_of[f] = kFree;
       result_.regions[r].faces.clear();
     }
     return !doubtful.empty();
+  }
+  // Whether it has no vertex inside.
+  [[nodiscard]] bool has_no_inside(const AnalyticRegion& region) const {
+    const std::int32_t own = result_.region_of[region.faces.front()];
+    return std::ranges::all_of(region.faces, [&](std::int32_t f) {
+      return std::ranges::all_of(topology_.face(f), [&](std::int32_t v) {
+        return topology_.is_boundary_vertex(v) ||
+               std::ranges::any_of(topology_.corners_at(v), [&](std::int32_t corner) {
+                 return result_.region_of[topology_.face_of(corner)] != own;
+               });
+      });
+    });
   }
   // What two regions' normals differ by where their faces meet: at most.
   [[nodiscard]] double turn_at(std::int32_t face, std::int32_t other, const AnalyticRegion& region,
