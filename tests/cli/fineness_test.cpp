@@ -4,6 +4,7 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "files/gltf/asset_sample.h"
 #include "planish/files/mesh_file.h"
 #include "support/meshes.h"
 
@@ -108,6 +109,77 @@ TEST_F(AdaptiveFit, ScenesChoose) {
   expect_values(
       outputs,
       {{"/0/chord_error", 0.01}, {"/1/level", 1}, {"/2/chord_error", 0.02}, {"/2/angle", 30}});
+}
+
+// Of 64 quads.
+class DecimatedFit : public AdaptiveFit {};
+
+TEST_F(DecimatedFit, EveryFormatHasAsManyTrianglesAsAreWanted) {
+  const json report =
+      report_of("fit torus.obj -o a.glb -o a.obj -o a.ply -o a.stl -o a.usda -o a.off --faces 100");
+  for (const json& output : report["outputs"]) {
+    EXPECT_EQ(output["triangles"], 100) << output["path"];
+    expect_values(output, {{"/level", nullptr}, {"/decimated/faces", 100}});
+    EXPECT_GT(output["decimated"]["max_distance"].get<double>(), 1e-3);
+    EXPECT_LT(output["decimated"]["max_distance"].get<double>(), 0.1);
+    EXPECT_LT(output["as_written_error"].get<double>(), 1e-6);
+  }
+  for (const char* const name : {"a.glb", "a.obj", "a.ply", "a.stl", "a.off"})
+    EXPECT_EQ(read_mesh(path(name)).mesh.face_count(), 100) << name;
+  EXPECT_THAT(said_, AllOf(HasSubstr("at most 100 faces, "), HasSubstr("100 triangles, within "),
+                           HasSubstr(" of the diagonal")));
+}
+
+TEST_F(DecimatedFit, SeveralAreLevelsOfDetailFromBelowTheInputToAbove) {
+  const json outputs = report_of("fit torus.obj -o a.ply --faces 2000,60")["outputs"];
+  EXPECT_TRUE(exists("a_LOD0.ply"));
+  EXPECT_TRUE(exists("a_LOD1.ply"));
+  EXPECT_EQ(outputs[0]["triangles"], 2000);
+  EXPECT_EQ(outputs[1]["triangles"], 60);
+  EXPECT_GT(outputs[1]["decimated"]["max_distance"].get<double>(),
+            5 * outputs[0]["decimated"]["max_distance"].get<double>());
+}
+
+TEST_F(DecimatedFit, PixelsAreAShareOfTheView) {
+  const json output = report_of("fit torus.obj -o a.ply --pixels 2@500")["outputs"][0];
+  EXPECT_EQ(output["decimated"]["distance"], 0.004);
+  EXPECT_LE(output["decimated"]["max_distance"].get<double>(), 0.004);
+  EXPECT_GT(output["decimated"]["max_distance"].get<double>(), 0.001);
+}
+
+// Each mesh has its part of the triangles; nodes name all levels of detail.
+TEST_F(DecimatedFit, MeshesOfAnAssetShareTheFaces) {
+  AssetSample sample;
+  write("a.glb", sample.glb());
+  const json report = report_of("fit a.glb -o b.glb --faces 600,200 --lods msft");
+  const json& output = report["outputs"][0];
+  EXPECT_LE(output["triangles"], 800);
+  EXPECT_GT(output["triangles"], 600);
+  EXPECT_EQ(output["decimated"]["faces"], 600);
+  EXPECT_EQ(output["coarser"][0]["decimated"]["faces"], 200);
+  EXPECT_GT(output["coarser"][0]["decimated"]["max_distance"], output["decimated"]["max_distance"]);
+  EXPECT_THAT(said_, HasSubstr("at most 600 faces and at most 200 faces as levels of detail"));
+}
+
+TEST_F(DecimatedFit, SaysWhereSeamsLeaveMore) {
+  write("c.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+        "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  const json report = report_of("fit c.obj -o c.ply --faces 2");
+  EXPECT_EQ(report["outputs"][0]["triangles"], 12);
+  EXPECT_EQ(report["warnings"][0]["code"], "triangles-not-reached");
+  EXPECT_EQ(report["exit_code"], 0);
+}
+
+TEST_F(DecimatedFit, ScenesChoose) {
+  write("scene.json", R"({"version": 1, "jobs": [{"input": "torus.obj", "report": "r.json",
+    "faces": [90], "outputs": [{"path": "a.glb"}, {"path": "b.glb", "levels": [1]},
+    {"path": "c.glb", "pixels": "1@100"}, {"path": "d.glb", "edge_lengths": [0.5]}]}]})");
+  run("run scene.json");
+  expect_values(read_json("r.json")["outputs"], {{"/0/triangles", 90},
+                                                 {"/1/level", 1},
+                                                 {"/2/decimated/distance", 0.01},
+                                                 {"/3/decimated/edge_length", 0.5}});
 }
 
 // A promise as a tolerance is: what is written is flagged.

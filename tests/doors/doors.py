@@ -36,7 +36,7 @@ def run(*arguments):
 
 def flags_of(options):
     for name, value in options.items():
-        yield {"chord_errors": "--chord-error"}.get(name, "--" + name.replace("_", "-"))
+        yield {"chord_errors": "--chord-error", "edge_lengths": "--edge"}.get(name, "--" + name.replace("_", "-"))
         if value is not True:
             yield text_of(value)
 

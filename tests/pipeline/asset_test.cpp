@@ -9,6 +9,7 @@
 
 #include "pipeline/asset_fixture.h"
 #include "planish/adaptive/adaptive_blocks.h"
+#include "planish/adaptive/decimate.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/solve/backend.h"
@@ -499,7 +500,8 @@ TEST_F(AssetSchemes, WeightsSumToOneAndAttributesAreLinear) {
   }
 }
 
-class Adaptive : public Asset {
+// Triangles as fine as the surface is curved, and few of them.
+class Adaptive : public Asset, public testing::WithParamInterface<bool> {
  protected:
   // The tube of a sample, fitted, and its tessellation.
   struct Tube {
@@ -522,8 +524,11 @@ class Adaptive : public Asset {
     tube->fitted = fit_mesh(tube->mesh.file.mesh, "tube", *backend_, options);
     tube->limit = std::make_unique<const LimitSurface>(
         fitted_surface(tube->fitted.mesh, tube->fitted.fit, tube->fitted.evaluate_options()));
-    tube->surface = tessellate(
-        *tube->limit, {.chord_error = 1e-3, .diagonal = tube->fitted.fit.placement.diagonal});
+    const double diagonal = tube->fitted.fit.placement.diagonal;
+    tube->surface =
+        GetParam()
+            ? decimate(*tube->limit, {.target = {.triangles = 40}, .diagonal = diagonal}).surface
+            : tessellate(*tube->limit, {.chord_error = 1e-3, .diagonal = diagonal});
     tube->blocks = std::make_unique<const AdaptiveBlocks>(tube->surface, *tube->limit);
     return tube;
   }
@@ -531,7 +536,10 @@ class Adaptive : public Asset {
   std::unique_ptr<Backend> backend_ = make_cpu_backend({});
 };
 
-TEST_F(Adaptive, RowsLieWhereTheySay) {
+INSTANTIATE_TEST_SUITE_P(Triangles, Adaptive, testing::Bool(),
+                         [](const auto& info) { return info.param ? "Few" : "AsFineAsCurved"; });
+
+TEST_P(Adaptive, RowsLieWhereTheySay) {
   const auto tube = tube_of(sample_, InterpolationMethod::Progressive);
   const SurfaceMesh again = tube->blocks->rows_on(*tube->limit);
   ASSERT_EQ(again.positions.size(), tube->surface.mesh.positions.size());
@@ -550,7 +558,7 @@ TEST_F(Adaptive, RowsLieWhereTheySay) {
   }
 }
 
-TEST_F(Adaptive, MorphTargetsAreExact) {
+TEST_P(Adaptive, MorphTargetsAreExact) {
   const auto tube = tube_of(sample_, InterpolationMethod::Progressive);
   const AssetAttributes attributes(tube->mesh, tube->fitted, *tube->blocks, *backend_, {});
   AssetSample posed = sample_;

@@ -455,7 +455,7 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
                                                : "",
       subdivision_text(settings.scheme, settings.weights), short_number(settings.tolerance));
   PlannedJob shown = planned;
-  shown.outputs = settled(planned.outputs, expected.density.level());
+  shown.outputs = settled(planned.outputs, {expected.density.level()});
   text += outputs_text(shown, format, mesh, forecast, claims);
   return text + needs_text(forecast);
 }
@@ -500,7 +500,7 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
       counted(vertices, "vertex"), counted(faces, "face"), device_line(device),
       solve_text(planned.job.settings, chooses_by_measurement(planned.job.settings)));
   PlannedJob shown = planned;
-  shown.outputs = settled(planned.outputs, finest);
+  shown.outputs = settled(planned.outputs, {finest});
   text += outputs_text(shown, file.format, {}, forecast, claims);
   return text + needs_text(forecast);
 }

@@ -120,10 +120,8 @@ Settings settings_of(const FitFlags& flags) {
   Settings settings;
   apply_settings(std::vector<NamedSetting>(flags.options.begin(), flags.options.end()), settings);
   if (settings.adaptive.any() && flags.options.contains("levels")) {
-    refuse("--levels",
-           std::string("a surface has levels or ") +
-               (settings.adaptive.chord_errors.empty() ? "an --angle" : "a --chord-error") +
-               ", not both; leave one of them out");
+    refuse("--levels", "a surface has levels or {}, not both; leave one of them out",
+           flag_of_option(settings.adaptive.kinds()[0]));
   }
   check_consistent(settings);
   return settings;

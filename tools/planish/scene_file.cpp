@@ -295,8 +295,9 @@ class JobParser {
     }
     const bool cage = request.kind == OutputKind::Cage;
     if (cage) {
-      for (const char* const key : {"levels", "chord_errors", "angle"})
-        if (json.contains(key)) refuse(key_path(where, key), "a cage has no levels");
+      for (const FitOption& option : option_table())
+        if (option.stage == OptionStage::Fineness && json.contains(option.name))
+          refuse(key_path(where, option.name), "a cage has no levels");
       return request;
     }
     FitSettings fineness = settings;
@@ -306,7 +307,8 @@ class JobParser {
     request.adaptive = fineness.adaptive;
     request.lods_in_one = settings.lods == LodChoice::Msft;
     if (request.adaptive.any() && settings.scheme != Scheme::DooSabin)
-      refuse(where, "only Doo-Sabin surfaces have chord errors and angles; take levels");
+      refuse(where, "only Doo-Sabin surfaces come in other than levels; take levels instead of {}",
+             request.adaptive.kinds()[0]);
     return request;
   }
 

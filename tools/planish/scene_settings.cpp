@@ -375,15 +375,20 @@ void check_keys(const Json& json, SceneObject kind, const std::string& where) {
 }
 
 void apply_fineness(const Json& json, const std::string& where, FitSettings& settings) {
-  if (json.contains("levels")) {
-    if (json.contains("chord_errors") || json.contains("angle")) {
-      refuse(key_path(where, "levels"),
-             "a surface has levels or chord_errors and an angle, not both; leave one of them out");
-    }
-    settings.adaptive = {};
-  }
+  // What is said here takes the place of what was said outside.
+  std::string_view first;
   for (const FitOption& option : option_table()) {
     if (option.stage != OptionStage::Fineness || !json.contains(option.name)) continue;
+    const bool is_beside = option.name == "angle" && first == "chord_errors";
+    if (!first.empty() && !is_beside)
+      refuse(key_path(where, first), "a surface has {} or {}, not both; leave one of them out",
+             first, option.name);
+    if (first.empty()) {
+      first = option.name;
+      AdaptiveChoice outside = std::exchange(settings.adaptive, {});
+      if (first == "angle") settings.adaptive.chord_errors = std::move(outside.chord_errors);
+      if (first == "chord_errors") settings.adaptive.angle = outside.angle;
+    }
     const std::string path = key_path(where, option.name);
     with_value(option, json[std::string(option.name)], path,
                [&](const OptionValue& value) { set_option(option, settings, value, path); });

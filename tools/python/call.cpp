@@ -313,8 +313,8 @@ Settings write_arguments(py::kwargs given, std::optional<int> level) {
   for (const FitOption& option : option_table())
     if (is_write_keyword(option)) take_option<FitSettings>(keywords, option, settings);
   keywords.require_none_left();
-  if (settings.adaptive.chord_errors.size() > 1)
-    refuse("chord_error: several are a file each; take one");
+  if (settings.adaptive.count() > 1)
+    refuse(keyword_of_name(settings.adaptive.kinds()[0]) + ": several are a file each; take one");
   check_consistent(settings, keyword_of_name);
   return settings;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace planish {
 /// Throws as LimitSurface::evaluate().
 [[nodiscard]] std::vector<float> attribute_at(const LimitSurface& surface, std::size_t index,
                                               std::span<const SurfaceParameter> places);
+
+/// Leaves out rows and texture coordinates that no triangle names, but for the first so many.
+void drop_unnamed(AdaptiveSurface& surface, std::int64_t first_rows, std::int64_t first_uvs);
 
 /// An adaptive tessellation for writers, which know the surface that it lies on: what is given to
 /// the vertices of the mesh, and other surfaces of that mesh, can be had at its rows.

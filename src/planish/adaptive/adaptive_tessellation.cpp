@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +38,14 @@ template <class T>
 void keep_only(RawVector<T>& values, std::span<const std::int32_t> rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) values[i] = values[rows[i]];
   values.resize(rows.size());
+}
+
+// The same of values that only the first rows have.
+void keep_first(std::vector<std::int32_t>& values, std::span<const std::int32_t> rows) {
+  std::size_t count = 0;
+  for (; count < rows.size() && rows[count] < std::ssize(values); ++count)
+    values[count] = values[rows[count]];
+  values.resize(count);
 }
 
 // The rows, of `count`, that are named or among the first so many, which stay; ascending. Names
@@ -168,6 +177,25 @@ void field_at(const LimitSurface& surface, const ChartField<Vector>& field,
 
 }  // namespace
 
+void drop_unnamed(AdaptiveSurface& surface, std::int64_t first_rows, std::int64_t first_uvs) {
+  SurfaceMesh& mesh = surface.mesh;
+  const auto rows =
+      rename_used(mesh.face_vertices, first_rows, static_cast<std::int64_t>(mesh.positions.size()));
+  keep_only(mesh.positions, rows);
+  keep_only(mesh.normals, rows);
+  keep_only(surface.places, rows);
+  keep_first(mesh.base_vertices, rows);
+  if (!mesh.colors.empty()) keep_only(mesh.colors, rows);
+  for (VertexAttribute& attribute : mesh.attributes)
+    attribute = std::move(attributes_of({&attribute, 1}, rows).front());
+  if (mesh.uvs.empty()) return;
+  const auto uvs =
+      rename_used(mesh.face_uvs, first_uvs, static_cast<std::int64_t>(mesh.uvs.size()));
+  keep_only(mesh.uvs, uvs);
+  keep_only(surface.uv_places, uvs);
+  keep_first(surface.base_uvs, uvs);
+}
+
 std::vector<float> attribute_at(const LimitSurface& surface, std::size_t index,
                                 std::span<const SurfaceParameter> places) {
   constexpr std::size_t kGrain = 1024;
@@ -242,6 +270,8 @@ class Tessellation {
     if (uv_numbering_) {
       uv_rows.emplace(topology_, cells_, sides_, *uv_numbering_, inside_);
       fill_places(*uv_rows, *uv_numbering_, surface.uv_places);
+      surface.base_uvs.resize(base_.mesh().uvs.size());
+      std::iota(surface.base_uvs.begin(), surface.base_uvs.end(), 0);
     }
     carry(surface, result);
     fill_faces(rows, uv_rows ? &*uv_rows : nullptr, result);
@@ -466,24 +496,10 @@ void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_r
 
 // Grids need not name the middles of edges and faces.
 void Tessellation::drop_unused(AdaptiveSurface& surface) const {
-  SurfaceMesh& result = surface.mesh;
   if (std::ranges::none_of(cells_.grids, &FaceGrid::exists)) return;
   constexpr auto kVertices = PatchNumbering::Part::Vertices;
-  const std::vector<std::int32_t> rows =
-      rename_used(result.face_vertices, numbering_.end_row(kVertices),
-                  static_cast<std::int64_t>(result.positions.size()));
-  keep_only(result.positions, rows);
-  keep_only(result.normals, rows);
-  keep_only(surface.places, rows);
-  if (!result.colors.empty()) keep_only(result.colors, rows);
-  for (VertexAttribute& attribute : result.attributes)
-    attribute = std::move(attributes_of({&attribute, 1}, rows).front());
-  if (!uv_numbering_) return;
-  const std::vector<std::int32_t> uvs =
-      rename_used(result.face_uvs, uv_numbering_->end_row(kVertices),
-                  static_cast<std::int64_t>(result.uvs.size()));
-  keep_only(result.uvs, uvs);
-  keep_only(surface.uv_places, uvs);
+  drop_unnamed(surface, numbering_.end_row(kVertices),
+               uv_numbering_ ? uv_numbering_->end_row(kVertices) : 0);
 }
 
 // What follows from the triangles' corners.
@@ -542,25 +558,23 @@ namespace {
 // Those of the mesh come first, also where no corner names them.
 template <class Vector, class Stored>
 void write_corner_rows(const LimitSurface& surface, const ChartField<Vector>& field,
-                       std::span<const AdaptivePlace> places, std::span<const Stored> given,
+                       const AdaptiveSurface& made, std::span<const Stored> given,
                        std::span<Stored> values) {
-  field_at(surface, field, places,
+  field_at(surface, field, made.uv_places,
            [&](std::size_t i, const Vector& value) { values[i] = Stored(value); });
-  std::ranges::copy(given, values.begin());
+  for (std::size_t i = 0; i < made.base_uvs.size(); ++i) values[i] = given[made.base_uvs[i]];
 }
 
 }  // namespace
 
 bool AdaptiveBlocks::uvs_of(std::span<const glm::dvec2> given, std::span<glm::dvec2> values) const {
-  write_corner_rows(lies_on_, lies_on_.surface().uv_field_of(given), adaptive_.uv_places, given,
-                    values);
+  write_corner_rows(lies_on_, lies_on_.surface().uv_field_of(given), adaptive_, given, values);
   return true;
 }
 
 bool AdaptiveBlocks::corners_of(std::span<const glm::vec4> given,
                                 std::span<glm::vec4> values) const {
-  write_corner_rows(lies_on_, lies_on_.surface().corner_field_of(given), adaptive_.uv_places, given,
-                    values);
+  write_corner_rows(lies_on_, lies_on_.surface().corner_field_of(given), adaptive_, given, values);
   return true;
 }
 

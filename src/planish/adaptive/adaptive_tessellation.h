@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/raw_vector.h"
@@ -39,6 +40,8 @@ struct AdaptiveSurface {
   SurfaceMesh mesh;  ///< of triangles; its level is 1 and means nothing
   RawVector<std::int32_t> ancestors;
   RawVector<AdaptivePlace> places, uv_places;
+  /// The mesh's texture coordinate that each of the first ones is; tessellate() has all of them.
+  std::vector<std::int32_t> base_uvs;
 };
 
 /// Triangles as fine as the surface asks for, place by place, by bounds from the patches' second

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -86,9 +85,9 @@ planish_status written_status(const FittedMesh& fitted, const std::optional<Step
 // Here one file is written.
 void require_one_file(const Settings& settings) {
   if (settings.lods == LodChoice::Msft) return;
-  const bool is_adaptive = settings.adaptive.any();
-  if (std::max(is_adaptive ? 0 : settings.levels.size(), settings.adaptive.chord_errors.size()) > 1)
-    planish::refuse(spelled(is_adaptive ? "chord_errors" : "levels"),
+  const std::vector<std::string_view> kinds = settings.adaptive.kinds();
+  if ((kinds.empty() ? settings.levels.size() : settings.adaptive.count()) > 1)
+    planish::refuse(spelled(kinds.empty() ? "levels" : kinds[0]),
                     "several are a file each; take one, or {} msft for levels of detail of a glTF",
                     spelled("lods"));
 }

@@ -122,8 +122,9 @@ planish_status planish_options_create(planish_options** options);
  * PLANISH_INVALID_ARGUMENT for unknown names and for values that the command refuses, too: what was
  * set before stays. Options that contradict each other are refused where they are used, and so are
  * those of files and points that are read ("textures", "outliers") by all but planish_fit_file().
- * - "levels", "chord_errors" and "angle": of files, and what PLANISH_LEVEL_AUTO stands for. Several
- *   levels are levels of detail of one glTF, for which "lods" has to be "msft".
+ * - "levels", "chord_errors", "angle", "faces", "edge_lengths" and "pixels": of files, and what
+ *   PLANISH_LEVEL_AUTO stands for. Several are levels of detail of one glTF, for which "lods" has
+ *   to be "msft".
  * - "report" (JSON), "page" (HTML), "cage" and "source" (a mesh that the surface is compared with):
  *   paths of further files of planish_fit_file(), as jobs of scene files name them.
  * - "device": "cpu".

@@ -49,6 +49,7 @@ std::vector<MeshShare> mesh_shares(const GltfAsset& asset) {
 struct AssetPart {
   std::int64_t number = 0;  // in the file
   MeshShare share;
+  double triangle_share = 1;  // of all meshes' triangles
   AssetMesh mesh;
   std::vector<PlannedOutput> outputs;  // as this mesh has them
   JobInput made;
@@ -56,6 +57,10 @@ struct AssetPart {
   JobReport report;
   std::unique_ptr<JobSurface> surface;
 };
+
+MeshFineness fineness_of(const AssetPart& part) {
+  return {part.made.fitted.density.level(), part.triangle_share};
+}
 
 // Of one fineness.
 struct PartLevel {
@@ -98,7 +103,7 @@ void prepare_part(const AssetJob& work, AssetPart& part) {
 
 void fit_part(const AssetJob& work, AssetPart& part) {
   fit_input(part.made, std::move(part.ready), work.backend, {}, part.report, work.context);
-  part.outputs = settled(work.outputs, part.made.fitted.density.level());
+  part.outputs = settled(work.outputs, fineness_of(part));
   // Of several, what has none on one has on another.
   if (work.asset.surfaces().size() == 1)
     warn_of_unused_settings(work.job, part.made, part.report, work.context);
@@ -182,7 +187,13 @@ std::list<AssetPart> fit_parts(const AssetJob& work) {
   }
   require_any(work.asset, parts.size());
   std::int64_t points = 0;
-  for (const AssetPart& part : parts) points += part.report.input.file_vertices;
+  double triangles = 0;
+  for (AssetPart& part : parts) {
+    points += part.report.input.file_vertices;
+    part.triangle_share = triangles_of(part.ready.input.mesh);
+    triangles += part.triangle_share;
+  }
+  for (AssetPart& part : parts) part.triangle_share /= triangles;
   require_points(work.job, work.file.name, points);
   std::vector<MeshNeed> needs;
   for (const AssetPart& part : parts) needs.push_back({&part.ready, &part.mesh.vertices});
@@ -221,9 +232,8 @@ std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts
     made.options.may_be_scaled = work.asset.may_be_scaled(part.mesh.number);
     {
       const auto progress = part_of(work, {part.share.begin, made_at});
-      made.level = std::make_unique<JobLevel>(
-          surface_of(job, *part.surface, settled(fineness, part.report.fit.density.level()),
-                     made.fields, made.options));
+      made.level = std::make_unique<JobLevel>(surface_of(
+          job, *part.surface, settled(fineness, fineness_of(part)), made.fields, made.options));
     }
     const auto progress = part_of(work, {made_at, part.share.end});
     made.attributes = timed(part.report.timing.evaluate, [&] {
@@ -261,12 +271,21 @@ std::vector<double> least_coverages(std::span<const double> left_out) {
   return coverages;
 }
 
-// Of each level of detail, a length that it leaves out: its chord error, or its edges.
 std::vector<double> left_out_of(const std::vector<Fineness>& finenesses) {
   std::vector<double> left_out;
-  for (const Fineness& one : finenesses)
-    left_out.push_back(one.is_adaptive() ? one.chord_error : std::ldexp(1.0, -one.level));
+  for (const Fineness& one : finenesses) left_out.push_back(left_out_by(one));
   return left_out;
+}
+
+// Adds a mesh's to those of the meshes before it.
+void add_figures(const DecimationFigures& one, DecimationFigures& all) {
+  const auto before = static_cast<double>(all.places), own = static_cast<double>(one.places);
+  all.max = std::max(all.max, one.max);
+  all.rms = std::sqrt((before * all.rms * all.rms + own * one.rms * one.rms) / (before + own));
+  all.places += one.places;
+  all.finer += one.finer;
+  all.wanted += one.wanted;
+  all.mean_edge_length = std::max(all.mean_edge_length, one.mean_edge_length);
 }
 
 void write_details(const AssetJob& work, const PlannedOutput& planned, std::list<AssetPart>& parts,
@@ -298,7 +317,10 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
   auto coverage = coverages.begin();
   for (std::list<PartLevel>& levels : details) {
     auto part = parts.begin();
+    if (levels.front().level->decimated()) written.decimated.emplace_back();
     for (PartLevel& level : levels) {
+      if (level.level->decimated())
+        add_figures(*level.level->decimated(), written.decimated.back());
       surfaces.push_back(surface_of(*part++, level));
       surfaces.back().least_coverage = *coverage;
     }
@@ -308,7 +330,7 @@ void write_details(const AssetJob& work, const PlannedOutput& planned, std::list
   written.kind = planned.kind;
   int finest = 0;
   for (const AssetPart& part : parts) finest = std::max(finest, part.report.fit.density.level());
-  written.fineness = settled(planned.fineness, finest);
+  written.fineness = settled(planned.fineness, {finest});
   written.coarser = planned.coarser;
   GltfOptions common;
   common.name = work.report.input.path;

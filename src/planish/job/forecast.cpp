@@ -40,6 +40,15 @@ namespace {
 // Triangles that surfaces took for each one counted here: of meshes of quads 0.8 to 5, of meshes
 // of triangles, whose surfaces ripple, 6 to 11.
 constexpr double kOfQuads = 6, kOfTriangles = 12;
+// Of what is decimated, for each that is left.
+constexpr double kSamplesOfTriangle = 8;
+
+double area_of(const PolygonMesh& mesh) {
+  double area = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    area += glm::length(area_vector(mesh.positions, mesh.face(f)));
+  return area;
+}
 
 // In radians, by edge; 0 at boundaries and where the surface is sharp.
 std::vector<double> turns_at_edges(const PolygonMesh& mesh, const PreparedMesh& prepared,
@@ -66,7 +75,16 @@ std::vector<double> turns_at_edges(const PolygonMesh& mesh, const PreparedMesh& 
 double expected_triangles(const PolygonMesh& mesh, const PreparedMesh& prepared,
                           const Fineness& fineness) {
   const MeshTopology& topology = *prepared.topology;
-  const double chord = fineness.chord_error * placement_of(mesh).diagonal;
+  const DecimationTarget& target = fineness.target;
+  if (target.triangles > 0 || target.edge_length > 0) {
+    // Several times as many as are wanted, or the least that there can be.
+    const double wanted = target.triangles > 0
+                              ? static_cast<double>(target.triangles)
+                              : area_of(mesh) / (target.edge_length * target.edge_length / 2);
+    return std::max(kSamplesOfTriangle * wanted, 2.0 * topology.corner_count());
+  }
+  const double error = fineness.chord_error + target.distance / 4;
+  const double chord = error * placement_of(mesh).diagonal;
   const double angle = fineness.angle * std::numbers::pi / 180;
   std::vector<glm::dvec3> normals;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -485,9 +503,11 @@ MeshCounts expected_counts(const MeshNeed& mesh) {
   return counts;
 }
 
+// `share`: see MeshFineness.
 std::vector<PlannedOutput> settled_for(const MeshNeed& mesh,
-                                       const std::vector<PlannedOutput>& outputs) {
-  return settled(outputs, expected_density(mesh).level());
+                                       const std::vector<PlannedOutput>& outputs,
+                                       double share = 1) {
+  return settled(outputs, {expected_density(mesh).level(), share});
 }
 
 // With so many levels less, as far as there are any.
@@ -572,6 +592,10 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
 
 }  // namespace
 
+double triangles_of(const PolygonMesh& mesh) {
+  return static_cast<double>(std::ssize(mesh.face_vertices) - 2 * std::int64_t{mesh.face_count()});
+}
+
 const ReadyFit& expected_fit(const ReadyFit& ready) {
   if (ready.refined) return *ready.refined;
   return ready.paired && ready.is_plainly_halved ? *ready.paired : ready;
@@ -583,8 +607,12 @@ Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
   Forecast all;
   all.outputs.resize(outputs.size());
   all.peak_bytes = asset_bytes + held_bytes(meshes, settings, outputs);
+  double triangles = 0;
+  for (const MeshNeed& mesh : meshes) triangles += triangles_of(mesh.ready->input.mesh);
   for (const MeshNeed& mesh : meshes) {
-    const Forecast one = forecast_of_mesh(mesh, settings, settled_for(mesh, outputs), page_bytes);
+    const double share = triangles_of(mesh.ready->input.mesh) / triangles;
+    const Forecast one =
+        forecast_of_mesh(mesh, settings, settled_for(mesh, outputs, share), page_bytes);
     all.peak_bytes += one.peak_bytes;
     all.making_bytes = std::max(all.making_bytes, one.making_bytes);
     all.seconds += one.seconds / thread_count();

@@ -25,6 +25,9 @@ struct Forecast {
   double seconds = 0;                   ///< on this machine's threads, within a factor of three
 };
 
+/// That the mesh's faces are cut into: by their share meshes of a file share its triangles.
+[[nodiscard]] double triangles_of(const PolygonMesh& mesh);
+
 /// The mesh that files are told by: with triangles joined where they plainly are halves of quads;
 /// where measurement will tell, with all of them, of which there are more.
 [[nodiscard]] const ReadyFit& expected_fit(const ReadyFit& ready);

@@ -190,7 +190,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     fit_input(made, std::move(ready), backend, job.moves, report, context);
     if (cage) fit_cage(made, *std::move(cage), backend, job.moves, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context);
-    const std::vector<PlannedOutput> written = settled(outputs, made.fitted.density.level());
+    const std::vector<PlannedOutput> written = settled(outputs, {made.fitted.density.level()});
     stdout_bytes = staged.naming_targets([&] {
       return write_outputs({job, written, backend, context, made, made.fitted, report, staged});
     });
@@ -220,7 +220,7 @@ std::vector<WrittenOutput> write_fitted(const FittedMesh& fitted, Job job, PathC
                                         Backend& backend, const JobWatch& watch) {
   const std::vector<PlannedOutput> outputs =
       settled(plan_outputs(job, claims, [](const std::function<void()>& check) { check(); }),
-              fitted.density.level());
+              {fitted.density.level()});
   require_asset_for_lods(outputs);
   JobProgress progress(watch.progress);
   std::vector<PlannedStep> steps;

@@ -207,6 +207,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
                                    std::vector<std::byte>& stdout_bytes) {
   const SurfaceInfo& info = surface.blocks().info();
   WrittenOutput written = counted_output(planned, info);
+  if (surface.decimated()) written.decimated = {*surface.decimated()};
   const bool is_gltf = info_of(planned.format).is_gltf;
   if (is_gltf) {
     write_as_gltf(planned, target, surface.blocks(), options, written, stdout_bytes);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planish/adaptive/adaptive_tessellation.h"
+#include "planish/adaptive/decimate.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/job/job.h"
@@ -36,7 +37,8 @@ class JobLevel {
   explicit JobLevel(std::unique_ptr<SurfaceBlocks> blocks, Callbacks callbacks)
       : blocks_(std::move(blocks)), callbacks_(std::move(callbacks)) {}
   /// As fine as it has to be.
-  JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive, const LimitSurface& lies_on);
+  JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive, const LimitSurface& lies_on,
+           std::optional<DecimationFigures> decimated = std::nullopt);
   /// Of the schemes that make it whole; `mesh` is what was fitted.
   JobLevel(std::unique_ptr<const SurfaceMesh> whole, const PolygonMesh& mesh);
 
@@ -46,6 +48,8 @@ class JobLevel {
   /// Makes rows and quads once for all who read them from now on: see KeepOptions.
   void keep(const glm::dvec3& origin, QuadVisit visit);
   [[nodiscard]] bool is_kept() const { return kept_ != nullptr; }
+  /// How near it is to the surface, where it is decimated.
+  [[nodiscard]] const std::optional<DecimationFigures>& decimated() const { return decimated_; }
   /// All of it in memory, for those who need neighbours; collected when first asked for.
   [[nodiscard]] const SurfaceMesh& whole();
   /// Frees what whole() collected, unless that is all that there is.
@@ -53,6 +57,7 @@ class JobLevel {
 
  private:
   std::unique_ptr<const AdaptiveSurface> adaptive_;
+  std::optional<DecimationFigures> decimated_;
   std::unique_ptr<const SurfaceMesh> made_whole_, collected_;
   std::unique_ptr<SurfaceBlocks> blocks_, kept_;  // kept_ reads blocks_
   Callbacks callbacks_;
@@ -66,7 +71,7 @@ class JobSurface {
 
   /// Throws as evaluate(). The surface must outlive its levels.
   [[nodiscard]] JobLevel level(int level);
-  /// Throws as tessellate().
+  /// Throws as tessellate() and decimate().
   [[nodiscard]] JobLevel adaptive(const Fineness& fineness);
   /// Throws as level(). Of Doo-Sabin surfaces.
   [[nodiscard]] const LimitSurface& limit();

@@ -33,8 +33,10 @@ void JobLevel::keep(const glm::dvec3& origin, QuadVisit visit) {
       keep_rows(*blocks_, {.origin = origin, .visit = std::move(visit), .callbacks = callbacks_});
 }
 
-JobLevel::JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive, const LimitSurface& lies_on)
+JobLevel::JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive, const LimitSurface& lies_on,
+                   std::optional<DecimationFigures> decimated)
     : adaptive_(std::move(adaptive)),
+      decimated_(decimated),
       blocks_(std::make_unique<AdaptiveBlocks>(*adaptive_, lies_on)) {}
 
 const SurfaceMesh& JobLevel::whole() {
@@ -75,6 +77,13 @@ const LimitSurface& JobSurface::limit() {
 }
 
 JobLevel JobSurface::adaptive(const Fineness& fineness) {
+  if (fineness.target.any()) {
+    DecimatedSurface made = decimate(limit(), {.target = fineness.target,
+                                               .diagonal = fitted_.fit.placement.diagonal,
+                                               .callbacks = options_.callbacks});
+    return {std::make_unique<const AdaptiveSurface>(std::move(made.surface)), limit(),
+            made.figures};
+  }
   return {std::make_unique<const AdaptiveSurface>(
               tessellate(limit(), {.chord_error = fineness.chord_error,
                                    .angle = fineness.angle,
@@ -348,6 +357,7 @@ JobLevel surface_of(const FittedJob& work, JobSurface& all, const Fineness& fine
   if (fineness.chord_error > 0)
     options.gltf.extras.emplace_back("chord_error", fineness.chord_error);
   if (fineness.angle > 0) options.gltf.extras.emplace_back("angle", fineness.angle);
+  if (surface.decimated()) options.gltf.extras.emplace_back("distance", surface.decimated()->max);
   return surface;
 }
 

@@ -1,6 +1,7 @@
 #include "planish/job/output_plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
@@ -56,36 +57,54 @@ std::vector<Fineness> finenesses_of(const OutputRequest& request) {
   std::vector<Fineness> all;
   const AdaptiveChoice& adaptive = request.adaptive;
   for (const double error : adaptive.chord_errors) all.push_back({1, error, adaptive.angle});
-  if (all.empty() && adaptive.any()) all.push_back({1, 0, adaptive.angle});
+  if (all.empty() && adaptive.angle > 0) all.push_back({1, 0, adaptive.angle});
+  for (const DecimationTarget& target : adaptive.targets())
+    all.push_back({.level = 1, .target = target});
   if (!all.empty()) return all;
   for (const int level : request.levels) all.push_back({level, 0, 0, request.by_density});
   return all;
 }
 
 bool is_finer(const Fineness& a, const Fineness& b) {
-  return a.level != b.level ? a.level > b.level : a.chord_error < b.chord_error;
+  if (a.level != b.level) return a.level > b.level;
+  return left_out_by(a) < left_out_by(b);
 }
 
 // Coordinates of up to half a diagonal round by 3e-8 of it as float32.
-void require_chord_error(const OutputRequest& request, FileFormat format, double chord_error) {
+void require_float_error(const OutputRequest& request, FileFormat format,
+                         const Fineness& fineness) {
   constexpr double kLeastOfFloats = 1e-7;
-  if (chord_error == 0 || chord_error >= kLeastOfFloats || info_of(format).keeps_doubles) return;
+  const double error = std::max(fineness.chord_error, fineness.target.distance);
+  if (error == 0 || error >= kLeastOfFloats || info_of(format).keeps_doubles) return;
   refuse(request.where,
          "{}: a chord error of {} of the diagonal is finer than the file's float32 "
          "numbers hold; take 1e-7 or more, or write .ply, which keeps doubles",
-         visible(request.path), short_number(chord_error));
+         visible(request.path), short_number(error));
 }
 
 }  // namespace
 
-Fineness settled(Fineness fineness, int level) {
-  if (fineness.by_density) fineness.level = level;
+Fineness settled(Fineness fineness, const MeshFineness& mesh) {
+  if (fineness.by_density) fineness.level = mesh.level;
+  if (fineness.target.triangles > 0)
+    fineness.target.triangles = std::max<std::int64_t>(
+        1, static_cast<std::int64_t>(mesh.share * static_cast<double>(fineness.target.triangles)));
   return fineness;
 }
 
-std::vector<PlannedOutput> settled(std::vector<PlannedOutput> outputs, int level) {
-  for (PlannedOutput& output : outputs) output.fineness = settled(output.fineness, level);
+std::vector<PlannedOutput> settled(std::vector<PlannedOutput> outputs, const MeshFineness& mesh) {
+  for (PlannedOutput& output : outputs) {
+    output.fineness = settled(output.fineness, mesh);
+    for (Fineness& coarser : output.coarser) coarser = settled(coarser, mesh);
+  }
   return outputs;
+}
+
+double left_out_by(const Fineness& fineness) {
+  const DecimationTarget& target = fineness.target;
+  if (target.triangles > 0) return 1 / std::sqrt(static_cast<double>(target.triangles));
+  if (target.any()) return std::max(target.edge_length, target.distance);
+  return fineness.is_adaptive() ? fineness.chord_error : std::ldexp(1.0, -fineness.level);
 }
 
 std::string finenesses_text(const Fineness& finest, const std::vector<Fineness>& coarser) {
@@ -97,6 +116,10 @@ std::string finenesses_text(const Fineness& finest, const std::vector<Fineness>&
 
 std::string fineness_text(const Fineness& fineness) {
   if (!fineness.is_adaptive()) return formatted("level {}", fineness.level);
+  const DecimationTarget& target = fineness.target;
+  if (target.triangles > 0) return formatted("at most {}", counted(target.triangles, "face"));
+  if (target.edge_length > 0) return "edges of " + short_number(target.edge_length);
+  if (target.distance > 0) return "distance " + short_number(target.distance);
   std::string text;
   if (fineness.chord_error > 0) text = "chord error " + short_number(fineness.chord_error);
   if (fineness.angle > 0)
@@ -265,7 +288,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
           request.where,
           "a GLB is not written to a terminal; name a file, or send stdout somewhere: > out.glb");
     claims.add_output("-", request.where);
-    require_chord_error(request, FileFormat::Glb, finenesses.at(0).chord_error);
+    require_float_error(request, FileFormat::Glb, finenesses.at(0));
     return {{"-", OutputKind::Surface, FileFormat::Glb, finenesses.at(0), true, coarser}};
   }
   if (request.path.empty()) refuse(request.where, "the path is empty");
@@ -275,8 +298,9 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
     planned.push_back({path_of(request.path), request.kind, format, {}});
   } else if (info_of(format).is_tiles) {
     if (request.adaptive.any())
-      refuse(request.where,
-             visible(request.path) + ": 3D Tiles have levels, not a chord error or an angle");
+      refuse(request.where, visible(request.path) +
+                                ": 3D Tiles have levels; take --levels instead of " +
+                                flag_of_option(request.adaptive.kinds()[0]));
     // All levels up to the finest are in one set.
     planned.push_back({path_of(request.path),
                        request.kind,
@@ -296,7 +320,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
   }
   for (PlannedOutput& output : planned) {
     for (const Fineness& fineness : output.finenesses())
-      require_chord_error(request, format, fineness.chord_error);
+      require_float_error(request, format, fineness);
     claims.add_output(output.path, request.where, format);
     const fs::path companion = companion_of(output.path, format);
     if (!companion.empty()) claims.add_output(companion, request.where);

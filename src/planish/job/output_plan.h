@@ -32,21 +32,30 @@ struct Fineness {
   int level = 0;                      ///< 1 where one of the others is given
   double chord_error = 0, angle = 0;  ///< see AdaptiveOptions
   bool by_density = false;            ///< a level that nobody named
+  DecimationTarget target{};          ///< of decimate()
 
-  [[nodiscard]] bool is_adaptive() const { return chord_error > 0 || angle > 0; }
+  [[nodiscard]] bool is_adaptive() const { return chord_error > 0 || angle > 0 || target.any(); }
   friend bool operator==(const Fineness& a, const Fineness& b) {
-    return a.level == b.level && a.chord_error == b.chord_error && a.angle == b.angle;
+    return a.level == b.level && a.chord_error == b.chord_error && a.angle == b.angle &&
+           a.target == b.target;
   }
 };
 
-/// With a level that a mesh's density settles: MeshDensity::level().
-[[nodiscard]] Fineness settled(Fineness fineness, int level);
+/// What a mesh settles.
+struct MeshFineness {
+  int level = 2;     ///< MeshDensity::level()
+  double share = 1;  ///< of the triangles of a file, those of the mesh
+};
+[[nodiscard]] Fineness settled(Fineness fineness, const MeshFineness& mesh);
 
-/// "level 2", "chord error 0.001", "angle 10", "chord error 0.001 and angle 10".
+/// "level 2", "chord error 0.001", "angle 10", "chord error 0.001 and angle 10", "at most 500
+/// faces", "edges of 0.1", "distance 0.001".
 [[nodiscard]] std::string fineness_text(const Fineness& fineness);
 /// The same of levels of detail in one file: "level 2 and level 1, level 0 as levels of detail".
 [[nodiscard]] std::string finenesses_text(const Fineness& finest,
                                           const std::vector<Fineness>& coarser);
+/// A length that it leaves out, to be compared with others of its kind.
+[[nodiscard]] double left_out_by(const Fineness& fineness);
 
 /// One file to be written.
 struct PlannedOutput {
@@ -126,7 +135,8 @@ void require_page_path(const std::filesystem::path& path, std::string_view where
                                                      PathClaims& claims);
 
 /// The same of outputs.
-[[nodiscard]] std::vector<PlannedOutput> settled(std::vector<PlannedOutput> outputs, int level);
+[[nodiscard]] std::vector<PlannedOutput> settled(std::vector<PlannedOutput> outputs,
+                                                 const MeshFineness& mesh);
 
 /// Refuses tile sets of what they are not made of (schemes but Doo-Sabin, level 0) with
 /// Error{InvalidArgument}.

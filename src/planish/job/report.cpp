@@ -162,6 +162,22 @@ OrderedJson bake_json(const WrittenOutput& output) {
   return json;
 }
 
+// What was asked for and what came of it, of the next figures where there is a target.
+void add_target(const DecimationTarget& target,
+                std::vector<DecimationFigures>::const_iterator& figures, OrderedJson& json) {
+  if (!target.any()) return;
+  OrderedJson& made = json["decimated"];
+  if (target.triangles > 0) made["faces"] = target.triangles;
+  if (target.edge_length > 0) made["edge_length"] = target.edge_length;
+  if (target.distance > 0) made["distance"] = target.distance;
+  made["max_distance"] = figures->max;
+  made["rms_distance"] = figures->rms;
+  made["measured_from"] = figures->places;
+  made["finer_triangles"] = figures->finer;
+  made["mean_edge_length"] = figures->mean_edge_length;
+  ++figures;
+}
+
 OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
   OrderedJson json = OrderedJson::array();
   for (const WrittenOutput& output : outputs) {
@@ -175,10 +191,14 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
     entry["level"] = has_level ? OrderedJson(output.fineness.level) : OrderedJson();
     if (output.fineness.chord_error > 0) entry["chord_error"] = output.fineness.chord_error;
     if (output.fineness.angle > 0) entry["angle"] = output.fineness.angle;
-    for (const Fineness& coarser : output.coarser)
-      entry["coarser"].push_back(coarser.is_adaptive()
-                                     ? OrderedJson{{"chord_error", coarser.chord_error}}
-                                     : OrderedJson{{"level", coarser.level}});
+    auto figures = output.decimated.begin();
+    add_target(output.fineness.target, figures, entry);
+    for (const Fineness& coarser : output.coarser) {
+      OrderedJson& one = entry["coarser"].emplace_back();
+      if (!coarser.is_adaptive()) one["level"] = coarser.level;
+      if (coarser.chord_error > 0) one["chord_error"] = coarser.chord_error;
+      add_target(coarser.target, figures, one);
+    }
     entry["vertices"] = output.vertices;
     entry["quads"] = output.quads;
     entry["triangles"] = output.triangles;
@@ -405,8 +425,11 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   line +=
       finenesses_text(output.fineness, output.coarser) + ", " + counted(output.vertices, "vertex");
   if (output.fineness.level == 0) return line + ", " + counted(output.faces, "face");
-  return line + ", " +
-         (output.quads > 0 ? counted(output.quads, "quad") : counted(output.triangles, "triangle"));
+  line += ", " + (output.quads > 0 ? counted(output.quads, "quad")
+                                   : counted(output.triangles, "triangle"));
+  for (std::size_t i = 0; i < output.decimated.size(); ++i)
+    line += (i == 0 ? ", within " : ", ") + short_number(output.decimated[i].max);
+  return output.decimated.empty() ? line : line + " of the diagonal";
 }
 
 std::string method_line(const JobReport& report) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/adaptive/decimate.h"
 #include "planish/job/job_settings.h"
 #include "planish/job/output_plan.h"
 #include "planish/measure/vertex_fields.h"
@@ -44,6 +45,8 @@ struct WrittenOutput {
   std::string sha256;             ///< of the file named by path
   std::int64_t vertices = 0, quads = 0, triangles = 0;
   std::int64_t faces = 0;  ///< of any size
+  /// Of each fineness that is decimated, in their order; of several meshes the worst figures.
+  std::vector<DecimationFigures> decimated;
   /// Largest distance of FittedMesh::points() from their places on the surface in the file,
   /// recomputed in double from the numbers in the file; a fraction of the diagonal.
   double as_written_error = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,6 +27,12 @@ constexpr std::string_view kCreasesPattern =
     "^(choose|use|ignore|normals|auto(:0*(180(\\.0+)?|(1[0-7][0-9]|[1-9]?[0-9])(\\.[0-9]+)?)(e-[0-"
     "9]+)?)?)"
     "$";
+
+// Numbers of pixels are told from each other by parse_pixels().
+constexpr std::string_view kPixelsPattern =
+    "^[0-9.]+(e-?[0-9]+)?@[0-9.]+(e[0-9]+)?(,[0-9.]+(e-?[0-9]+)?@[0-9.]+(e[0-9]+)?)*$";
+// So many corners 32-bit indices reach.
+constexpr std::int64_t kMostFaces = 700'000'000;
 
 // Digits, with a point or without, of 0 to 180; e-5 may follow, as it does in headers of cages.
 // What kCreasesPattern takes: a regular expression cannot tell the size of other numbers.
@@ -203,6 +210,82 @@ FitOption chord_errors_option() {
           {}};
 }
 
+FitOption faces_option() {
+  return {{.name = "faces",
+           .stage = Stage::Fineness,
+           .kind = Kind::Wholes,
+           .needs = Needs::Fineness,
+           .limits = {.least = 1, .most = kMostFaces},
+           .choices = "N[,N2,...]",
+           .example = "5000,500",
+           .help = "instead of levels: at most so many triangles in a file, fewer than the input "
+                   "has or more; several: NAME_LOD0.glb, ...",
+           .entry = "number of faces",
+           .ranks = {"", kTilesHaveLevels}},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.adaptive.faces = value.wholes;
+          },
+          {}};
+}
+
+FitOption edge_lengths_option() {
+  return {{.name = "edge_lengths",
+           .stage = Stage::Fineness,
+           .kind = Kind::Numbers,
+           .needs = Needs::Fineness,
+           .limits = {.least = 0,
+                      .most = std::numeric_limits<double>::max(),
+                      .above_least = true,
+                      .wanted = "lengths above 0 are wanted, in the input's unit, such as 0.1"},
+           .choices = "LENGTH[,L2,...]",
+           .example = "0.1",
+           .help = "instead of levels: as many triangles as there would be of equal sides of this "
+                   "length, in the input's unit",
+           .flag = "--edge",
+           .entry = "edge length",
+           .ranks = {"", kTilesHaveLevels}},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.adaptive.edge_lengths = value.numbers;
+          },
+          {}};
+}
+
+// "1@1080,2@540".
+std::vector<double> parse_pixels(std::string_view text, Where where) {
+  std::vector<double> distances;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string_view one = text.substr(begin, end - begin);
+    const std::size_t at = std::min(one.find('@'), one.size());
+    double pixels = 0, view = 0;
+    if (at == one.size() || !parse_number(one.substr(0, at), pixels) ||
+        !parse_number(one.substr(at + 1), view) || !(pixels > 0) || !(view > pixels))
+      refuse(where, in_double_quotes(one) +
+                        " is not N@VIEW, pixels that the surface may be off by where "
+                        "it fills a view of VIEW, such as 1@1080");
+    distances.push_back(pixels / view);
+    begin = end + 1;
+  }
+  return distances;
+}
+
+FitOption pixels_option() {
+  return {{.name = "pixels",
+           .stage = Stage::Fineness,
+           .kind = Kind::Text,
+           .needs = Needs::Fineness,
+           .choices = "N@VIEW[,...]",
+           .example = "1@1080,1@270",
+           .help = "instead of levels: few triangles, off by at most N pixels where the surface "
+                   "fills a view VIEW pixels high",
+           .pattern = kPixelsPattern,
+           .ranks = {"", kTilesHaveLevels}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            settings.adaptive.distances = parse_pixels(value.text, where);
+          },
+          {}};
+}
+
 // Of files in general, and of glTF.
 std::vector<FitOption> file_options() {
   return {
@@ -320,7 +403,8 @@ std::vector<FitOption> step_options() {
 }
 
 std::vector<FitOption> fineness_options() {
-  return {levels_option(), chord_errors_option(),
+  return {levels_option(),
+          chord_errors_option(),
           number_option(
               {.name = "angle",
                .stage = Stage::Fineness,
@@ -334,7 +418,10 @@ std::vector<FitOption> fineness_options() {
                .help = "triangles beneath which the surface turns by at most DEGREES, instead "
                        "of levels or besides --chord-error",
                .ranks = {"", kTilesHaveLevels}},
-              &FitSettings::adaptive, &AdaptiveChoice::angle)};
+              &FitSettings::adaptive, &AdaptiveChoice::angle),
+          faces_option(),
+          edge_lengths_option(),
+          pixels_option()};
 }
 
 constexpr std::array kPrecisionWords{
@@ -598,6 +685,29 @@ std::string option_text(const FitSettings& settings, std::string_view name) {
 
 std::string flag_of_option(std::string_view name) { return flag_of(fit_option(name)); }
 
+std::vector<std::string_view> AdaptiveChoice::kinds() const {
+  std::vector<std::string_view> given;
+  if (!chord_errors.empty()) given.emplace_back("chord_errors");
+  if (chord_errors.empty() && angle > 0) given.emplace_back("angle");
+  if (!faces.empty()) given.emplace_back("faces");
+  if (!edge_lengths.empty()) given.emplace_back("edge_lengths");
+  if (!distances.empty()) given.emplace_back("pixels");
+  return given;
+}
+
+std::size_t AdaptiveChoice::count() const {
+  return std::max(targets().size(),
+                  chord_errors.empty() && angle > 0 ? std::size_t{1} : chord_errors.size());
+}
+
+std::vector<DecimationTarget> AdaptiveChoice::targets() const {
+  std::vector<DecimationTarget> all;
+  for (const std::int64_t count : faces) all.push_back({.triangles = count});
+  for (const double length : edge_lengths) all.push_back({.edge_length = length});
+  for (const double distance : distances) all.push_back({.distance = distance});
+  return all;
+}
+
 MeshFitOptions mesh_fit_options(const FitSettings& settings) {
   MeshFitOptions options;
   if (settings.interpolation == InterpolationChoice::Progressive)
@@ -660,26 +770,29 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
                                 spell("tolerance") + " " + option_text(settings, "tolerance") +
                                 ", within which the surface passes the vertices anyway");
   }
-  if (settings.adaptive.any() && settings.attributes.any()) {
-    refuse(spell("attributes"), "fields are made on levels; take {} instead of {} and {}",
-           spell("levels"), spell("chord_errors"), spell("angle"));
+  const std::vector<std::string_view> kinds = settings.adaptive.kinds();
+  if (kinds.size() > 1) {
+    refuse(spell(kinds[0]), "a surface has that or {}, not both; leave one of them out",
+           spell(kinds[1]));
+  }
+  if (!kinds.empty() && settings.attributes.any()) {
+    refuse(spell("attributes"), "fields are made on levels; take {} instead of {}", spell("levels"),
+           spell(kinds[0]));
   }
   if (settings.bake > 0 && settings.refine == RefineChoice::On) {
     refuse(spell("refine"), "a baked map is of the input's own vertices; leave it or {} out",
            spell("bake"));
   }
-  if (settings.bake > 0 && settings.adaptive.any()) {
-    refuse(spell("bake"), "a baked map is of level 0; leave {} and {} out", spell("chord_errors"),
-           spell("angle"));
-  }
+  if (settings.bake > 0 && !kinds.empty())
+    refuse(spell("bake"), "a baked map is of level 0; leave {} out", spell(kinds[0]));
   if (settings.scheme == Scheme::DooSabin) return;
   const std::string scheme = option_text(settings, "scheme");
   const std::string doo_sabin = spell("scheme") + " doo-sabin";
   if (settings.scheme == Scheme::Loop && settings.quads == QuadChoice::On) {
     refuse(spell("quads"), "loop surfaces are of triangles; take off, or " + doo_sabin);
   }
-  if (settings.adaptive.any()) {
-    refuse(spell(settings.adaptive.chord_errors.empty() ? "angle" : "chord_errors"),
+  if (!kinds.empty()) {
+    refuse(spell(kinds[0]),
            scheme + " surfaces come in levels; take " + spell("levels") + ", or " + doo_sabin);
   }
   if (settings.weights != Weights::DooSabin) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/adaptive/decimate.h"
 #include "planish/files/formats.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/measure/vertex_fields.h"
@@ -43,12 +45,23 @@ struct WithinChoice {
   bool is_measured = false;           ///< by the noise
 };
 
-/// Surfaces as fine as they have to be, instead of levels.
+/// Surfaces as fine as they have to be, instead of levels: by a chord error, an angle or both, or
+/// decimated to one of the others. Several of a list are levels of detail.
 struct AdaptiveChoice {
-  std::vector<double> chord_errors;  ///< of the diagonal; several are levels of detail
+  std::vector<double> chord_errors;  ///< of the diagonal
   double angle = 0;                  ///< degrees; 0: any
+  std::vector<std::int64_t> faces;   ///< triangles of a file, at most
+  std::vector<double> edge_lengths;  ///< in the input's unit
+  std::vector<double> distances;     ///< of the diagonal: pixels of a view's
 
-  [[nodiscard]] bool any() const { return !chord_errors.empty() || angle > 0; }
+  [[nodiscard]] bool any() const { return !kinds().empty(); }
+  /// The options that are given, of which a surface has one: "chord_errors", which an angle may be
+  /// beside, "angle", "faces", "edge_lengths", "pixels".
+  [[nodiscard]] std::vector<std::string_view> kinds() const;
+  /// How many levels of detail they are; 0 where there is none of them.
+  [[nodiscard]] std::size_t count() const;
+  /// Of faces, edge lengths or distances.
+  [[nodiscard]] std::vector<DecimationTarget> targets() const;
 };
 
 /// What option_table() is the table of: everything that can be set for one mesh, wherever.
