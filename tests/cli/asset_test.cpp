@@ -319,5 +319,100 @@ TEST_F(AssetCommand, WhatNoSurfacePassesThroughIsRefused) {
   EXPECT_FALSE(exists("out.glb"));
 }
 
+// The quads of each mesh: level 1 has a quarter of those of level 2.
+class PartSettings : public AssetCommand {
+ protected:
+  // By mesh, the options that held for it.
+  static std::vector<json> held(const json& report) {
+    std::vector<json> all;
+    for (const json& mesh : report["meshes"]) {
+      all.emplace_back(json::object());
+      if (mesh["asset"].contains("set"))
+        for (const json& one : mesh["asset"]["set"]) all.back()[one["option"]] = one["value"];
+    }
+    return all;
+  }
+  // To quads.
+  static bool is_joined(const json& mesh) {
+    return mesh["input"]["faces"].get<int>() < mesh["input"]["file_faces"].get<int>();
+  }
+};
+
+TEST_F(PartSettings, HoldForMeshesMaterialsAndNodes) {
+  const std::string base = "--quads off --interpolation progressive --levels 2 ";
+  const json plain = fit("-o plain.glb " + base);
+  const json report = fit("-o out.glb --force " + base +
+                          "--set mesh=ball:levels=1 --set material=check:interpolation=fair "
+                          "--set node=m*y:quads=on;node=nobody*:creases=ignore");
+  EXPECT_THAT(held(report), testing::ElementsAre(json{{"interpolation", "fair"}},
+                                                 json{{"levels", "1"}}, json{{"quads", "on"}}));
+  EXPECT_EQ(held(plain), std::vector<json>(3, json::object()));
+  for (int mesh = 0; mesh < 3; ++mesh) {
+    const json& choice = report["meshes"][mesh]["solve"];
+    EXPECT_EQ(choice["method"], mesh == 0 ? "fair" : "progressive") << mesh;
+    EXPECT_EQ(plain["meshes"][mesh]["solve"]["method"], "progressive");
+    EXPECT_EQ(is_joined(report["meshes"][mesh]), mesh == 2) << mesh;
+  }
+  EXPECT_THAT(said_, AllOf(HasSubstr("set         mesh=ball: levels 1 for 1 mesh"),
+                           HasSubstr("node=nobody*: creases ignore for 0 meshes")));
+  const auto rows = [&](const char* name, int mesh) {
+    const json document = document_of(read(name));
+    const int number =
+        document["meshes"][mesh]["primitives"][0]["attributes"]["POSITION"].get<int>();
+    return document["accessors"][number]["count"].get<int>();
+  };
+  EXPECT_EQ(rows("out.glb", 0), rows("plain.glb", 0));
+  EXPECT_LT(3 * rows("out.glb", 1), rows("plain.glb", 1));
+}
+
+// All of a mesh's own triangles: those of the material, and others beside them.
+TEST_F(PartSettings, LaterOnesCountAndScenesHaveThem) {
+  write("asset.glb", sample_.glb());
+  write("s.json", R"({"version": 1, "jobs": [{"input": "asset.glb", "report": "r.json",
+    "outputs": [{"path": "o.glb"}], "quads": "off",
+    "set": "material=red:quads=on; mesh=many:quads=off"}]})");
+  run("run s.json");
+  const json report = read_json("r.json");
+  EXPECT_EQ(held(report)[0], (json{{"quads", "on"}}));
+  EXPECT_EQ(held(report)[2], (json{{"quads", "off"}}));
+  EXPECT_EQ(report["meshes"][0]["warnings"][0]["code"], "set-for-all-materials");
+  EXPECT_THAT(said_, HasSubstr("tube: material=red: quads holds for all of the mesh, which has 2 "
+                               "materials"));
+  EXPECT_TRUE(is_joined(report["meshes"][0]));
+  EXPECT_FALSE(is_joined(report["meshes"][2]));
+}
+
+TEST_F(PartSettings, NamesThatAreNoneAreRefused) {
+  write("asset.glb", sample_.glb());
+  write("box.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  const auto said = [&](const std::string& flags) {
+    const ProcessResult result = run("fit " + flags + " -f", 2);
+    return result.out + result.err;
+  };
+  EXPECT_THAT(said("asset.glb -o o.glb --set mesh=bal:quads=on"),
+              HasSubstr("mesh=bal: asset.glb has no mesh of that name; did you mean ball?; there "
+                        "are ball, tube, many"));
+  EXPECT_THAT(said("asset.glb -o o.glb --set material=ball:quads=on --dry-run"),
+              HasSubstr("material=ball: asset.glb has no material of that name; there are check, "
+                        "red, plain"));
+  EXPECT_THAT(said("asset.glb -o o.glb --set node=low:quads=on"),
+              HasSubstr("there are body, ball, half, many"));
+  EXPECT_THAT(said("asset.glb -o o.glb --set ball:quads=on"),
+              HasSubstr("--set: \"ball:quads=on\": mesh=NAME:OPTION=VALUE is wanted"));
+  EXPECT_THAT(said("asset.glb -o o.glb --set mesh=ball:quad=on"),
+              HasSubstr("parts have no \"quad\" of their own; did you mean quads?; they may have"));
+  EXPECT_THAT(said("asset.glb -o o.glb --set mesh=ball:scheme=loop"), HasSubstr("\"scheme\""));
+  EXPECT_THAT(said("asset.glb -o o.glb --set mesh=ball:quads=maybe"),
+              HasSubstr("\"maybe\" is not one of"));
+  EXPECT_THAT(said("asset.glb -o o.glb --set mesh=ball:levels=1,2"), HasSubstr("one level"));
+  EXPECT_THAT(said("asset.glb -o o.glb --levels 2,1 --set mesh=ball:levels=1"),
+              HasSubstr("where all outputs have one level"));
+  EXPECT_THAT(said("asset.glb -o o.glb --scheme loop --set mesh=ball:interpolation=fair"),
+              HasSubstr("fair builds control points"));
+  EXPECT_THAT(said("box.obj -o o.glb --set mesh=ball:quads=on"),
+              HasSubstr("mesh=ball: box.obj becomes one mesh"));
+  EXPECT_FALSE(exists("o.glb"));
+}
+
 }  // namespace
 }  // namespace planish::test

@@ -79,6 +79,8 @@ ROWS = {
     "attributes": Row("error,curvature", also=["fold"], wrong=["normal", "error,,fold"]),
     "asset": of_gltf("merge", also=["keep"], wrong=["drop"]),
     "lods": of_gltf("msft", beside={"levels": [1, 0]}, wrong=["lod"]),
+    "set": of_gltf("mesh=meshes[0]:levels=1", also=["mesh=*:quads=on; material=*:creases=use"],
+                   wrong=["meshes[0]:levels=1", "mesh=meshes[0]", "mesh=meshes[0]:level=1", "mesh=no:quads=on"]),
     "textures": Row("anywhere", "out.glb", "model/box.obj", other="its one file has none beside it",
                     also=["beside"], wrong=["none"]),
     "compress": of_gltf("meshopt", also=["none", "quantize"], wrong=["zip"]),

@@ -483,6 +483,7 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
     if (!is_usable) parts.pop_back();
   }
   require_any(asset, parts.size());
+  require_parts(asset, planned.job.settings, planned.outputs);
   std::vector<MeshNeed> needs;
   for (const Part& part : parts) {
     needs.push_back({&part.ready, &part.mesh.vertices});

@@ -217,6 +217,22 @@ void add_option_flag(CLI::App& command, OptionTexts& texts, const OptionInfo& op
         ->group(group);
     return;
   }
+  if (!option.joiner.empty()) {
+    command
+        .add_option_function<std::vector<std::string>>(
+            flag_of(option),
+            [&texts, name, joiner = option.joiner](const std::vector<std::string>& all) {
+              std::string& text = texts[name];
+              for (const std::string& one : all)
+                text += (text.empty() ? "" : std::string(joiner)) + one;
+            },
+            help_of(option))
+        ->expected(1)
+        ->take_all()
+        ->type_name(choices_of(option))
+        ->group(group);
+    return;
+  }
   command
       .add_option_function<std::string>(
           flag_of(option), [&texts, name](const std::string& text) { texts[name] = text; },

@@ -86,6 +86,7 @@ struct OptionInfo {
   std::string_view entry{};    ///< of lists: "level"
   std::string_view word{};     ///< that may stand instead of a list
   std::string_view pattern{};  ///< of texts: all that is taken, as a regular expression
+  std::string_view joiner{};   ///< of texts: between those of a flag that may come several times
   RankRule ranks{};
 };
 

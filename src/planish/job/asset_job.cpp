@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/guards.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
 #include "planish/files/gltf/read_gltf.h"
 #include "planish/job/digest.h"
@@ -50,6 +51,7 @@ struct AssetPart {
   std::int64_t number = 0;  // in the file
   MeshShare share;
   double triangle_share = 1;  // of all meshes' triangles
+  bool has_own_level = false;
   AssetMesh mesh;
   std::vector<PlannedOutput> outputs;  // as this mesh has them
   JobInput made;
@@ -59,7 +61,59 @@ struct AssetPart {
 };
 
 MeshFineness fineness_of(const AssetPart& part) {
-  return {part.made.fitted.density.level(), part.triangle_share};
+  const int own = part.has_own_level ? part.report.settings.levels.front() : 0;
+  return {part.has_own_level ? own : part.made.fitted.density.level(), part.triangle_share,
+          part.has_own_level};
+}
+
+const std::vector<AssetName>& names_of(const AssetNames& all, PartKind kind) {
+  return kind == PartKind::Mesh       ? all.meshes
+         : kind == PartKind::Material ? all.materials
+                                      : all.nodes;
+}
+
+// Those that hold for a mesh, in order.
+std::vector<PartSetting> settings_of_mesh(const std::vector<PartSetting>& settings,
+                                          const AssetNames& names, std::int64_t mesh) {
+  std::vector<PartSetting> own;
+  for (const PartSetting& one : settings)
+    if (std::ranges::any_of(names_of(names, one.kind), [&](const AssetName& name) {
+          return one.names(name.name) && std::ranges::count(name.meshes, mesh) > 0;
+        }))
+      own.push_back(one);
+  return own;
+}
+
+// Of those of a material, that the mesh has others beside it.
+void warn_of_whole_mesh(const AssetJob& work, const AssetNames& names, AssetPart& part) {
+  const auto materials = std::ranges::count_if(names.materials, [&](const AssetName& name) {
+    return std::ranges::count(name.meshes, part.number) > 0;
+  });
+  if (materials < 2) return;
+  for (const PartSetting& one : part.report.part_settings)
+    if (one.kind == PartKind::Material)
+      add_warning(part.report, work.context,
+                  {"set-for-all-materials",
+                   formatted("{}: {}: {} holds for all of the mesh, which has {} materials; make "
+                             "meshes of them where the others are to be without",
+                             part.report.label, one.who(), one.option, materials),
+                   materials});
+}
+
+[[noreturn]] void refuse_name(const PartSetting& one, const std::vector<AssetName>& names,
+                              std::string_view file) {
+  constexpr std::size_t kMost = 12;
+  std::vector<std::string_view> all;
+  for (const AssetName& name : names) all.push_back(name.name);
+  const std::string guess = did_you_mean(one.name, all);
+  if (const auto best = nearest(one.name, all))
+    std::ranges::stable_partition(all, [&](std::string_view name) { return name == *best; });
+  std::string list;
+  for (std::size_t i = 0; i < std::min(all.size(), kMost); ++i)
+    list += (i == 0 ? "" : ", ") + visible(all[i]);
+  if (all.size() > kMost) list += formatted(", and {} more", all.size() - kMost);
+  refuse(one.who(), "{} has no {} of that name{}; {}", file, name_of(one.kind), guess,
+         all.empty() ? "none has a name" : "there are " + list);
 }
 
 // Of one fineness.
@@ -76,14 +130,21 @@ FittedJob job_of(const AssetJob& work, AssetPart& part) {
           part.made, part.made.fitted, part.report,  work.staged};
 }
 
-void prepare_part(const AssetJob& work, AssetPart& part) {
+void prepare_part(const AssetJob& work, const AssetNames& names, AssetPart& part) {
   part.report = {.job = work.report.job,
                  .label = work.report.label,
                  .input = work.report.input,
                  .device = work.report.device,
                  .settings = work.report.settings};
-  part.mesh = timed(part.report.timing.read,
-                    [&] { return work.asset.read(part.number, work.job.settings.bake > 0); });
+  Settings& settings = part.report.settings;
+  part.report.part_settings = settings_of_mesh(settings.parts, names, part.number);
+  for (const PartSetting& one : part.report.part_settings) {
+    one.apply_to(settings);
+    part.has_own_level |= one.option == "levels" && !settings.levels_by_density;
+  }
+  part.mesh = timed(part.report.timing.read, [&] {
+    return work.asset.read(part.number, work.job.settings.bake > 0, settings.creases.split_normals);
+  });
   if (work.asset.surfaces().size() > 1) {
     part.report.label = named_message(work.report.label, part.mesh.name);
     part.report.is_told_with_others = true;
@@ -91,6 +152,7 @@ void prepare_part(const AssetJob& work, AssetPart& part) {
   part.made.input = {.name = part.report.label.empty() ? work.file.name : part.report.label,
                      .file = std::move(part.mesh.file),
                      .sha256 = {}};
+  warn_of_whole_mesh(work, names, part);
   const MeshFile& file = part.made.input.file;
   for (const Warning& warning : file.warnings) add_warning(part.report, work.context, warning);
   part.report.input.welded = file.welded_vertex_count;
@@ -173,6 +235,7 @@ std::list<AssetPart> fit_parts(const AssetJob& work) {
   const auto warn = [&](const Warning& warning) {
     add_warning(work.report, work.context, warning);
   };
+  const AssetNames names = names_of(work.asset);
   std::list<AssetPart> parts;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     AssetPart& part = parts.emplace_back();
@@ -181,7 +244,7 @@ std::list<AssetPart> fit_parts(const AssetJob& work) {
     if (!try_mesh(work.asset, part.number, warn, [&] {
           check_stop();
           const auto progress = part_of(work, part.share);
-          prepare_part(work, part);
+          prepare_part(work, names, part);
         }))
       parts.pop_back();
   }
@@ -427,12 +490,27 @@ void require_asset_for_lods(const std::vector<PlannedOutput>& outputs) {
               "by itself (--asset keep); take --lods files");
 }
 
+namespace {
+
+// For jobs that keep no asset.
+void require_asset_for(const Job& job, const std::vector<PlannedOutput>& outputs,
+                       const std::string& name) {
+  require_asset_for_lods(outputs);
+  if (!job.settings.parts.empty())
+    refuse(job.settings.parts[0].who(),
+           "{} becomes one mesh; parts have options of their own where a glTF with meshes becomes "
+           "a glTF by itself (--asset keep)",
+           name);
+}
+
+}  // namespace
+
 std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
                                             const std::vector<PlannedOutput>& outputs,
                                             const InputFile& file, JobReport& report,
                                             const JobContext& context) {
   if (!info_of(file.format).is_gltf) {
-    require_asset_for_lods(outputs);
+    require_asset_for(job, outputs, file.name);
     return nullptr;
   }
   const auto reason = reason_to_merge(job, outputs);
@@ -447,7 +525,7 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
                            file.name, *reason)});
   auto asset = reason ? nullptr : asset_of(file.for_reader(), file.format);
   if (!asset) {
-    require_asset_for_lods(outputs);
+    require_asset_for(job, outputs, file.name);
     return nullptr;
   }
   report.input.format = name_of(file.format);
@@ -457,7 +535,31 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
   return asset;
 }
 
+void require_parts(const GltfAsset& asset, const Settings& settings,
+                   const std::vector<PlannedOutput>& outputs) {
+  if (settings.parts.empty()) return;
+  const AssetNames names = names_of(asset);
+  for (const PartSetting& one : settings.parts) {
+    const std::vector<AssetName>& all = names_of(names, one.kind);
+    const bool is_known =
+        std::ranges::any_of(all, [&](const AssetName& name) { return one.names(name.name); });
+    if (!is_known && !one.may_be_of_none()) refuse_name(one, all, asset.file().name);
+    const bool is_one_level = std::ranges::all_of(outputs, [&](const PlannedOutput& output) {
+      return output.coarser.empty() && !output.fineness.is_adaptive() &&
+             output.fineness == outputs[0].fineness;
+    });
+    if (one.option == "levels" && !is_one_level)
+      refuse(one.who(), "a part has a level of its own where all outputs have one level");
+  }
+  for (const std::int64_t mesh : asset.surfaces()) {
+    Settings own = settings;
+    for (const PartSetting& one : settings_of_mesh(settings.parts, names, mesh)) one.apply_to(own);
+    check_consistent(own);
+  }
+}
+
 AssetResult run_asset(const AssetJob& work) {
+  require_parts(work.asset, work.job.settings, work.outputs);
   std::list<AssetPart> parts = fit_parts(work);
   std::vector<std::size_t> told;
   tell_warnings_of_meshes(work, parts, told);

@@ -260,6 +260,12 @@ void note_maps(std::span<const BakedMap> maps, const std::string& mesh, int size
 /// levels of detail.
 void require_asset_for_lods(const std::vector<PlannedOutput>& outputs);
 
+/// Refuses options of parts with Error{InvalidArgument} where the asset has no part of the name,
+/// which says what names there are, where they contradict a mesh's others, or where a part has a
+/// level and outputs have several.
+void require_parts(const GltfAsset& asset, const Settings& settings,
+                   const std::vector<PlannedOutput>& outputs);
+
 /// The asset that a job's input is, where the job keeps it: a glTF with triangles all of whose
 /// outputs are glTF surfaces. Warns "merged-asset" where that alone is missing. Null: the scene
 /// becomes one mesh. Throws Error{UnreadableInput}, as require_asset_for_lods().

@@ -22,7 +22,7 @@ const OptionInfo* find_setting(std::string_view name) {
 }
 
 bool is_of_inputs(const OptionInfo& option) {
-  constexpr std::array<std::string_view, 3> kOfAssets{"asset", "lods", "textures"};
+  constexpr std::array<std::string_view, 4> kOfAssets{"asset", "lods", "set", "textures"};
   return option.stage == OptionStage::Points ||
          std::ranges::find(kOfAssets, option.name) != kOfAssets.end();
 }

@@ -85,7 +85,7 @@ void require_float_error(const OutputRequest& request, FileFormat format,
 }  // namespace
 
 Fineness settled(Fineness fineness, const MeshFineness& mesh) {
-  if (fineness.by_density) fineness.level = mesh.level;
+  if (fineness.by_density || mesh.is_own) fineness.level = mesh.level;
   if (fineness.target.triangles > 0)
     fineness.target.triangles = std::max<std::int64_t>(
         1, static_cast<std::int64_t>(mesh.share * static_cast<double>(fineness.target.triangles)));

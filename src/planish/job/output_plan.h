@@ -43,8 +43,9 @@ struct Fineness {
 
 /// What a mesh settles.
 struct MeshFineness {
-  int level = 2;     ///< MeshDensity::level()
-  double share = 1;  ///< of the triangles of a file, those of the mesh
+  int level = 2;        ///< MeshDensity::level(), or one of its own
+  double share = 1;     ///< of the triangles of a file, those of the mesh
+  bool is_own = false;  ///< a level that takes the place of all
 };
 [[nodiscard]] Fineness settled(Fineness fineness, const MeshFineness& mesh);
 

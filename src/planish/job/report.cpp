@@ -235,9 +235,12 @@ OrderedJson device_json(const DeviceDescription& device) {
 
 // Of a mesh of an asset.
 OrderedJson asset_json(const JobReport& report) {
-  return {{"mesh", report.mesh_number},
-          {"name", report.mesh_name},
-          {"lost_joint_weight", report.lost_joint_weight}};
+  OrderedJson json{{"mesh", report.mesh_number},
+                   {"name", report.mesh_name},
+                   {"lost_joint_weight", report.lost_joint_weight}};
+  for (const PartSetting& one : report.part_settings)
+    json["set"].push_back({{"part", one.who()}, {"option", one.option}, {"value", one.value}});
+  return json;
 }
 
 // What was fitted, and how good it is.
@@ -591,6 +594,19 @@ bool has_level_by_density(const JobReport& report) {
   });
 }
 
+// What held for which meshes.
+std::string set_lines(const std::vector<PartSetting>& settings, std::span<const JobReport> meshes) {
+  std::string text;
+  for (const PartSetting& one : settings) {
+    const auto count = std::ranges::count_if(meshes, [&](const JobReport& mesh) {
+      return std::ranges::find(mesh.part_settings, one) != mesh.part_settings.end();
+    });
+    text += formatted("{}{}: {} {} for {}\n", text.empty() ? "  set         " : "              ",
+                      one.who(), one.option, one.value, counted(count, "mesh"));
+  }
+  return text;
+}
+
 std::string density_line(const JobReport& report) {
   if (!has_level_by_density(report) || report.fit.density.level() == 2) return "";
   if (report.fit.density.is_refined)
@@ -679,7 +695,8 @@ std::string asset_summary(const JobReport& report, bool is_full) {
                                 mesh.input.statistics.vertex_count,
                                 mesh.input.statistics.face_count, mesh.fit.joined, mesh.fit.added),
                     surface_line(mesh));
-  return text + dense_meshes_line(report) + output_lines(report);
+  return text + set_lines(report.settings.parts, report.meshes) + dense_meshes_line(report) +
+         output_lines(report);
 }
 
 }  // namespace
@@ -704,7 +721,8 @@ std::string summary(const JobReport& report, bool is_full) {
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
   text += moved_line(report);
   text += is_full ? computing_lines(report) : within_line(report) + surface_line(report);
-  text += density_line(report) + output_lines(report);
+  text +=
+      set_lines(report.settings.parts, {&report, 1}) + density_line(report) + output_lines(report);
   text.pop_back();
   return text;
 }

@@ -135,6 +135,7 @@ struct JobReport {
   std::optional<PointFacts> points;        ///< of a point cloud
   /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
   std::optional<PointDistances> point_distances;
+  std::vector<PartSetting> part_settings;  ///< that hold for it, of a mesh of an asset
   std::vector<WrittenOutput> outputs;
   /// Of several meshes of a glTF that stays an asset: the report of each, without outputs; solve,
   /// surface and the like of the job are empty then.

@@ -286,6 +286,22 @@ FitOption pixels_option() {
           {}};
 }
 
+FitOption set_option_of_parts() {
+  return {{.name = "set",
+           .stage = Stage::Output,
+           .kind = Kind::Text,
+           .choices = "PART:OPTION=VALUE",
+           .example = "mesh=Wheel:creases=use",
+           .help = "glTF to glTF: an option for some meshes only: mesh=NAME, material=NAME or "
+                   "node=NAME, * in it for any text; several times, or with ; between",
+           .joiner = "; ",
+           .ranks = {"", "ranks write 3D Tiles, which are one mesh"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            settings.parts = parse_part_settings(value.text, where);
+          },
+          {}};
+}
+
 // Of files in general, and of glTF.
 std::vector<FitOption> file_options() {
   return {
@@ -307,6 +323,7 @@ std::vector<FitOption> file_options() {
                    .help = "several levels: a file each, or, glTF to glTF, levels of detail in one "
                            "file (MSFT_lod)"},
                   kLodWords, &FitSettings::lods),
+      set_option_of_parts(),
       word_option({.name = "textures",
                    .stage = Stage::Input,
                    .initial = "beside",

@@ -13,6 +13,7 @@
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/measure/vertex_fields.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/part_settings.h"
 #include "planish/pipeline/verify_cage.h"
 #include "planish/pipeline/write_fitted_step.h"
 #include "planish/solve/backend.h"
@@ -87,6 +88,7 @@ struct FitSettings {
   FieldChoice attributes;  ///< that surfaces carry as data
   AssetChoice asset = AssetChoice::Keep;
   LodChoice lods = LodChoice::Files;
+  std::vector<PartSetting> parts;          ///< of meshes of an asset, instead of these
   FileReach textures = FileReach::Beside;  ///< of files that the input names
   GltfCompression compression = GltfCompression::None;
   int bake = 0;                          ///< texels along a side of baked maps; 0: none

@@ -703,17 +703,31 @@ std::uint64_t GltfAsset::byte_count() const {
   return bytes;
 }
 
-AssetMesh GltfAsset::read(std::int64_t number, bool wants_tangents) const {
-  return guard_json(file_.name, [&] { return read_unguarded(number, wants_tangents); });
+namespace {
+
+// Empty where it has none.
+std::string name_at(const JsonPlace& place) {
+  const auto name = place.find("name");
+  return name && name->is_text() ? std::string(name->text()) : std::string();
 }
 
-AssetMesh GltfAsset::read_unguarded(std::int64_t number, bool wants_tangents) const {
+}  // namespace
+
+AssetMesh GltfAsset::read(std::int64_t number, bool wants_tangents,
+                          std::optional<bool> splits_normals) const {
+  return guard_json(file_.name,
+                    [&] { return read_unguarded(number, wants_tangents, splits_normals); });
+}
+
+AssetMesh GltfAsset::read_unguarded(std::int64_t number, bool wants_tangents,
+                                    std::optional<bool> splits_normals) const {
   const JsonPlace place = root_["meshes"][number];
   AssetMesh mesh{.number = number, .name = place.path(), .file = {}, .vertices = {}};
-  if (const auto name = place.find("name"); name && name->is_text() && !name->text().empty())
-    mesh.name = visible(name->text());
+  if (const std::string name = name_at(place); !name.empty()) mesh.name = visible(name);
+  FileBytes file = file_;
+  file.split_normals_crease = splits_normals.value_or(file.split_normals_crease);
   AssetCollector collector;
-  mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
+  mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file)
                   .read_mesh(format_, number, collector);
   mesh.vertices = collector.finish(mesh.file.mesh);
   const std::vector<Warning>& warnings = mesh.vertices.warnings;
@@ -749,6 +763,45 @@ void GltfAsset::require_joints(std::int64_t number, const AssetVertices& vertice
           "its mesh names joint {}, and the skin has {}; take the skin that the mesh was made for",
           last, joints);
   }
+}
+
+AssetNames names_of(const GltfAsset& asset) {
+  const JsonPlace& root = asset.root();
+  const auto add = [](std::vector<AssetName>& names, const std::string& name, std::int64_t mesh) {
+    if (name.empty()) return;
+    auto found = std::ranges::find(names, name, &AssetName::name);
+    if (found == names.end()) found = names.insert(names.end(), {name, {}});
+    if (std::ranges::find(found->meshes, mesh) == found->meshes.end())
+      found->meshes.push_back(mesh);
+  };
+  AssetNames names;
+  for (const std::int64_t mesh : asset.surfaces()) {
+    const JsonPlace place = root["meshes"][mesh];
+    const std::string name = name_at(place);
+    add(names.meshes, name.empty() ? place.path() : name, mesh);
+    const JsonPlace primitives = place["primitives"];
+    for (std::int64_t i = 0; i < primitives.array_size(); ++i)
+      if (const auto material = primitives[i].find("material");
+          material && is_surface(primitives[i].value()))
+        add(names.materials, name_at(root["materials"][material->integer()]), mesh);
+  }
+  const auto nodes = root.find("nodes");
+  const std::int64_t count = nodes ? nodes->array_size() : 0;
+  for (std::int64_t top = 0; top < count; ++top) {
+    std::vector<std::int64_t> below{top};
+    std::set<std::int64_t> seen{top};
+    while (!below.empty()) {
+      const JsonPlace node = (*nodes)[below.back()];
+      below.pop_back();
+      if (const auto mesh = node.find("mesh");
+          mesh && std::ranges::find(asset.surfaces(), mesh->integer()) != asset.surfaces().end())
+        add(names.nodes, name_at((*nodes)[top]), mesh->integer());
+      const auto children = node.find("children");
+      for (std::int64_t i = 0; children && i < children->array_size(); ++i)
+        if (seen.insert((*children)[i].integer()).second) below.push_back((*children)[i].integer());
+    }
+  }
+  return names;
 }
 
 bool GltfAsset::may_be_scaled(std::int64_t number) const {

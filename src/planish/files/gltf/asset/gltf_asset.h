@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -106,9 +107,11 @@ class GltfAsset {
   /// has packed. An upper estimate. Throws Error{UnreadableInput}.
   [[nodiscard]] std::uint64_t byte_count() const;
   /// One of those, by its number. `wants_tangents`: groups with texture coordinates whose material
-  /// asks for no tangents get those of the first set. Throws Error{UnreadableInput},
+  /// asks for no tangents get those of the first set. `splits_normals`: instead of what the file's
+  /// bytes say (FileBytes::split_normals_crease). Throws Error{UnreadableInput},
   /// Error{OutOfMemory}.
-  [[nodiscard]] AssetMesh read(std::int64_t number, bool wants_tangents = false) const;
+  [[nodiscard]] AssetMesh read(std::int64_t number, bool wants_tangents = false,
+                               std::optional<bool> splits_normals = std::nullopt) const;
   /// Whether its nodes may get children that scale it: they neither skin, instance nor morph it.
   [[nodiscard]] bool may_be_scaled(std::int64_t number) const;
 
@@ -117,7 +120,8 @@ class GltfAsset {
   [[nodiscard]] const FileBytes& file() const { return file_; }
 
  private:
-  [[nodiscard]] AssetMesh read_unguarded(std::int64_t number, bool wants_tangents) const;
+  [[nodiscard]] AssetMesh read_unguarded(std::int64_t number, bool wants_tangents,
+                                         std::optional<bool> splits_normals) const;
   // Its nodes' skins have the joints that its vertices name.
   void require_joints(std::int64_t number, const AssetVertices& vertices) const;
 
@@ -132,6 +136,19 @@ class GltfAsset {
 
 /// The same, where the file is a glTF with at least one mesh of triangles; else null.
 [[nodiscard]] std::unique_ptr<const GltfAsset> asset_of(const FileBytes& file, FileFormat format);
+
+/// A name in an asset, and the meshes of triangles that are found by it.
+struct AssetName {
+  std::string name;
+  std::vector<std::int64_t> meshes;
+};
+
+/// Those of meshes (where a mesh has none, its place: "meshes[3]"), of materials on triangles, and
+/// of nodes with such meshes, at themselves or at nodes below them; in the file's order.
+struct AssetNames {
+  std::vector<AssetName> meshes, materials, nodes;
+};
+[[nodiscard]] AssetNames names_of(const GltfAsset& asset);
 
 /// What is in an asset, and what becomes of it where it stays one.
 struct AssetContents {
