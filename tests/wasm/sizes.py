@@ -3,7 +3,7 @@ import pathlib
 import subprocess
 import sys
 
-BOUNDS = {"npm/planish_library.wasm": (True, 930_000), "planish.html": (False, 1_900_000)}
+BOUNDS = {"npm/planish_library.wasm": (True, 970_000), "planish.html": (False, 1_900_000)}
 PACK = ("const z=require('zlib');process.stdout.write(String(z.brotliCompressSync("
         "require('fs').readFileSync(process.argv[1])).length))")
 
