@@ -1,5 +1,5 @@
 # Builds for Windows 10 and later on x86-64 Linux by Debian's mingw-w64, with what tools/windows/setup.sh puts into
-# $PLANISH_WINDOWS; programs are static, and run under Wine.
+# $PLANISH_WINDOWS; programs and the library for C need nothing but the system's own, and run under Wine.
 if(DEFINED ENV{PLANISH_WINDOWS})
   set(planish_windows $ENV{PLANISH_WINDOWS})
 else()
@@ -13,6 +13,7 @@ set(CMAKE_CXX_COMPILER x86_64-w64-mingw32-g++-posix)
 set(CMAKE_RC_COMPILER x86_64-w64-mingw32-windres)
 # A stack as Linux has it: 1 MiB is usual.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -Wl,--stack,8388608")
+set(CMAKE_SHARED_LINKER_FLAGS_INIT -static)
 # Windows 10; and M_PI, which headers of OpenSubdiv use.
 set(planish_flags "-D_WIN32_WINNT=0x0A00 -D_USE_MATH_DEFINES")
 set(CMAKE_C_FLAGS_INIT "${planish_flags}")
