@@ -1,9 +1,9 @@
 // The npm package as its users have it: packed, installed into an empty folder, imported by name.
 // PLANISH_NPM: the folder that tools/wasm makes.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -322,6 +322,39 @@ test('npx planish is the command', () => {
   // 2.7 GB are not begun.
   writeFileSync(join(folder, 'arm.obj'), scene('rocker_arm.obj'));
   assert.throws(() => run('fit', 'arm.obj', '-o', '-', '--levels', '6'), (error) => error.status === 6 && /bytes are more than this program can hold/.test(error.stderr));
+});
+
+test('npx planish takes the native program where its package is', () => {
+  const native = join(folder, 'node_modules', `planish-${process.platform}-${process.arch}`);
+  const run = (...given) => spawnSync('npx', ['--no-install', 'planish', ...given], { cwd: folder, encoding: 'utf8', input: 'a mesh' });
+  const { version } = JSON.parse(readFileSync(join(folder, 'node_modules/planish/package.json')));
+  const install = (facts) => writeFileSync(join(native, 'package.json'), JSON.stringify({ version, program: 'bin/planish', ...facts }));
+  const isNative = () => /^native/.test(run('--version').stdout);
+  mkdirSync(join(native, 'bin'), { recursive: true });
+  writeFileSync(join(native, 'bin/planish'), `#!/bin/sh
+case $1 in
+  --version) echo "native" ;;
+  end) kill -TERM $$ ;;
+  *) echo "$# $2 $(cat)"; exit 5 ;;
+esac
+`, { mode: 0o755 });
+  install({});
+  assert.ok(isNative());
+  const done = run('fit', 'two words', '-o');
+  assert.equal(done.stdout, '3 two words a mesh\n');
+  assert.equal(done.status, 5);
+  // npx tells a signal by its number.
+  const ended = run('end');
+  assert.ok(ended.signal === 'SIGTERM' || ended.status === 128 + 15, JSON.stringify(ended));
+  // Another version, or a glibc that this system has not.
+  install({ version: '0.0.1' });
+  assert.ok(!isNative());
+  install({ glibc: '2.17' });
+  assert.ok(isNative());
+  install({ glibc: '2.999' });
+  assert.ok(!isNative());
+  rmSync(native, { recursive: true });
+  assert.ok(!isNative());
 });
 
 test('a file that is larger than all memory is refused before it is read', async () => {

@@ -1,4 +1,4 @@
-# Sourced by tools/package and tools/gpu_check: the libraries that programs need on another machine.
+# Sourced by tools/package, tools/windows/package and tools/gpu_check: what programs need on another machine.
 
 # copy_libraries FOLDER FILE...: all that the files load but glibc, which is the system's.
 copy_libraries() {
@@ -102,4 +102,25 @@ document_licences() {
     done
   } >"$list"
   copy_licences "$folder/doc" "${libraries[@]}"
+}
+
+# pack_for_npm FOLDER SYSTEM PROCESSOR PROGRAM [FACT]: FOLDER as the npm package that tools/wasm/js/cli.js takes PROGRAM from
+# where it is installed beside planish. SYSTEM and PROCESSOR are node's names, FACT one more member of its package.json.
+pack_for_npm() {
+  local version name=planish-$2-$3
+  version=$(sed -n 's/^project(planish VERSION \([0-9.]*\) .*/\1/p' "$root/CMakeLists.txt")
+  cat >"$1/package.json" <<JSON
+{
+  "name": "$name",
+  "version": "$version",
+  "description": "The command of planish for this system, which npx planish takes",
+  "license": "SEE LICENSE IN doc",
+  "os": ["$2"],
+  "cpu": ["$3"],
+  "program": "$4"${5:+,
+  $5}
+}
+JSON
+  tar -C "$1" --sort=name --owner=0 --group=0 --numeric-owner --transform='s,^\.,package,' -czf "$out/$name-$version.tgz" .
+  rm "$1/package.json"
 }
