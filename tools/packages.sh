@@ -42,6 +42,11 @@ wasm_packages="clang-19 lld-19 llvm-19 dpkg-dev cmake ninja-build python3 libosd
   libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libstb-dev"
 wasm_sources="libosd-dev libmeshoptimizer-dev zlib1g-dev"
 
+# To compile for arm64 Linux on x86-64 and to run that; and what it links, of the other architecture.
+arm64_packages="g++-aarch64-linux-gnu qemu-user-static"
+arm64_libraries="libosd-dev libtbb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libstb-dev zlib1g-dev libssl-dev
+  libgtest-dev libgmock-dev libtinyobjloader-dev"
+
 # To compile for Windows and to run that; the packages whose sources are compiled so.
 windows_packages="g++-mingw-w64-x86-64-posix wine64 wine dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtbb-dev
   libtinygltf-dev libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libstb-dev libgtest-dev

@@ -91,3 +91,12 @@ require_packages() {
   # shellcheck disable=SC2086
   run_step Packages apt_install $missing
 }
+
+# require_foreign ARCHITECTURE PACKAGE...: the same of another processor's, which this system learns to know.
+require_foreign() {
+  local as_root="" architecture=$1
+  shift
+  [ "$(id -u)" = 0 ] || as_root="sudo"
+  dpkg --print-foreign-architectures | grep -qx "$architecture" || $as_root dpkg --add-architecture "$architecture"
+  require_packages "${@/%/:$architecture}"
+}

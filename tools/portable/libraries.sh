@@ -1,11 +1,12 @@
 # Sourced by tools/package, tools/windows/package and tools/gpu_check: what programs need on another machine.
 
-# copy_libraries FOLDER FILE...: all that the files load but glibc, which is the system's.
+# copy_libraries FOLDER FILE...: all that the files load but glibc, which is the system's. $planish_ldd says what another
+# processor's load.
 copy_libraries() {
-  local folder=$1
+  local folder=$1 file
   shift
   mkdir -p "$folder"
-  ldd "$@" | sed -nE 's/^\s*(\S+) => (\/\S+) .*/\1 \2/p' | sort -u |
+  for file in "$@"; do ${planish_ldd:-ldd} "$file"; done | sed -nE 's/^\s*(\S+) => (\/\S+) .*/\1 \2/p' | sort -u |
     while read -r soname path; do
       case $soname in
         libc.so.* | libm.so.* | libdl.so.* | libpthread.so.* | librt.so.* | ld-linux*) ;;

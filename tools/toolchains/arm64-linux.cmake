@@ -1,7 +1,5 @@
-# Builds on x86-64 for arm64, with the packages of Debian's or Ubuntu's other architecture; tests run under QEMU:
-#   dpkg --add-architecture arm64; apt update; apt install g++-aarch64-linux-gnu qemu-user-static libosd-dev:arm64
-#     libtbb-dev:arm64 libtinygltf-dev:arm64 libmeshoptimizer-dev:arm64 libdraco-dev:arm64 libstb-dev:arm64
-#     zlib1g-dev:arm64 libssl-dev:arm64 libgtest-dev:arm64 libgmock-dev:arm64 libtinyobjloader-dev:arm64
+# Builds on x86-64 for arm64, with the packages of Debian's other architecture, which `tools/package out/packages arm64` and
+# tests/machines/compare install (arm64_libraries in tools/packages.sh); programs run under QEMU.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
