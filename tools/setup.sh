@@ -35,7 +35,7 @@ run_step() {
     exit 1
   fi
   echo "$((SECONDS - began)) s"
-  timings="$timings, ${name,,} $((SECONDS - began)) s"
+  timings="$timings, $(tr '[:upper:]' '[:lower:]' <<<"$name") $((SECONDS - began)) s"
 }
 
 # missing_packages PACKAGE...: those that are not installed. A PACKAGE may be names with | between, any of which does.

@@ -13,7 +13,7 @@ function(planish_shared target)
   set_target_properties(${target} PROPERTIES
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     DEFINE_SYMBOL "")
-  if(BUILD_SHARED_LIBS)
+  if(BUILD_SHARED_LIBS AND NOT APPLE)  # whose linker takes no such lists
     set(map ${PROJECT_SOURCE_DIR}/tools/cmake/exported_symbols.map)
     target_link_options(${target} PRIVATE "LINKER:--version-script=${map}" LINKER:--no-undefined)
     set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${map})
@@ -25,6 +25,10 @@ endfunction()
 # Installed, it has what CMAKE_INSTALL_RPATH says.
 function(planish_portable target)
   if(WIN32)  # whose programs look beside themselves
+    return()
+  endif()
+  if(APPLE)
+    set_target_properties(${target} PROPERTIES BUILD_RPATH "@loader_path/../lib")
     return()
   endif()
   set_target_properties(${target} PROPERTIES BUILD_RPATH "\$ORIGIN/../lib")

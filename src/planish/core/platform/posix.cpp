@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <semaphore.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <sys/ioctl.h>
@@ -392,19 +391,28 @@ std::optional<std::string> environment(const char* name) {
 
 namespace {
 
-sem_t ending_noted;
+// A byte in it is a note: macOS has no semaphores for this.
+int ending_notes[2] = {-1, -1};
+#ifndef __EMSCRIPTEN__
 void (*note_ending)(int signal) = nullptr;
 
 extern "C" void take_signal(int signal) {
+  const int kept = errno;
   note_ending(signal);
-  ::sem_post(&ending_noted);
+  [[maybe_unused]] const ssize_t written = ::write(ending_notes[1], "", 1);
+  errno = kept;
 }
+#endif
 
 }  // namespace
 
 void on_ending(void (*note)(int signal)) {
+#ifdef __EMSCRIPTEN__
+  (void)note;  // no signal comes
+#else
   note_ending = note;
-  ::sem_init(&ending_noted, 0, 0);
+  if (::pipe(ending_notes) == 0)
+    for (const int end : ending_notes) ::fcntl(end, F_SETFD, FD_CLOEXEC);
   struct sigaction action {};
   action.sa_handler = take_signal;
   ::sigemptyset(&action.sa_mask);
@@ -414,11 +422,12 @@ void on_ending(void (*note)(int signal)) {
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+#endif
 }
 
 void wait_for_ending() {
-  while (::sem_wait(&ending_noted) != 0) {
-  }
+  char note = 0;
+  if (whatever_signals([&] { return ::read(ending_notes[0], &note, 1); }) != 1) sleep_for_ever();
 }
 
 void sleep_for_ever() {
