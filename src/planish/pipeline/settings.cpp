@@ -376,7 +376,7 @@ std::vector<FitOption> step_options() {
                       .most = kMostAnalyticTolerance,
                       .above_least = true,
                       .wanted = "a fraction of the bounding-box diagonal above 0 and up "
-                                "to 0.01 is wanted, such as 1e-4"},
+                                "to 0.1 is wanted, such as 1e-4"},
            .choices = "T",
            .initial = "1.5e-6",
            .help = "STEP: largest distance of vertices from such a surface, as a fraction of the "

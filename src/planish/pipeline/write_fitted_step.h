@@ -23,7 +23,7 @@ struct GltfMaterials;  // materials.h
 /// Whether faces on planes, cylinders, cones, spheres and tori are written as such.
 enum class AnalyticChoice : std::uint8_t { Auto, Off };
 
-constexpr double kMostAnalyticTolerance = 1e-2;
+constexpr double kMostAnalyticTolerance = 0.1;
 
 /// How a surface becomes STEP.
 struct StepSettings {
