@@ -169,11 +169,16 @@ bool FreeformSide::stays(std::int32_t edge) const {
 // Edges at vertices that have moved follow.
 void FreeformSide::add_inner_edges() {
   const Brep& brep = freeform_.brep;
-  for (std::int32_t e = 0; e < std::ssize(brep.edges); ++e) {
+  std::vector<std::int32_t> own;
+  for (const std::int32_t f : faces_)
+    for (const Brep::Use& use : brep.faces[f].loop) own.push_back(use.edge);
+  std::ranges::sort(own);
+  own.erase(std::ranges::unique(own).begin(), own.end());
+  for (const std::int32_t e : own) {
+    if (edges_.contains(e)) continue;
     const Brep::Edge& old = brep.edges[e];
-    if (!number_.contains(old.lines[0].face) || edges_.contains(e)) continue;
-    if (old.lines[1].face >= 0 && !number_.contains(old.lines[1].face))
-      throw NotAnalytic{kNoBorder};
+    for (const Brep::Line& line : old.lines)
+      if (line.face >= 0 && !number_.contains(line.face)) throw NotAnalytic{kNoBorder};
     Brep::Edge edge;
     edge.from = vertex_of(old.from);
     edge.to = vertex_of(old.to);
