@@ -128,14 +128,9 @@ TEST(AnalyticParts, HaveTheFacesThatTheyWereMadeOf) {
 
 // However they are turned, scaled, moved, cut to triangles, and their faces ordered.
 TEST(AnalyticParts, AreTheSameHoweverTheMeshIsWritten) {
-  const glm::dvec3 axis = glm::normalize(glm::dvec3(1, 2, -0.7));
   for (const Part& part : parts()) {
     SCOPED_TRACE(part.name);
-    PolygonMesh moved = part.mesh;
-    for (glm::dvec3& p : moved.positions)
-      p = glm::dvec3(7, -3, 11) + 25.4 * (std::cos(1.1) * p + std::sin(1.1) * glm::cross(axis, p) +
-                                          (1 - std::cos(1.1)) * glm::dot(axis, p) * axis);
-    expect_part(part, moved, 25.4);
+    expect_part(part, posed(part.mesh), kPoseScale);
     std::vector<std::vector<std::int32_t>> triangles;
     for (std::int32_t f = 0; f < part.mesh.face_count(); ++f) {
       const auto face = part.mesh.face(f);
@@ -203,18 +198,9 @@ TEST(AnalyticParts, RowsOfAFreeformBodyAreNoCones) {
 }
 
 TEST(AnalyticParts, AreTakenOneByOne) {
-  PolygonMesh both = shaft();
-  const std::int32_t first = both.vertex_count();
   PolygonMesh bumpy = capsule();
-  for (const glm::dvec3& p : bumpy.positions)
-    both.positions.push_back(glm::dvec3(9, 0, 0) +
-                             (1 + 0.05 * std::sin(3 * p.x) * std::cos(2 * p.y + p.z)) * p);
-  for (std::int32_t f = 0; f < bumpy.face_count(); ++f) {
-    std::vector<std::int32_t> face;
-    for (const std::int32_t v : bumpy.face(f)) face.push_back(first + v);
-    both.add_face(face);
-  }
-  const AnalyticFaces made = analytic_faces_of(both);
+  for (glm::dvec3& p : bumpy.positions) p *= 1 + 0.05 * std::sin(3 * p.x) * std::cos(2 * p.y + p.z);
+  const AnalyticFaces made = analytic_faces_of(beside(shaft(), bumpy, 9));
   EXPECT_EQ(made.parts, 2);
   EXPECT_EQ(made.freeform_parts, 1);
   EXPECT_EQ(made.faces_by_kind, (Kinds{3, 2, 1, 0, 0}));

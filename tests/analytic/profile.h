@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <numbers>
 #include <vector>
 
@@ -58,5 +60,28 @@ class Profile {
  private:
   std::vector<glm::dvec2> points_;
 };
+
+// Turned about no axis of the coordinates, scaled by kPoseScale and moved.
+inline constexpr double kPoseScale = 25.4;
+inline PolygonMesh posed(PolygonMesh mesh) {
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(1, 2, -0.7));
+  for (glm::dvec3& p : mesh.positions)
+    p = glm::dvec3(7, -3, 11) +
+        kPoseScale * (std::cos(1.1) * p + std::sin(1.1) * glm::cross(axis, p) +
+                      (1 - std::cos(1.1)) * glm::dot(axis, p) * axis);
+  return mesh;
+}
+
+// Both bodies, the second one this far along x.
+inline PolygonMesh beside(PolygonMesh mesh, const PolygonMesh& other, double x) {
+  const std::int32_t first = mesh.vertex_count();
+  for (const glm::dvec3& p : other.positions) mesh.positions.push_back(glm::dvec3(x, 0, 0) + p);
+  for (std::int32_t f = 0; f < other.face_count(); ++f) {
+    std::vector<std::int32_t> face;
+    for (const std::int32_t v : other.face(f)) face.push_back(first + v);
+    mesh.add_face(face);
+  }
+  return mesh;
+}
 
 }  // namespace planish::test

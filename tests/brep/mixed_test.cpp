@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analytic/mixed_shapes.h"
+#include "analytic/profile.h"
 #include "brep/step_checks.h"
 #include "planish/brep/moved_faces.h"
 #include "planish/c/handles.h"
@@ -127,29 +128,16 @@ TEST(MixedParts, HaveTheirSurfacesBesideFreeformFaces) {
 }
 
 TEST(MixedParts, HaveThemTurnedMovedAndScaled) {
-  const glm::dvec3 axis = glm::normalize(glm::dvec3(1, 2, -0.7));
   for (const MixedShape& shape : mixed_shapes()) {
     SCOPED_TRACE(shape.name);
-    PolygonMesh moved = shape.mesh;
-    for (glm::dvec3& p : moved.positions)
-      p = glm::dvec3(7, -3, 11) + 25.4 * (std::cos(1.1) * p + std::sin(1.1) * glm::cross(axis, p) +
-                                          (1 - std::cos(1.1)) * glm::dot(axis, p) * axis);
-    expect_mixed(shape, moved);
+    expect_mixed(shape, posed(shape.mesh));
   }
 }
 
 // Two of them, one of which is freeform altogether: each is as it is alone.
 TEST(MixedParts, AreTakenOneByOne) {
   const MixedShape shape = mixed_shapes().front();
-  PolygonMesh both = shape.mesh;
-  const std::int32_t first = both.vertex_count();
-  const PolygonMesh ring = jittered(torus(14, 10, 2, 0.7), 0.05, 4);
-  for (const glm::dvec3& p : ring.positions) both.positions.push_back(glm::dvec3(9, 0, 0) + p);
-  for (std::int32_t f = 0; f < ring.face_count(); ++f) {
-    std::vector<std::int32_t> face;
-    for (const std::int32_t v : ring.face(f)) face.push_back(first + v);
-    both.add_face(face);
-  }
+  const PolygonMesh both = beside(shape.mesh, jittered(torus(14, 10, 2, 0.7), 0.05, 4), 9);
   const StepFigures figures = write_fitted_step(scratch("two_parts.step"), fitted_of(both), {});
   EXPECT_EQ(figures.mixed_parts, 1);
   EXPECT_EQ(figures.freeform_parts, 1);

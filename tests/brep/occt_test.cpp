@@ -176,6 +176,20 @@ TEST(OpenCascade, ReadsAnalyticFaces) {
   }
 }
 
+// By a box through it that reaches this far.
+void expect_cuts(const TopoDS_Shape& shape, double reach) {
+  const TopoDS_Shape box =
+      BRepPrimAPI_MakeBox(gp_Pnt(0.1234, -reach, -reach), gp_Pnt(reach, reach, reach)).Shape();
+  BRepAlgoAPI_Cut outside(shape, box);
+  BRepAlgoAPI_Common inside(shape, box);
+  ASSERT_TRUE(outside.IsDone() && inside.IsDone());
+  EXPECT_TRUE(BRepCheck_Analyzer(outside.Shape()).IsValid());
+  EXPECT_GT(volume(outside.Shape()), 0.1);
+  EXPECT_GT(volume(inside.Shape()), 0.1);
+  EXPECT_NEAR(volume(outside.Shape()) + volume(inside.Shape()), volume(shape),
+              1e-5 * volume(shape));
+}
+
 // Beside freeform faces: the volume is that of a fine mesh of the surface, nearly.
 TEST(OpenCascade, ReadsFreeformFacesBesideAnalyticOnes) {
   for (const MixedShape& shape : mixed_shapes()) {
@@ -196,14 +210,7 @@ TEST(OpenCascade, ReadsFreeformFacesBesideAnalyticOnes) {
     });
     EXPECT_NEAR(volume(solid), wanted, 5e-3 * wanted);
     if (shape.name != "cylinder") continue;  // cuts take long
-    const TopoDS_Shape box =
-        BRepPrimAPI_MakeBox(gp_Pnt(0.1234, -100, -100), gp_Pnt(100, 100, 100)).Shape();
-    BRepAlgoAPI_Cut outside(solid, box);
-    BRepAlgoAPI_Common inside(solid, box);
-    ASSERT_TRUE(outside.IsDone() && inside.IsDone());
-    EXPECT_TRUE(BRepCheck_Analyzer(outside.Shape()).IsValid());
-    EXPECT_NEAR(volume(outside.Shape()) + volume(inside.Shape()), volume(solid),
-                1e-5 * volume(solid));
+    expect_cuts(solid, 100);
   }
 }
 
@@ -211,16 +218,7 @@ TEST(OpenCascade, CutsThemByABox) {
   for (const TopoDS_Shape& shape :
        {shape_of(LimitCase(cube())), shape_of(LimitCase(torus(9, 7, 3, 1))),
         catmull_clark_shape(cube()), catmull_clark_shape(prism(5))}) {
-    const TopoDS_Shape box =
-        BRepPrimAPI_MakeBox(gp_Pnt(0.1234, -10, -10), gp_Pnt(10, 10, 10)).Shape();
-    BRepAlgoAPI_Cut outside(shape, box);
-    BRepAlgoAPI_Common inside(shape, box);
-    ASSERT_TRUE(outside.IsDone() && inside.IsDone());
-    EXPECT_TRUE(BRepCheck_Analyzer(outside.Shape()).IsValid());
-    EXPECT_GT(volume(outside.Shape()), 0.1);
-    EXPECT_GT(volume(inside.Shape()), 0.1);
-    EXPECT_NEAR(volume(outside.Shape()) + volume(inside.Shape()), volume(shape),
-                1e-5 * volume(shape));
+    expect_cuts(shape, 10);
   }
 }
 

@@ -281,14 +281,7 @@ class Collapses {
   }
 
  private:
-  struct Entry {
-    double cost;
-    std::int32_t vertex;
-    std::uint32_t version;
-    [[nodiscard]] bool operator<(const Entry& other) const {
-      return cost > other.cost || (cost == other.cost && vertex > other.vertex);
-    }
-  };
+  using Entry = CollapseEntry;
   struct Candidate {
     double cost;
     std::size_t target;  // of the fan's ring

@@ -708,8 +708,8 @@ class RegionFinder {
       const bool is_plane = region.surface.kind == AnalyticKind::Plane;
       if (is_plane && points_of(region.faces).size() > kFacet) continue;
       const bool is_small = clusters_of(region.faces).size() < kSmall;
-      const bool is_row = !is_plane && has_no_inside(region);
-      if (!is_small && !is_row) continue;
+      const bool is_one_row = !is_plane && has_no_inside(region);
+      if (!is_small && !is_one_row) continue;
       double around = 0, odd = 0, on_both = 0;  // lengths of its border
       for (const std::int32_t f : region.faces) {
         for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
@@ -728,7 +728,7 @@ class RegionFinder {
           const double turn = turn_at(f, topology_.face_of(twin), region, result_.regions[there]);
           if (!(turn > (is_small ? kMeets : kRowsMeet))) continue;
           if (turn < kEdge) odd += length;
-          if (is_row && turn < kBothEdges) on_both += length;
+          if (is_one_row && turn < kBothEdges) on_both += length;
         }
       }
       constexpr double kPart = 0.1;

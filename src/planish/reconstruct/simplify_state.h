@@ -402,6 +402,17 @@ class SimplifyState {
   std::int64_t steps_ = 0;
 };
 
+/// A vertex in a queue of collapses: the cheapest comes first, of equal ones the lowest. Entries
+/// of an older version than the vertex has are stale.
+struct CollapseEntry {
+  double cost;
+  std::int32_t vertex;
+  std::uint32_t version;
+  [[nodiscard]] bool operator<(const CollapseEntry& other) const {
+    return cost > other.cost || (cost == other.cost && vertex > other.vertex);
+  }
+};
+
 /// Half-edge collapses, the cheapest first, until none is allowed or the target is reached.
 class CollapsePass {
  public:
@@ -418,14 +429,7 @@ class CollapsePass {
     double cost = std::numeric_limits<double>::infinity();
     std::uint32_t version = 0;
   };
-  struct Entry {
-    double cost;
-    std::int32_t vertex;
-    std::uint32_t version;
-    [[nodiscard]] bool operator<(const Entry& other) const {
-      return cost > other.cost || (cost == other.cost && vertex > other.vertex);
-    }
-  };
+  using Entry = CollapseEntry;
   struct Candidate {
     double cost;
     std::size_t target;  // of the fan's ring
