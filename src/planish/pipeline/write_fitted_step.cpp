@@ -244,6 +244,14 @@ std::vector<std::array<std::int32_t, 2>> places_in(const PreparedMesh& given,
   return result;
 }
 
+// By part: whether it has regions, and faces of none.
+std::vector<char> parts_to_mix(const AnalyticParts& found) {
+  std::vector<char> result = found.has_free;
+  for (std::size_t part = 0; part < result.size(); ++part)
+    if (found.regions_of[part].empty()) result[part] = 0;
+  return result;
+}
+
 // The B-spline faces of parts that have others on surfaces, and where these meet.
 struct MixedFaces {
   FreeBorders borders;
@@ -294,7 +302,35 @@ struct MadeFaces {
   Brep brep;
   double folded = 0;
   std::optional<AnalyticFaces> analytic;
+  std::unique_ptr<const FittedMesh> again;  // what they are of, where it is another surface
 };
+
+// Whether triangles were joined or vertices added across a border of analytic faces beside which
+// freeform ones lie.
+bool is_torn(const GivenParts& given, const FittedMesh& fitted) {
+  if (!fitted.bare) return false;
+  const std::vector<char> wanted = parts_to_mix(given.found);
+  std::vector<char> is_sound = wanted;
+  (void)find_mixed_faces(given, fitted, places_in(*given.prepared, fitted), is_sound);
+  return is_sound != wanted;
+}
+// The surface through the faces as they are given, by the same method and with the same creases.
+std::unique_ptr<const FittedMesh> fitted_as_given(const FittedMesh& fitted,
+                                                  const StepFileOptions& options,
+                                                  const Callbacks& callbacks) {
+  MeshFitOptions as_given{.method = fitted.options.method,
+                          .repairs = fitted.repairs,
+                          .faces_are_given = false,
+                          .chooses_creases = false,
+                          .quads = QuadChoice::Off,
+                          .refine = RefineChoice::Off,
+                          .fit = fitted.options};
+  as_given.fit.callbacks = callbacks;
+  as_given.fit.callbacks.warning = {};  // of the surface that everybody sees they were said
+  return std::make_unique<const FittedMesh>(fit_mesh(
+      *fitted.bare, options.name,
+      *make_cpu_backend({.solve_precision = precision_for(fitted.options.tolerance)}), as_given));
+}
 
 // Of the whole mesh, and what of it lies on surfaces instead.
 class MixedFacesMaker {
@@ -307,9 +343,7 @@ class MixedFacesMaker {
 
   void make(const SplineSurface& surface, const Callbacks& callbacks, MadeFaces& made) {
     const AnalyticParts& found = given_.found;
-    std::vector<char> is_sound = found.has_free;
-    for (std::size_t part = 0; part < is_sound.size(); ++part)
-      if (found.regions_of[part].empty()) is_sound[part] = 0;
+    std::vector<char> is_sound = parts_to_mix(found);
     make_with(is_sound, surface, callbacks, made);
     // Borders that no part has used in the end should not cut its faces.
     std::vector<char> is_mixed(is_sound.size(), 0);
@@ -364,6 +398,7 @@ class MixedFacesMaker {
 MadeFaces make_faces(const FittedMesh& fitted, const StepFileOptions& options,
                      const std::function<const LimitSurface&()>& limit,
                      const Callbacks& callbacks) {
+  constexpr double kFitShare = 0.5;  // of the time, where it is fitted again
   MadeFaces made;
   const auto given = given_parts(fitted, options);
   const bool has_free =
@@ -377,25 +412,29 @@ MadeFaces make_faces(const FittedMesh& fitted, const StepFileOptions& options,
       return made;
     }
   }
-  if (fitted.options.scheme == Scheme::DooSabin) {
+  if (given && is_torn(*given, fitted))
+    made.again = fitted_as_given(fitted, options, share_of(callbacks, 0, kFitShare));
+  const FittedMesh& of = made.again ? *made.again : fitted;
+  const Callbacks rest = made.again ? share_of(callbacks, kFitShare, 1) : callbacks;
+  if (of.options.scheme == Scheme::DooSabin) {
     std::optional<LimitSurface> own;
     const LimitSurface& surface =
-        limit ? limit()
-              : own.emplace(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
-    made.folded = folded_part(fitted, surface);
+        limit && !made.again ? limit()
+                             : own.emplace(fitted_surface(of.mesh, of.fit, of.evaluate_options()));
+    made.folded = folded_part(of, surface);
     const DooSabinSplines splines(surface);
     if (given) {
-      MixedFacesMaker(fitted, *given, options).make(splines, callbacks, made);
+      MixedFacesMaker(of, *given, options).make(splines, rest, made);
     } else {
-      made.brep = make_brep(splines, options.settings.faces, callbacks, groups_in(fitted.mesh));
+      made.brep = make_brep(splines, options.settings.faces, rest, groups_in(of.mesh));
     }
     return made;
   }
-  const EvaluateOptions evaluated = fitted.evaluate_options(1);
-  const SurfaceMesh level_one = evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), evaluated);
-  made.brep = make_brep(CatmullClarkSplines(fitted.fit.cage, evaluated), options.settings.faces,
-                        callbacks, groups_in(fitted.mesh));
-  made.folded = surface_quality(level_one, fitted.mesh).folded_area;
+  const EvaluateOptions evaluated = of.evaluate_options(1);
+  const SurfaceMesh level_one = evaluate(of.mesh, of.fit, *make_cpu_backend(), evaluated);
+  made.brep = make_brep(CatmullClarkSplines(of.fit.cage, evaluated), options.settings.faces, rest,
+                        groups_in(of.mesh));
+  made.folded = surface_quality(level_one, of.mesh).folded_area;
   return made;
 }
 
@@ -433,11 +472,12 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
   const MadeFaces made =
       make_faces(fitted, options, limit, share_of(options.callbacks, 0, kFacesShare));
   const Brep& brep = made.brep;
+  const FittedMesh& of = made.again ? *made.again : fitted;
   const double diagonal = fitted.fit.placement.diagonal;
   StepFigures figures;
   figures.check = check_brep(brep, diagonal);
-  warn(visible(options.shown.empty() ? path : options.shown), brep, figures.check, fitted,
-       made.folded, options);
+  warn(visible(options.shown.empty() ? path : options.shown), brep, figures.check, of, made.folded,
+       options);
   figures.unit = settled_unit(options.settings.unit, "");
   figures.faces = std::ssize(brep.faces);
   figures.edges = std::ssize(brep.edges);
@@ -469,12 +509,12 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
   figures.keeps_wishes =
       (brep.max_angle <= wanted.angle || wanted.angle == kUnasked.angle) &&
       (brep.max_deviation <= wanted.deviation || wanted.deviation == kUnasked.deviation);
-  figures.largest_distance = std::max(largest_distance(brep, fitted), figures.analytic_distance);
+  figures.largest_distance = std::max(largest_distance(brep, of), figures.analytic_distance);
   figures.byte_count = write_step(path, brep,
                                   {.name = options.name,
                                    .unit = figures.unit,
                                    .diagonal = diagonal,
-                                   .description = description_of(fitted.fit.interpolation, limits),
+                                   .description = description_of(of.fit.interpolation, limits),
                                    .groups = std::move(groups),
                                    .observe = options.observe,
                                    .callbacks = share_of(options.callbacks, kFacesShare, 1)});
