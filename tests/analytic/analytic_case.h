@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,7 +32,7 @@ class AnalyticCase {
             .groups = groups_,
             .diagonal = placement_of(mesh_).diagonal};
   }
-  [[nodiscard]] AnalyticParts found(double tolerance = 1.5e-6,
+  [[nodiscard]] AnalyticParts found(std::optional<double> tolerance = {},
                                     const Callbacks& callbacks = {}) const {
     return find_analytic_parts(mesh(), tolerance, callbacks);
   }
@@ -46,7 +47,8 @@ class AnalyticCase {
 /// Its analytic faces without freeform ones beside them.
 inline AnalyticFaces analytic_faces_of(const PolygonMesh& mesh,
                                        std::span<const std::int32_t> groups = {},
-                                       const Callbacks& callbacks = {}, double tolerance = 1.5e-6) {
+                                       const Callbacks& callbacks = {},
+                                       std::optional<double> tolerance = {}) {
   const AnalyticCase of(mesh, groups);
   return make_analytic_faces(of.mesh(), of.found(tolerance, callbacks), nullptr, callbacks);
 }

@@ -7,12 +7,15 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "analytic/analytic_case.h"
 #include "analytic/profile.h"
+#include "planish/analytic/noisy_regions.h"
 #include "planish/brep/analytic_faces.h"
 #include "support/meshes.h"
 
@@ -148,23 +151,66 @@ TEST(AnalyticParts, AreTheSameHoweverTheMeshIsWritten) {
   }
 }
 
+// Normal, of each coordinate.
+PolygonMesh noisy(PolygonMesh mesh, double deviation) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> noise(0, deviation);
+  for (glm::dvec3& p : mesh.positions) p += glm::dvec3(noise(random), noise(random), noise(random));
+  return mesh;
+}
+void expect_noisy_part(const Part& part, const PolygonMesh& mesh, std::optional<double> tolerance) {
+  const AnalyticFaces made = analytic_faces_of(mesh, {}, {}, tolerance);
+  EXPECT_EQ(made.faces_by_kind, part.kinds) << made.first_reason;
+  ASSERT_EQ(made.radii.size(), part.radii.size());
+  for (std::size_t i = 0; i < made.radii.size(); ++i)
+    EXPECT_NEAR(made.radii[i], part.radii[i], 1e-3 * part.radii[i]);
+  EXPECT_TRUE(check_brep(made.brep, placement_of(mesh).diagonal).is_valid());
+}
+
 // As a scan has it: a tenth of the tolerance.
-TEST(AnalyticParts, NoisyOnesWantATolerance) {
+TEST(AnalyticParts, NoisyOnesAreTakenWithinATolerance) {
   for (const Part& part : parts()) {
     SCOPED_TRACE(part.name);
-    PolygonMesh noisy = part.mesh;
-    const double diagonal = placement_of(noisy).diagonal;
-    std::mt19937 random(11);
-    std::normal_distribution<double> noise(0, 1e-5 * diagonal);
-    for (glm::dvec3& p : noisy.positions)
-      p += glm::dvec3(noise(random), noise(random), noise(random));
-    EXPECT_NE(analytic_faces_of(noisy).faces_by_kind, part.kinds);
-    const AnalyticFaces made = analytic_faces_of(noisy, {}, {}, 1e-4);
-    EXPECT_EQ(made.faces_by_kind, part.kinds) << made.first_reason;
-    ASSERT_EQ(made.radii.size(), part.radii.size());
-    for (std::size_t i = 0; i < made.radii.size(); ++i)
-      EXPECT_NEAR(made.radii[i], part.radii[i], 1e-3 * part.radii[i]);
-    EXPECT_TRUE(check_brep(made.brep, diagonal).is_valid());
+    const PolygonMesh mesh = noisy(part.mesh, 1e-5 * placement_of(part.mesh).diagonal);
+    EXPECT_NE(analytic_faces_of(mesh, {}, {}, 1e-6).faces_by_kind, part.kinds);
+    expect_noisy_part(part, mesh, 1e-4);
+  }
+}
+
+// In meshes fine enough to tell noise from shape it is measured.
+TEST(AnalyticParts, NoisyOnesAreTakenByTheirNoise) {
+  const PolygonMesh filleted = Profile({0, 0})
+                                   .line({2, 0})
+                                   .line({2, 1})
+                                   .line({1.5, 1})
+                                   .arc({1.5, 1.5}, 0.5, -kPi / 2, -kPi, 24)
+                                   .line({1, 3})
+                                   .arc({0.7, 3}, 0.3, 0, kPi / 2, 18)
+                                   .line({0, 3.3})
+                                   .turned(108);
+  const std::vector<Part> all = parts();
+  for (const Part& part :
+       {all[0], Part{"fine filleted shaft", filleted, all[1].kinds, all[1].radii}, all[2],
+        all[4]}) {
+    SCOPED_TRACE(part.name);
+    for (const double deviation : {3e-6, 1e-5, 3e-5})
+      expect_noisy_part(part, noisy(part.mesh, deviation * placement_of(part.mesh).diagonal), {});
+  }
+}
+
+TEST(AnalyticParts, NoiseIsThatOfTheVertices) {
+  const PolygonMesh fine = Profile({0, -1})
+                               .arc({0, 0}, 1, -kPi / 2, 0, 40)
+                               .line({1, 2})
+                               .arc({0, 2}, 1, 0, kPi / 2, 40)
+                               .turned(160);
+  for (const double deviation : {1e-5, 1e-4, 1e-3}) {
+    const PolygonMesh mesh = noisy(fine, deviation);
+    const MeshTopology topology(mesh);
+    std::vector<std::int32_t> faces(static_cast<std::size_t>(mesh.face_count()));
+    std::iota(faces.begin(), faces.end(), 0);
+    const std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
+    EXPECT_NEAR(noise_of(mesh.positions, topology, is_sharp, faces), deviation, 0.25 * deviation);
   }
 }
 
@@ -176,6 +222,7 @@ TEST(AnalyticParts, WhatHasNoNameStaysFreeform) {
   EXPECT_EQ(made.freeform_parts, 1);
   EXPECT_TRUE(made.brep.faces.empty());
   EXPECT_FALSE(made.first_reason.empty());
+  EXPECT_EQ(analytic_faces_of(noisy(bumpy, 1e-4)).freeform_parts, 1);
 }
 
 // Each row of a body that is turned lies on a cone, which is none of its profile's.

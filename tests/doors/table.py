@@ -98,7 +98,7 @@ ROWS = {
     "skirts": of_tiles(True, beside={"levels": [3]}),
     "step_unit": Row("m", "out.step", also=["mm", "cm", "in", "auto"], wrong=["km"]),
     "step_analytic": Row("off", "out.step", "model/box.obj", also=["auto"], wrong=["on"]),
-    "step_analytic_tolerance": Row(1e-3, "out.step", "rough.obj", also=[1e-9, 0.1], wrong=[0, -1e-6, 0.11]),
+    "step_analytic_tolerance": Row(1e-3, "out.step", "rough.obj", also=["auto", 1e-9, 0.1], wrong=[0, -1e-6, 0.11, "Auto"]),
     "step_angle": of_sheet(2, "out.step", also=[0.25, 90], wrong=[0, -1, 90.5]),
     "step_tolerance": of_sheet(1e-3, "out.step", also=[1e-6, 1], wrong=[0, -1e-6, 1.5]),
     "step_face_size": Row(1, "out.step", beside={"step_analytic": "off"}, also=[3, 4096], wrong=[0, 4097, 2**31]),

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "planish/analytic/spread_order.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
@@ -18,7 +19,6 @@
 namespace planish {
 namespace {
 
-constexpr std::int32_t kFree = -1;
 constexpr std::size_t kMostNeighbours = 8;
 
 // Faces in one plane.
@@ -45,14 +45,15 @@ class RegionFinder {
         parts_(face_components(topology)),
         facets_(topology.face_count()),
         doubt_(facets_.size()),
-        cluster_of_(facets_.size(), kFree),
+        cluster_of_(facets_.size(), kNoRegion),
         seen_(facets_.size(), 0),
         vertex_seen_(topology.vertex_count(), 0) {
     measure();
     make_clusters();
     join_clusters();
     find_directions();
-    result_.region_of.assign(facets_.size(), kFree);
+    given_back_.assign(clusters_.size(), 0);
+    result_.region_of.assign(facets_.size(), kNoRegion);
   }
 
   AnalyticRegions find() && {
@@ -75,7 +76,7 @@ class RegionFinder {
 
  private:
   [[nodiscard]] bool is_free(std::int32_t cluster) const {
-    return result_.region_of[clusters_[cluster].faces.front()] == kFree;
+    return result_.region_of[clusters_[cluster].faces.front()] == kNoRegion;
   }
 
   void measure() {
@@ -122,7 +123,7 @@ class RegionFinder {
     std::ranges::stable_sort(order, std::greater<>(),
                              [&](std::int32_t f) { return facets_[f].area; });
     for (const std::int32_t first : order) {
-      if (cluster_of_[first] != kFree) continue;
+      if (cluster_of_[first] != kNoRegion) continue;
       const auto index = static_cast<std::int32_t>(clusters_.size());
       Cluster cluster;
       cluster.faces.push_back(first);
@@ -131,7 +132,7 @@ class RegionFinder {
       glm::dvec3 sum = facets_[first].area * facets_[first].normal;
       for (std::size_t i = 0; i < cluster.faces.size(); ++i) {
         each_neighbour(cluster.faces[i], [&](std::int32_t next) {
-          if (cluster_of_[next] != kFree) return;
+          if (cluster_of_[next] != kNoRegion) return;
           const Facet& facet = facets_[next];
           const glm::dvec3 normal = sum / std::max(glm::length(sum), 1e-300);
           const double turn = angle_between(normal, facet.normal);
@@ -253,7 +254,7 @@ class RegionFinder {
       bool is_whole = true;
       for (std::size_t i = 0; i < next.size(); ++i) {
         each_neighbour(next[i], [&](std::int32_t other) {
-          if (seen_[other] == round_ || result_.region_of[other] != kFree) return;
+          if (seen_[other] == round_ || result_.region_of[other] != kNoRegion) return;
           if (next.size() >= enough) {
             is_whole = false;
             return;
@@ -358,13 +359,10 @@ class RegionFinder {
     std::vector<char> is_covered(clusters_.size(), 0);
     std::vector<std::size_t> misses(static_cast<std::size_t>(parts_.count), 0),
         hits(misses.size(), 0);
-    // From all over the part in turn, by steps of the golden section.
-    const std::size_t count = clusters_.size();
-    auto step = static_cast<std::size_t>(0.618 * static_cast<double>(count)) + 1;
-    while (std::gcd(step, count) != 1) ++step;
-    for (std::size_t i = 0; i < count; ++i) {
+    const SpreadOrder order(clusters_.size());
+    for (std::size_t i = 0; i < clusters_.size(); ++i) {
       if (i % 64 == 0) check_stop();
-      const auto c = static_cast<std::int32_t>(i * step % count);
+      const auto c = static_cast<std::int32_t>(order[i]);
       if (is_covered[c] != 0 || !is_free(c)) continue;
       // Of what has no names not everything is looked at.
       constexpr std::size_t kMostMisses = 100;
@@ -386,7 +384,7 @@ class RegionFinder {
     std::ranges::stable_sort(small, std::greater<>(), &Candidate::clusters);
     bool is_left = false;
     for (Candidate& candidate : small) {
-      const auto is_taken = [&](std::int32_t f) { return result_.region_of[f] != kFree; };
+      const auto is_taken = [&](std::int32_t f) { return result_.region_of[f] != kNoRegion; };
       if (std::ranges::any_of(candidate.faces, is_taken)) {
         is_left = true;
       } else {
@@ -418,7 +416,7 @@ class RegionFinder {
         for (const std::int32_t f : candidate.faces) seen_[f] = round_;
         for (std::size_t i = 0; i < candidate.faces.size(); ++i)
           each_neighbour(candidate.faces[i], [&](std::int32_t other) {
-            if (seen_[other] == round_ || result_.region_of[other] != kFree ||
+            if (seen_[other] == round_ || result_.region_of[other] != kNoRegion ||
                 !lies_on(other, known.surface, is_same ? sign : -sign))
               return;
             seen_[other] = round_;
@@ -436,7 +434,7 @@ class RegionFinder {
     for (std::size_t r = 0; r < result_.regions.size(); ++r) {
       AnalyticRegion& region = result_.regions[r];
       if (region.faces.empty()) continue;
-      for (const std::int32_t f : region.faces) result_.region_of[f] = kFree;
+      for (const std::int32_t f : region.faces) result_.region_of[f] = kNoRegion;
       auto candidate = grown(region.surface, region.faces);
       if (candidate && candidate->faces.size() >= region.faces.size()) {
         region.surface = candidate->surface;
@@ -474,7 +472,7 @@ class RegionFinder {
       for (std::size_t i = 0; i < region.faces.size(); ++i)
         each_neighbour(region.faces[i], [&](std::int32_t other) {
           const std::int32_t there = result_.region_of[other];
-          if (there == own || there == kFree || size(there) >= before ||
+          if (there == own || there == kNoRegion || size(there) >= before ||
               !lies_on(other, region.surface, region.side()))
             return;
           robbed.push_back(there);
@@ -486,7 +484,7 @@ class RegionFinder {
       is_any = is_any || !robbed.empty();
       for (const std::int32_t other : robbed) {
         for (const std::int32_t f : result_.regions[other].faces)
-          if (result_.region_of[f] == other) result_.region_of[f] = kFree;
+          if (result_.region_of[f] == other) result_.region_of[f] = kNoRegion;
         result_.regions[other].faces.clear();
       }
     }
@@ -500,7 +498,8 @@ class RegionFinder {
         const std::int32_t corner = topology_.first_corner(f) + i, twin = topology_.twin(corner);
         if (twin < 0 || is_sharp_[topology_.edge_of(corner)] == kGroupBorder) continue;
         const std::int32_t there = result_.region_of[topology_.face_of(twin)];
-        if (there != kFree && there != static_cast<std::int32_t>(region)) result.push_back(there);
+        if (there != kNoRegion && there != static_cast<std::int32_t>(region))
+          result.push_back(there);
       }
     }
     std::ranges::sort(result);
@@ -638,16 +637,18 @@ class RegionFinder {
     constexpr std::size_t kMostSliver = 2;  // more in a plane are one
     std::vector<std::int32_t> free;
     for (std::int32_t f = 0; f < std::ssize(facets_); ++f)
-      if (result_.region_of[f] == kFree && clusters_[cluster_of_[f]].faces.size() <= kMostSliver)
+      if (result_.region_of[f] == kNoRegion &&
+          clusters_[cluster_of_[f]].faces.size() <= kMostSliver)
         free.push_back(f);
     for (bool is_changed = true; is_changed;) {
       is_changed = false;
       for (const std::int32_t f : free) {
-        if (result_.region_of[f] != kFree) continue;
+        if (result_.region_of[f] != kNoRegion) continue;
         for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
           const std::int32_t twin = topology_.twin(topology_.first_corner(f) + i);
-          const std::int32_t region = twin < 0 ? kFree : result_.region_of[topology_.face_of(twin)];
-          if (region == kFree) continue;
+          const std::int32_t region =
+              twin < 0 ? kNoRegion : result_.region_of[topology_.face_of(twin)];
+          if (region == kNoRegion) continue;
           AnalyticRegion& to = result_.regions[region];
           if (is_sharp_[topology_.edge_of(topology_.first_corner(f) + i)] == kGroupBorder) continue;
           if (!lies_on(f, to.surface, to.side()) && !fills_notch(f, region)) continue;
@@ -686,9 +687,10 @@ class RegionFinder {
     });
   }
   void take_planes() {
+    constexpr std::int32_t kMostGivenBack = 3;  // else two that doubt each other never end
     std::vector<std::int32_t> planes;
     for (std::int32_t c = 0; c < std::ssize(clusters_); ++c)
-      if (is_free(c) && is_plane(c)) planes.push_back(c);
+      if (is_free(c) && given_back_[c] < kMostGivenBack && is_plane(c)) planes.push_back(c);
     for (const std::int32_t c : planes) take_plane(c);
   }
 
@@ -714,14 +716,15 @@ class RegionFinder {
       for (const std::int32_t f : region.faces) {
         for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
           const std::int32_t corner = topology_.first_corner(f) + i, twin = topology_.twin(corner);
-          const std::int32_t there = twin < 0 ? kFree : result_.region_of[topology_.face_of(twin)];
+          const std::int32_t there =
+              twin < 0 ? kNoRegion : result_.region_of[topology_.face_of(twin)];
           if (twin >= 0 && there == static_cast<std::int32_t>(r)) continue;
           const double length =
               glm::length(positions_[topology_.vertex_of(topology_.next(corner))] -
                           positions_[topology_.vertex_of(corner)]);
           around += length;
           if (twin < 0 || is_sharp_[topology_.edge_of(corner)] != 0) continue;
-          if (there == kFree) {
+          if (there == kNoRegion) {
             odd += is_small ? length : 0;
             continue;
           }
@@ -736,7 +739,8 @@ class RegionFinder {
         doubtful.push_back(static_cast<std::int32_t>(r));
     }
     for (const std::int32_t r : doubtful) {
-      for (const std::int32_t f : result_.regions[r].faces) result_.region_of[f] = kFree;
+      for (const std::int32_t c : clusters_of(result_.regions[r].faces)) ++given_back_[c];
+      for (const std::int32_t f : result_.regions[r].faces) result_.region_of[f] = kNoRegion;
       result_.regions[r].faces.clear();
     }
     return !doubtful.empty();
@@ -775,7 +779,7 @@ class RegionFinder {
   }
 
   AnalyticRegions finished() {
-    std::vector<std::int32_t> number(result_.regions.size(), kFree);
+    std::vector<std::int32_t> number(result_.regions.size(), kNoRegion);
     AnalyticRegions kept;
     for (std::size_t r = 0; r < result_.regions.size(); ++r) {
       if (result_.regions[r].faces.empty()) continue;
@@ -783,7 +787,7 @@ class RegionFinder {
       kept.regions.push_back(std::move(result_.regions[r]));
     }
     for (const std::int32_t r : result_.region_of)
-      kept.region_of.push_back(r == kFree ? kFree : number[r]);
+      kept.region_of.push_back(r == kNoRegion ? kNoRegion : number[r]);
     return kept;
   }
 
@@ -880,6 +884,7 @@ class RegionFinder {
   std::vector<double> doubt_;  // radians, of their normals
   std::vector<std::int32_t> cluster_of_;
   std::vector<Cluster> clusters_;
+  std::vector<std::int32_t> given_back_;  // by cluster: how often
   std::vector<glm::dvec3> directions_;
   std::vector<std::int32_t> seen_, vertex_seen_;
   std::int32_t round_ = 0, vertex_round_ = 0;

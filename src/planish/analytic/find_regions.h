@@ -27,8 +27,11 @@ struct AnalyticRegion {
 
 struct AnalyticRegions {
   std::vector<AnalyticRegion> regions;
-  std::vector<std::int32_t> region_of;  ///< by face; -1: of no surface that is known by name
+  std::vector<std::int32_t> region_of;  ///< by face, or kNoRegion
 };
+
+/// Of a face that lies on no surface that is known by name.
+inline constexpr std::int32_t kNoRegion = -1;
 
 /// Of an edge that no region reaches across.
 inline constexpr char kGroupBorder = 2;

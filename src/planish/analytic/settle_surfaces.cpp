@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "planish/core/portable_math.h"
+#include "planish/core/vectors.h"
 #include "planish/mesh/face_geometry.h"
 
 namespace planish {
@@ -24,6 +25,9 @@ struct Certainty {
 
 constexpr double kLeastError = 2e-7;  // of vertices, of the diagonal: float32 has no more
 constexpr double kTimes = 5;          // so many deviations are chance
+
+// Whether its vertices tell surfaces worse than a mesh of float32 can say them.
+bool is_noisy(const AnalyticRegion& region) { return region.error > kTimes * kTimes * kLeastError; }
 
 Certainty certainty_of(const AnalyticSurface& surface, std::span<const glm::dvec3> points,
                        double error) {
@@ -90,10 +94,7 @@ class Settler {
     find_contacts();
     const std::vector<AnalyticRegion> before = regions_.regions;
     put_all();
-    if (unknowns_ > 0 && unknowns_ <= kMostUnknowns) {
-      for (int step = 0; step < kSteps; ++step)
-        if (!improve()) break;
-    }
+    if (unknowns_ > 0 && unknowns_ <= kMostUnknowns) improve();
     keep_near(before);
     return {std::move(is_tangent_)};
   }
@@ -381,11 +382,53 @@ class Settler {
         most = std::max(most, angle_between(regions_.regions[chain.left].normal_at(p),
                                             regions_.regions[chain.right].normal_at(p)));
       }
-      const double told = kTimes * (doubt(chain.left) + doubt(chain.right));
-      if (most > kTouch + std::min(told, 2 * kDegree)) continue;
+      const double told =
+          kTouch + std::min(kTimes * (doubt(chain.left) + doubt(chain.right)), 2 * kDegree);
+      if (most > told && !touch_beside(chain, told)) continue;
       is_tangent_[c] = 1;
       contacts_.push_back(c);
     }
+  }
+  // A place of a chain, and the plane across the chain there: surfaces that do not agree yet touch
+  // at one point of all of it.
+  [[nodiscard]] AnalyticSurface across_chain(const BorderChain& chain, double place) const {
+    const std::size_t last = chain.vertices.size() - 1;
+    const double at = place * static_cast<double>(last);
+    const auto before = static_cast<std::size_t>(at);
+    const auto position = [&](std::size_t i) { return positions_[chain.vertices[i]]; };
+    const double part = at - static_cast<double>(before);
+    const glm::dvec3 near = (1 - part) * position(before) + part * position(before + 1);
+    // Noise makes single edges go across.
+    const std::size_t more = is_noisy(chain) ? 1 + last / 16 : 0;
+    const glm::dvec3 from = position(before < more ? 0 : before - more),
+                     to = position(std::min(before + 1 + more, last));
+    return {.origin = near, .axis = unit_or_zero(to - from)};
+  }
+  [[nodiscard]] bool is_noisy(const BorderChain& chain) const {
+    return planish::is_noisy(regions_.regions[chain.left]) ||
+           planish::is_noisy(regions_.regions[chain.right]);
+  }
+  // Not at a chain's ends, where a third surface may touch both and leave their contact open.
+  static constexpr std::array<double, 3> kContactPlaces{0.2, 0.5, 0.8};
+
+  // Whether they do where they are nearest to doing so, beside the chain: noise moves faces from
+  // one side of a contact to the other.
+  [[nodiscard]] bool touch_beside(const BorderChain& chain, double told) const {
+    const AnalyticRegion &first = regions_.regions[chain.left],
+                         &second = regions_.regions[chain.right];
+    if (!is_noisy(chain)) return false;
+    const double noise = std::max(first.error, second.error);
+    const BorderSides sides{{&first.surface, first.side()}, {&second.surface, second.side()}, true};
+    constexpr double kBeside = 0.02;  // of the diagonal
+    for (const double place : kContactPlaces) {
+      const AnalyticSurface across = across_chain(chain, place);
+      double reach = 0;
+      const glm::dvec3 p = sides.point(across.origin, reach, &across);
+      if (!(reach <= noise) || glm::length(p - across.origin) > kBeside ||
+          angle_between(first.normal_at(p), second.normal_at(p)) > told)
+        return false;
+    }
+    return true;
   }
   [[nodiscard]] double doubt(std::int32_t region) const {
     const AnalyticSurface& s = regions_.regions[region].surface;
@@ -399,6 +442,7 @@ class Settler {
         : count_(unknowns), matrix_(count_ * count_), right_(count_) {}
     void add(std::span<const std::int32_t> unknowns, std::span<const double> values,
              double residual, double weight) {
+      squares_ += weight * residual * residual;
       for (std::size_t i = 0; i < unknowns.size(); ++i) {
         right_[unknowns[i]] -= weight * values[i] * residual;
         for (std::size_t j = 0; j < unknowns.size(); ++j)
@@ -412,11 +456,12 @@ class Settler {
     void add(const RowSum& sum, double residual, double weight) {
       add(sum.unknowns, sum.values, residual, weight);
     }
-    [[nodiscard]] bool solve() {
+    [[nodiscard]] double squares() const { return squares_; }
+    [[nodiscard]] bool solve(double damping) {
       double mean = 0;
       for (std::size_t i = 0; i < count_; ++i) mean += matrix_[count_ * i + i] / double(count_);
       for (std::size_t i = 0; i < count_; ++i)
-        matrix_[count_ * i + i] += 1e-11 * matrix_[count_ * i + i] + 1e-16 * mean;
+        matrix_[count_ * i + i] += damping * matrix_[count_ * i + i] + 1e-16 * mean;
       return solve_cholesky(matrix_, right_);
     }
     [[nodiscard]] const std::vector<double>& solution() const { return right_; }
@@ -424,9 +469,39 @@ class Settler {
    private:
     std::size_t count_;
     std::vector<double> matrix_, right_;
+    double squares_ = 0;
   };
 
-  bool improve() {
+  // Gauss and Newton's steps, damped where conditions that noise has made of chance disagree.
+  void improve() {
+    constexpr double kFirstDamping = 1e-11, kMostDamping = 1e3, kMore = 1e3;
+    double damping = kFirstDamping;
+    Normal normal = equations();
+    for (int steps = 0; steps < kSteps && damping <= kMostDamping;) {
+      const Unknowns before = unknowns_values();
+      Normal solved = normal;
+      double largest = 0;
+      if (solved.solve(damping)) {
+        step(solved.solution());
+        put_all();
+        for (const double x : solved.solution()) largest = std::max(largest, std::abs(x));
+        if (!(largest > 1e-15)) return;
+        Normal next = equations();
+        // Up to rounding.
+        constexpr double kSame = 1e-20;
+        if (next.squares() <= normal.squares() + kSame) {
+          normal = std::move(next);
+          ++steps;
+          continue;
+        }
+        take(before);
+        put_all();
+      }
+      damping *= kMore;
+    }
+  }
+
+  [[nodiscard]] Normal equations() {
     Normal normal(unknowns_);
     for (std::size_t r = 0; r < placed_.size(); ++r) {
       for (const glm::dvec3& p : points_[r]) {
@@ -451,12 +526,24 @@ class Settler {
     }
     for (const std::size_t c : contacts_) add_contact(normal, c, kFirm);
     add_meetings(normal, kFirm);
-    if (!normal.solve()) return false;
-    step(normal.solution());
-    put_all();
-    double largest = 0;
-    for (const double x : normal.solution()) largest = std::max(largest, std::abs(x));
-    return largest > 1e-15;
+    return normal;
+  }
+
+  // All that is unknown, to go back to.
+  struct Unknowns {
+    std::vector<Direction> directions;
+    std::vector<Anchor> anchors;
+    std::vector<Length> lengths, slopes, places;
+  };
+  [[nodiscard]] Unknowns unknowns_values() const {
+    return {directions_, anchors_, lengths_, slopes_, places_};
+  }
+  void take(const Unknowns& values) {
+    directions_ = values.directions;
+    anchors_ = values.anchors;
+    lengths_ = values.lengths;
+    slopes_ = values.slopes;
+    places_ = values.places;
   }
 
   // Places of a chain: both distances are one there, and the normals' parts along it.
@@ -466,16 +553,11 @@ class Settler {
     const AnalyticRegion &first = regions_.regions[a], &second = regions_.regions[b];
     const double sign = first.side() * second.side();
     const BorderSides sides{{&first.surface, first.side()}, {&second.surface, second.side()}, true};
-    // Not at its ends, where a third surface may touch both and leave their contact open.
-    for (const double place : {0.2, 0.5, 0.8}) {
-      const double at = place * static_cast<double>(chain.vertices.size() - 1);
-      const auto before = static_cast<std::size_t>(at);
-      const glm::dvec3 &from = positions_[chain.vertices[before]],
-                       &to = positions_[chain.vertices[before + 1]];
-      const double part = at - static_cast<double>(before);
-      const glm::dvec3 near = (1 - part) * from + part * to;
+    for (const double place : kContactPlaces) {
+      const AnalyticSurface across = across_chain(chain, place);
       double reach = 0;
-      const glm::dvec3 p = sides.point(near, reach), normal_a = normal_at(first.surface, p),
+      const glm::dvec3 p = sides.point(across.origin, reach, &across),
+                       normal_a = normal_at(first.surface, p),
                        normal_b = normal_at(second.surface, p);
       RowSum apart;
       apart.add(row_of(a, p), 1);
@@ -484,7 +566,7 @@ class Settler {
                  signed_distance(first.surface, p) - sign * signed_distance(second.surface, p),
                  weight);
       // The same a little further along the chain and back: what normals along it differ by.
-      glm::dvec3 along = to - from;
+      glm::dvec3 along = across.axis;
       along -= glm::dot(along, normal_a) * normal_a;
       if (!(glm::length(along) > 0)) continue;
       along = glm::normalize(along);
@@ -621,7 +703,11 @@ class Settler {
 
 SettledRegions settle_surfaces(std::span<const glm::dvec3> positions, const MeshTopology& topology,
                                const RegionBorders& borders, AnalyticRegions& regions) {
-  return Settler(positions, topology, borders, regions).settle();
+  // Twice where vertices are noisy: lengths that conditions have brought together are one then.
+  SettledRegions settled = Settler(positions, topology, borders, regions).settle();
+  if (std::ranges::any_of(regions.regions, is_noisy))
+    settled = Settler(positions, topology, borders, regions).settle();
+  return settled;
 }
 
 glm::dvec3 BorderSides::point(const glm::dvec3& near, double& reach,

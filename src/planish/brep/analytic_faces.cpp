@@ -13,6 +13,7 @@
 
 #include "planish/analytic/border_curves.h"
 #include "planish/analytic/find_regions.h"
+#include "planish/analytic/noisy_regions.h"
 #include "planish/analytic/region_borders.h"
 #include "planish/analytic/settle_surfaces.h"
 #include "planish/brep/freeform_side.h"
@@ -148,16 +149,25 @@ class PartBuilder {
           double reach = 0;
           plan.points.push_back(plan.sides.point(given, reach));
           require_near(
-              reach, given, plan.points.back(),
+              reach, chain.vertices[i], plan.points.back(),
               {"two surfaces do not meet where their faces do", smaller(chain.left, chain.right)});
         }
       }
     }
   }
-  static void require_near(double reach, const glm::dvec3& from, const glm::dvec3& to,
-                           const NotAnalytic& otherwise) {
-    constexpr double kMostMoved = 2e-3;  // of the diagonal
-    if (!(reach <= kOnSurface) || !(glm::length(to - from) <= kMostMoved)) throw otherwise;
+  // Whether a point that surfaces have in common stands for a vertex: no farther than its edges
+  // reach, for noise moves these from one side of a border to the other.
+  void require_near(double reach, std::int32_t vertex, const glm::dvec3& to,
+                    const NotAnalytic& otherwise) const {
+    constexpr double kMostMoved = 2e-3, kMost = 0.02;  // of the diagonal
+    const glm::dvec3& from = positions_[vertex];
+    double longest = 0;
+    for (const std::int32_t corner : topology_.corners_at(vertex))
+      longest = std::max(
+          longest, glm::length(positions_[topology_.vertex_of(topology_.next(corner))] - from));
+    if (!(reach <= kOnSurface) ||
+        !(glm::length(to - from) <= std::clamp(longest, kMostMoved, kMost)))
+      throw otherwise;
   }
   [[nodiscard]] double area_of(std::int32_t region) const {
     double area = 0;
@@ -188,7 +198,7 @@ class PartBuilder {
     double reach = 0;
     const glm::dvec3 point = common_point(positions_[vertex], surfaces, touching, reach);
     require_near(
-        reach, positions_[vertex], point,
+        reach, vertex, point,
         {"surfaces that meet at a vertex have no point in common",
          *std::ranges::min_element(around, {}, [&](std::int32_t r) { return area_of(r); })});
     return add_vertex(point);
@@ -789,11 +799,11 @@ BorderCurve to_model(BorderCurve curve, const Placement& placement) {
 
 // One by one for each part: those that left their vertices when all were settled, and whose faces
 // cannot be closed.
-std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology& topology,
-                                  double tolerance) {
+std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology& topology) {
   std::vector<char> is_unsound(found.regions.regions.size(), 0);
-  for (const std::vector<std::int32_t>& regions : found.regions_of) {
-    const double most = 2 * tolerance;
+  for (std::size_t part = 0; part < found.regions_of.size(); ++part) {
+    const std::vector<std::int32_t>& regions = found.regions_of[part];
+    const double most = 2 * found.tolerances[part];
     for (const std::int32_t r : regions) {
       const AnalyticRegion& region = found.regions.regions[r];
       for (const std::int32_t f : region.faces)
@@ -842,7 +852,7 @@ void add_figures(const AnalyticParts& found, const AnalyticRegion& region,
 
 }  // namespace
 
-AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, double tolerance,
+AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, std::optional<double> tolerance,
                                   const Callbacks& callbacks) {
   const HostScope host(callbacks);
   const MeshTopology& topology = mesh.topology;
@@ -857,8 +867,11 @@ AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, double tolerance,
     if (twin >= 0 && mesh.groups[topology.face_of(corner)] != mesh.groups[topology.face_of(twin)])
       is_sharp[e] = kGroupBorder;
   }
-  AnalyticRegions regions = find_regions(found.positions, topology, is_sharp, tolerance);
+  const double exact = std::min(kExactTolerance, tolerance.value_or(kExactTolerance));
+  AnalyticRegions regions = find_regions(found.positions, topology, is_sharp, exact);
   found.parts = face_components(topology);
+  found.tolerances = find_noisy_regions(found.positions, topology, is_sharp, found.parts, tolerance,
+                                        exact, regions);
   // Regions that surfaces cannot be settled for become freeform, until all others can.
   do {
     check_stop();
@@ -868,7 +881,7 @@ AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, double tolerance,
     found.regions_of.assign(static_cast<std::size_t>(found.parts.count), {});
     for (std::int32_t r = 0; r < std::ssize(found.regions.regions); ++r)
       found.regions_of[found.parts.of_face[found.regions.regions[r].faces.front()]].push_back(r);
-  } while (drop_regions(unsound_regions(found, topology, tolerance), regions));
+  } while (drop_regions(unsound_regions(found, topology), regions));
   found.has_free.assign(found.regions_of.size(), 0);
   for (std::int32_t f = 0; f < topology.face_count(); ++f)
     if (found.regions.region_of[f] < 0) found.has_free[found.parts.of_face[f]] = 1;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,10 +40,16 @@ struct AnalyticParts {
   FaceComponents parts;
   std::vector<std::vector<std::int32_t>> regions_of;  ///< by part
   std::vector<char> has_free;                         ///< by part: not all its faces are of regions
+  std::vector<double> tolerances;  ///< by part: of its vertices, five deviations of noise
 };
 
-/// Within `tolerance` of the diagonal. Throws Error{Cancelled}.
-[[nodiscard]] AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, double tolerance,
+/// Of vertices from their surfaces where they are not noisy, of the diagonal.
+inline constexpr double kExactTolerance = 1.5e-6;
+
+/// Within `tolerance` of the diagonal; empty: within kExactTolerance, or where vertices are noisier
+/// than that five deviations of the noise that is measured in each part. Throws Error{Cancelled}.
+[[nodiscard]] AnalyticParts find_analytic_parts(const AnalyticMesh& mesh,
+                                                std::optional<double> tolerance = {},
                                                 const Callbacks& callbacks = {});
 
 struct AnalyticFaces {

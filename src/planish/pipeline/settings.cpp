@@ -358,6 +358,32 @@ std::vector<FitOption> tile_options() {
   };
 }
 
+FitOption analytic_tolerance_option() {
+  return {{.name = "step_analytic_tolerance",
+           .stage = Stage::Output,
+           .kind = Kind::TextOrNumber,
+           .choices = "auto|T",
+           .initial = "auto",
+           .example = "1e-4",
+           .help = "STEP: largest distance of vertices from such a surface, as a fraction of the "
+                   "diagonal; auto: 1.5e-6, or five deviations of the measured noise"},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            settings.step.analytic_tolerance = {};
+            if (value.text == "auto") return;
+            double tolerance = 0;
+            if (!parse_number(value.text, tolerance) ||
+                !(tolerance > 0 && tolerance <= kMostAnalyticTolerance))
+              refuse(where, in_double_quotes(value.text) +
+                                " is neither; auto, or a fraction of the bounding-box diagonal "
+                                "above 0 and up to 0.1 is wanted, such as 1e-4");
+            settings.step.analytic_tolerance = tolerance;
+          },
+          [](const FitSettings& settings) {
+            const std::optional<double>& tolerance = settings.step.analytic_tolerance;
+            return tolerance ? shortest(*tolerance) : std::string("auto");
+          }};
+}
+
 std::vector<FitOption> step_options() {
   std::vector<FitOption> rows{
       word_option({.name = "step_unit",
@@ -370,18 +396,7 @@ std::vector<FitOption> step_options() {
                    .help = "STEP: what lies on planes, cylinders, cones, spheres and tori gets "
                            "such faces; off: all faces are splines through every vertex"},
                   kAnalyticWords, &FitSettings::step, &StepSettings::analytic),
-      number_option(
-          {.name = "step_analytic_tolerance",
-           .limits = {.least = 0,
-                      .most = kMostAnalyticTolerance,
-                      .above_least = true,
-                      .wanted = "a fraction of the bounding-box diagonal above 0 and up "
-                                "to 0.1 is wanted, such as 1e-4"},
-           .choices = "T",
-           .initial = "1.5e-6",
-           .help = "STEP: largest distance of vertices from such a surface, as a fraction of the "
-                   "diagonal: more for noisy parts"},
-          &FitSettings::step, &StepSettings::analytic_tolerance),
+      analytic_tolerance_option(),
       number_option({.name = "step_angle",
                      .limits = {.least = 0,
                                 .most = kMostBrepAngle,

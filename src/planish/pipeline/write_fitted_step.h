@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,7 +30,8 @@ constexpr double kMostAnalyticTolerance = 0.1;
 struct StepSettings {
   BrepOptions faces;
   AnalyticChoice analytic = AnalyticChoice::Auto;
-  double analytic_tolerance = 1.5e-6;  ///< of vertices from such surfaces, of the diagonal
+  /// Of vertices from such surfaces, of the diagonal; empty: see find_analytic_parts().
+  std::optional<double> analytic_tolerance{};
   StepUnit unit = StepUnit::OfInput;
 };
 

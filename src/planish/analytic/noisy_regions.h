@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "planish/analytic/find_regions.h"
+#include "planish/mesh/mesh_parts.h"
+#include "planish/mesh/mesh_topology.h"
+
+namespace planish {
+
+/// The standard deviation of vertices from the smooth surface that they lie on, along its normals:
+/// the quartile of what quadrics through patches of `faces` leave, which sharp edges end. 0 where
+/// no patch tells it. Shapes that bend within a patch count as noise, too.
+[[nodiscard]] double noise_of(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+                              std::span<const char> is_sharp, std::span<const std::int32_t> faces);
+
+/// Finds the regions of parts anew whose vertices are noisy: where those of `regions` take less
+/// than half of the area, surfaces that fit within five deviations of the noise, and leave no more
+/// than it, take more. Kinds are told by patches as large as they can be, for facets tell nothing.
+/// `tolerance`: five deviations; empty: of the noise that is measured in each part, and then its
+/// regions have to take half of its area. Returns the tolerances of the regions by part, `exact`
+/// where they stay. Throws Error{Cancelled}.
+std::vector<double> find_noisy_regions(std::span<const glm::dvec3> positions,
+                                       const MeshTopology& topology, std::span<const char> is_sharp,
+                                       const FaceComponents& parts, std::optional<double> tolerance,
+                                       double exact, AnalyticRegions& regions);
+
+}  // namespace planish
