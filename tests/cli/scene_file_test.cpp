@@ -324,7 +324,7 @@ TEST(SceneSchema, NamesTheFormatsOfTheTable) {
   EXPECT_THAT(output["path"]["description"].get<std::string>(),
               HasSubstr(extensions_of(FormatUse::WriteSurface)));
   EXPECT_THAT(output["what"]["description"].get<std::string>(),
-              HasSubstr(extensions_of(FormatUse::WriteCage)));
+              HasSubstr(extensions_of(FormatUse::WriteMesh)));
 }
 
 // A property's own description where it is a reference.

@@ -77,6 +77,7 @@ ROWS = {
                   wrong=["yes"]),
     "up": Row("z", output="out.glb", also=["y"], wrong=["x"]),
     "attributes": Row("error,curvature", also=["fold"], wrong=["normal", "error,,fold"]),
+    "cage_scheme": Row("catmull-clark", also=["surface"], wrong=["loop"], same="it is of cages alone"),
     "asset": of_gltf("merge", also=["keep"], wrong=["drop"]),
     "lods": of_gltf("msft", beside={"levels": [1, 0]}, wrong=["lod"]),
     "set": of_gltf("mesh=meshes[0]:levels=1", also=["mesh=*:quads=on; material=*:creases=use"],

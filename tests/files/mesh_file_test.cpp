@@ -315,7 +315,7 @@ TEST(Formats, AreListedByUse) {
   EXPECT_EQ(names_of(FormatUse::ReadPoints), "glb, gltf, obj, ply, off, xyz, pts, pcd, las, ptx");
   EXPECT_EQ(extensions_of(FormatUse::WriteSurface),
             ".glb .gltf .obj .ply .off .stl .usda .json .step");
-  EXPECT_EQ(extensions_in_words(FormatUse::WriteCage), ".obj, .ply, .off or .usda");
+  EXPECT_EQ(extensions_in_words(FormatUse::WriteMesh), ".obj, .ply, .off or .usda");
   EXPECT_TRUE(holds_points_only(FileFormat::Pcd));
   EXPECT_FALSE(holds_points_only(FileFormat::Ply));
 }

@@ -148,7 +148,7 @@ TEST(FaultyMeshes, AreRefusedByMeshTools) {
 
 TEST(FaultyMeshes, AreRefusedByWriters) {
   for (const FormatInfo& info : formats()) {
-    if (!serves(info.format, FormatUse::WriteCage)) continue;
+    if (!serves(info.format, FormatUse::WriteMesh)) continue;
     expect_refused(
         "write_mesh " + std::string(info.name),
         [&](const PolygonMesh& mesh) {

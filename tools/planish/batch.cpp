@@ -427,7 +427,7 @@ ReadyFit expected_ready(const PlannedJob& planned, Input input) {
   if (!options.method && !chooses_by_measurement(settings))
     options.method = InterpolationMethod::Progressive;
   ReadyFit ready = prepare_mesh(std::move(input), options, settings);
-  (void)take_cage(ready, planned.outputs, !planned.job.page.empty());
+  (void)take_cage(ready, planned.job.settings, planned.outputs, !planned.job.page.empty());
   prepare_refined(ready);
   return ready;
 }

@@ -159,7 +159,7 @@ Job job_of(const FitFlags& flags, const Settings& settings, const std::string& i
   job.given_settings = given_settings(flags);
   job.source = flags.source;
   const FileFormat surface = output_format_of(flags, FormatUse::WriteSurface, FileFormat::Glb);
-  const FileFormat cage = output_format_of(flags, FormatUse::WriteCage, FileFormat::Obj);
+  const FileFormat cage = output_format_of(flags, FormatUse::WriteMesh, FileFormat::Obj);
   for (const std::string& path : flags.outputs)
     job.outputs.push_back(
         surface_request(settings, output_path(path, input, surface, "-o", one_of_several), "-o"));

@@ -31,10 +31,10 @@ struct ReconstructFlags {
 
 FileFormat output_format(const std::string& path) {
   const auto format = format_of(path_of(path));
-  if (format && serves(*format, FormatUse::WriteCage)) return *format;
+  if (format && serves(*format, FormatUse::WriteMesh)) return *format;
   throw Error(ErrorCode::InvalidArgument,
               formatted("-o: {}: the extension is none of a mesh that is written ({})",
-                        visible(path), names_of(FormatUse::WriteCage)));
+                        visible(path), names_of(FormatUse::WriteMesh)));
 }
 
 // A PLY may be one of a mesh: its vertices are points all the same.
@@ -157,7 +157,7 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
       ->required();
   command
       ->add_option("-o,--output", flags->outputs,
-                   "mesh: " + extensions_of(FormatUse::WriteCage) + "; repeatable")
+                   "mesh: " + extensions_of(FormatUse::WriteMesh) + "; repeatable")
       ->type_name("FILE")
       ->group(group)
       ->allow_extra_args(false);

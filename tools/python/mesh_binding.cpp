@@ -29,7 +29,7 @@ FileFormat require_format(const std::string& path, FormatUse use) {
 }
 
 void write_the_mesh(const std::string& path, const PolygonMesh& mesh, const InputFiles& inputs) {
-  write_mesh(path, require_format(path, FormatUse::WriteCage), mesh, {.inputs = &inputs});
+  write_mesh(path, require_format(path, FormatUse::WriteMesh), mesh, {.inputs = &inputs});
 }
 
 void write_the_surface(const std::string& path, const SurfaceMesh& surface,

@@ -209,9 +209,9 @@ planish_status planish_mesh_write(const planish_mesh* mesh, const char* path) {
     require(mesh, "mesh");
     require(path, "path");
     const auto format = planish::format_of(planish::path_of(path));
-    if (!format || !planish::serves(*format, planish::FormatUse::WriteCage)) {
+    if (!format || !planish::serves(*format, planish::FormatUse::WriteMesh)) {
       refuse(planish::visible(std::string_view(path)) + ": meshes are written as " +
-             planish::extensions_in_words(planish::FormatUse::WriteCage));
+             planish::extensions_in_words(planish::FormatUse::WriteMesh));
     }
     const planish::InputFiles inputs = mesh->inputs;  // other threads may write the mesh, too
     planish::write_mesh(planish::path_of(path), *format, mesh->mesh, {.inputs = &inputs});

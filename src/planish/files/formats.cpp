@@ -214,8 +214,10 @@ bool serves(FileFormat format, FormatUse use) {
       return info.is_tiles || serves(format, FormatUse::WriteSurfaceFile);
     case FormatUse::WriteSurfaceFile:
       return info.is_gltf || info.is_brep || info.write_polygons;
-    case FormatUse::WriteCage:
+    case FormatUse::WriteMesh:
       return info.write_polygons && info.has_polygons;
+    case FormatUse::WriteCage:
+      return info.is_gltf || serves(format, FormatUse::WriteMesh);
   }
   return false;
 }

@@ -105,13 +105,15 @@ struct FormatInfo {
 [[nodiscard]] std::filesystem::path companion_of(const std::filesystem::path& path,
                                                  FileFormat format);
 
-/// What a format may be wanted for. WriteSurfaceFile: without folders of tiles.
+/// What a format may be wanted for. WriteSurfaceFile: without folders of tiles. WriteMesh: polygons
+/// as they are. WriteCage: these, and glTF, which has them by an extension (gltf/gltf_cage.h).
 enum class FormatUse : std::uint8_t {
   Read,
   ReadMesh,
   ReadPoints,
   WriteSurface,
   WriteSurfaceFile,
+  WriteMesh,
   WriteCage
 };
 [[nodiscard]] bool serves(FileFormat format, FormatUse use);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -52,11 +51,6 @@ std::string interpolation(const char* name, int element_size = 1) {
 
 void write_triple(FileBuffer& out, const glm::vec3& v) {
   out.text("(").number(v.x).text(", ").number(v.y).text(", ").number(v.z).text(")");
-}
-
-// Sharpness of at least 10 is infinite here as there.
-float usd_sharpness(float sharpness) {
-  return std::isfinite(sharpness) ? sharpness : kInfiniteSharpness;
 }
 
 void write_number(FileBuffer& out, float value) { out.number(value); }
@@ -156,7 +150,7 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
     write_list(out, count, [&](std::size_t) { out.number(2); });
     out.text("\n    float[] creaseSharpnesses = ");
     write_list(out, count,
-               [&](std::size_t i) { out.number(usd_sharpness(view.creases[i].sharpness)); });
+               [&](std::size_t i) { out.number(written_sharpness(view.creases[i].sharpness)); });
     out.text("\n");
   }
   if (!view.corners.empty()) {
@@ -165,7 +159,7 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
                [&](std::size_t i) { out.number(view.corners[i].vertex); });
     out.text("\n    float[] cornerSharpnesses = ");
     write_list(out, view.corners.size(),
-               [&](std::size_t i) { out.number(usd_sharpness(view.corners[i].sharpness)); });
+               [&](std::size_t i) { out.number(written_sharpness(view.corners[i].sharpness)); });
     out.text("\n");
   }
   if (!view.hole_faces.empty()) {
@@ -254,7 +248,7 @@ void write_head(FileBuffer& out, const PolygonView& view) {
   out.text(view.subdivision.scheme).text("\"\n");
   if (view.subdivision.scheme != "none") {
     out.text("    uniform token interpolateBoundary = \"");
-    out.text(view.subdivision.has_sharp_boundary_corners ? "edgeAndCorner" : "edgeOnly");
+    out.text(boundary_of(view.subdivision));
     out.text("\"\n");
   }
 }

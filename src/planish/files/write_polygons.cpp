@@ -299,7 +299,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
   if (!info.write_polygons)
     throw Error(ErrorCode::InvalidArgument,
                 formatted("{}: polygons are written as {}, not as .{}", name,
-                          extensions_in_words(FormatUse::WriteCage), info.name));
+                          extensions_in_words(FormatUse::WriteMesh), info.name));
   require_lines(header, name);
   if (materials.library != nullptr) require_apart(materials.library->obj(), path, format);
   std::optional<OutputFile> library;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -24,6 +25,16 @@ struct CageSubdivision {
   std::string_view scheme = "none";  ///< "catmullClark", "loop"; "none" draws the polygons
   bool has_sharp_boundary_corners = false;
 };
+
+/// USD's word for what its boundary is.
+[[nodiscard]] inline std::string_view boundary_of(const CageSubdivision& subdivision) {
+  return subdivision.has_sharp_boundary_corners ? "edgeAndCorner" : "edgeOnly";
+}
+
+/// As files have it: what is infinite is as sharp as everything from 10 on.
+[[nodiscard]] inline float written_sharpness(float sharpness) {
+  return std::isfinite(sharpness) ? sharpness : kInfiniteSharpness;
+}
 
 /// Gets the bytes of a file in order while they are written: for a digest.
 using ByteObserver = std::function<void(std::span<const std::byte>)>;

@@ -383,10 +383,11 @@ std::uint64_t solve_bytes(std::int64_t corners, bool makes_both, const Settings&
   return bytes * static_cast<std::uint64_t>(corners);
 }
 
-// Of control cages beside surfaces, which are of other fits where the method is left open.
+// Of control cages beside surfaces, which are of other fits where the method is left open or the
+// scheme is another.
 int cage_fits(const Settings& settings, const std::vector<PlannedOutput>& outputs) {
-  const auto is_cage = [](const PlannedOutput& output) { return output.kind == OutputKind::Cage; };
-  return chooses_by_measurement(settings) && std::ranges::any_of(outputs, is_cage) ? 1 : 0;
+  const bool is_other = settings.cage_scheme && settings.cage_scheme != settings.scheme;
+  return has_cage(outputs) && (is_other || chooses_by_measurement(settings)) ? 1 : 0;
 }
 
 // The levels that are held together: the highest, or those of detail in one file.

@@ -179,7 +179,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     std::optional<ReadyFit> cage;
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, report, context);
-      cage = take_cage(prepared, outputs, context.wants_page());
+      cage = take_cage(prepared, job.settings, outputs, context.wants_page());
       report.fit.method = prepared.input.options.method;
       if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context);
       const MeshNeed need{&prepared, nullptr};
@@ -189,6 +189,7 @@ JobResult run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     const bool was_open = ready.chooses_method;
     fit_input(made, std::move(ready), backend, job.moves, report, context);
     if (cage) fit_cage(made, *std::move(cage), backend, job.moves, report, context);
+    if (has_cage(outputs)) fit_cage_in_scheme(made, backend, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context);
     const std::vector<PlannedOutput> written = settled(outputs, {made.fitted.density.level()});
     stdout_bytes = staged.naming_targets([&] {

@@ -20,6 +20,7 @@
 #include "planish/job/job_text.h"
 #include "planish/job/report.h"
 #include "planish/mesh/check.h"
+#include "planish/pipeline/cage_in_scheme.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/fit_report.h"
 #include "planish/pipeline/fit_steps.h"
@@ -196,11 +197,11 @@ bool chooses_by_measurement(const Settings& settings) {
   return settings.interpolation == InterpolationChoice::Auto && settings.scheme == Scheme::DooSabin;
 }
 
-std::optional<ReadyFit> take_cage(ReadyFit& ready, const std::vector<PlannedOutput>& outputs,
-                                  bool has_page) {
-  const auto is_cage = [](const PlannedOutput& output) { return output.kind == OutputKind::Cage; };
-  if (!is_open(ready) || std::ranges::none_of(outputs, is_cage)) return {};
+std::optional<ReadyFit> take_cage(ReadyFit& ready, const Settings& settings,
+                                  const std::vector<PlannedOutput>& outputs, bool has_page) {
+  if (!is_open(ready) || settings.cage_scheme || !has_cage(outputs)) return {};
   ReadyFit cage = cage_fit(ready);
+  const auto is_cage = [](const PlannedOutput& output) { return output.kind == OutputKind::Cage; };
   if (has_page || !std::ranges::all_of(outputs, is_cage)) return cage;
   ready = std::move(cage);
   return {};
@@ -385,6 +386,14 @@ MovedFigures apply_moves(FittedMesh& fitted, std::span<const SceneMove> moves) {
   return figures;
 }
 
+// What does not pass the vertices as it should.
+void warn_of_missed(const std::optional<Warning>& missed, JobReport& report,
+                    const JobContext& context) {
+  if (!missed) return;
+  report.falls_short = true;
+  add_warning(report, context, *missed);
+}
+
 void note_fit(JobReport& report, FittedMesh& fitted) {
   report.fit = fitted.figures();
   settle(report.settings, fitted);
@@ -421,10 +430,7 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
   report.input.folded_edges = made.folds.count;
   report.input.folded_edge_area = made.folds.area;
   // Said of the fit where it is made; here of moves.
-  if (const auto missed = convergence_warning(made.fitted, name)) {
-    report.falls_short = true;
-    add_warning(report, context, *missed);
-  }
+  warn_of_missed(convergence_warning(made.fitted, name), report, context);
   note_fit(report, made.fitted);
 }
 
@@ -436,10 +442,18 @@ void fit_cage(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<cons
       timed(report.timing.choose, [&] { return fit_prepared(std::move(ready), backend); }));
   cage.split_normals = report.settings.creases.split_normals;
   if (!moves.empty()) timed(report.timing.choose, [&] { return apply_moves(cage, moves); });
-  if (const auto missed = convergence_warning(cage, name + ": control cage")) {
-    report.falls_short = true;
-    add_warning(report, context, *missed);
-  }
+  warn_of_missed(convergence_warning(cage, name + ": control cage"), report, context);
+}
+
+void fit_cage_in_scheme(JobInput& made, Backend& backend, JobReport& report,
+                        const JobContext& context) {
+  const std::optional<Scheme> scheme = report.settings.cage_scheme;
+  if (!scheme || *scheme == made.fitted.options.scheme) return;
+  Callbacks callbacks = callbacks_for(report, context);
+  callbacks.progress = {};
+  made.cage = timed(report.timing.choose,
+                    [&] { return cage_in_scheme(made.fitted, *scheme, backend, callbacks); });
+  warn_of_missed(cage_warning(*made.cage, input_name(report.input.path)), report, context);
 }
 
 }  // namespace planish

@@ -78,7 +78,8 @@ void require_points(const Job& job, const std::string& name, std::int64_t count)
 /// Where anything is left open and a cage is written, its fit: see cage_fit(). What the surface
 /// is does not hang on it, but where nothing else shows one (`has_page`: a page does): then it
 /// takes the place of `ready`, and nothing is given.
-[[nodiscard]] std::optional<ReadyFit> take_cage(ReadyFit& ready,
+/// Nothing, too, where the cage is of another scheme: see fit_cage_in_scheme().
+[[nodiscard]] std::optional<ReadyFit> take_cage(ReadyFit& ready, const Settings& settings,
                                                 const std::vector<PlannedOutput>& outputs,
                                                 bool has_page);
 
@@ -105,5 +106,10 @@ void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<con
 /// cage itself.
 void fit_cage(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
               JobReport& report, const JobContext& context);
+
+/// The same where Settings::cage_scheme is not that of the surface: see cage_in_scheme(). Vertices
+/// have moved before.
+void fit_cage_in_scheme(JobInput& made, Backend& backend, JobReport& report,
+                        const JobContext& context);
 
 }  // namespace planish

@@ -17,6 +17,7 @@
 #include "planish/core/vectors.h"
 #include "planish/core/words.h"
 #include "planish/files/formats.h"
+#include "planish/files/gltf/gltf_cage.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
@@ -141,11 +142,11 @@ void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& ta
 }
 
 // How USD is to draw the cage; it knows no Doo-Sabin.
-CageSubdivision subdivision_of(const Settings& settings) {
+CageSubdivision subdivision_of(const FitOptions& options) {
   CageSubdivision subdivision;
-  if (settings.scheme == Scheme::CatmullClark) subdivision.scheme = "catmullClark";
-  if (settings.scheme == Scheme::Loop) subdivision.scheme = "loop";
-  subdivision.has_sharp_boundary_corners = settings.boundary == BoundaryRule::EdgeAndCorner;
+  if (options.scheme == Scheme::CatmullClark) subdivision.scheme = "catmullClark";
+  if (options.scheme == Scheme::Loop) subdivision.scheme = "loop";
+  subdivision.has_sharp_boundary_corners = options.sharp.boundary == BoundaryRule::EdgeAndCorner;
   return subdivision;
 }
 
@@ -266,21 +267,29 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
 }
 
 WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
-                                const FittedMesh& whole, const MaterialLibrary& materials,
-                                const JobReport& report, bool digests) {
+                                const FittedMesh& whole, const JobReport& report,
+                                const SurfaceOutputOptions& options) {
   Settings settings = report.settings;
   settle(settings, whole);
   const PolygonMesh& input = whole.mesh;
   const Fit& fitted = whole.fit;
-  PolygonMesh cage = control_cage(input, fitted, settings.sharp());
-  round_for(planned.format, cage.positions);
-  write_mesh(
-      target, planned.format, cage,
-      {.header = cage_header_lines(settings, whole.options.method, report.input.path, whole.found),
-       .subdivision = subdivision_of(settings),
-       .is_z_up = settings.up == UpAxis::Z,
-       .materials = {&materials, planned.path.parent_path()}});
   WrittenOutput written;
+  PolygonMesh cage = control_cage(input, fitted, settings.sharp());
+  if (info_of(planned.format).is_gltf) {
+    GltfOptions gltf = options.gltf;
+    gltf.extras = fit_extras(whole.options, whole.creases(), fitted.interpolation);
+    gltf.compression = GltfCompression::None;
+    written.bytes = write_gltf_cage(target, cage, subdivision_of(whole.options), gltf).byte_count;
+    cage.positions = written_cage_positions(cage, gltf);
+  } else {
+    round_for(planned.format, cage.positions);
+    write_mesh(target, planned.format, cage,
+               {.header = cage_header_lines(settings, whole.options.method, report.input.path,
+                                            whole.found),
+                .subdivision = subdivision_of(whole.options),
+                .is_z_up = settings.up == UpAxis::Z,
+                .materials = {options.materials, planned.path.parent_path()}});
+  }
   written.path = utf8(planned.path);
   written.kind = planned.kind;
   written.vertices = cage.vertex_count();
@@ -289,11 +298,13 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
     if (size == 4) ++written.quads;
     if (size == 3) ++written.triangles;
   }
-  if (digests) {
+  written.scheme = whole.options.scheme;
+  written.creases = std::ssize(cage.creases);
+  if (options.digests) {
     const FileDigest digest = digest_of(target);
-    written.bytes = digest.bytes;
+    if (written.bytes == 0) written.bytes = digest.bytes;
     written.sha256 = digest.sha256;
-  } else {
+  } else if (written.bytes == 0) {
     written.bytes = std::filesystem::file_size(target);
   }
   const std::vector<glm::dvec3> limit =
@@ -424,21 +435,21 @@ auto written_step(const FittedJob& work, std::string_view step, const Make& make
 void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* surface,
                const SurfaceOutputOptions& options, WrittenOutput& written,
                std::vector<std::byte>& stdout_bytes) {
+  const FittedMesh& caged = work.made.cage ? *work.made.cage : work.fitted;
   written_step(work, "write", [&] {
     std::filesystem::path target;
     if (!planned.to_stdout) target = work.staged.stage(planned.path);
-    written =
-        surface != nullptr
-            ? write_surface_output(planned, target, *surface, options, stdout_bytes)
-            : write_cage_output(planned, target, work.made.cage ? *work.made.cage : work.fitted,
-                                work.made.materials.library, work.report, work.job.digests);
+    written = surface != nullptr
+                  ? write_surface_output(planned, target, *surface, options, stdout_bytes)
+                  : write_cage_output(planned, target, caged, work.report, options);
     if (planned.to_stdout) return;
     const std::filesystem::path beside = companion_of(target, planned.format);
     if (!beside.empty() && std::filesystem::exists(beside))
       (void)work.staged.stage(companion_of(planned.path, planned.format));
     if (planned.format == FileFormat::Gltf) stage_further_buffers(planned, target, work.staged);
   });
-  warn_of_rounding(work.report, work.context, written);
+  if (surface != nullptr || caged.fit.interpolation.converged)
+    warn_of_rounding(work.report, work.context, written);
 }
 
 // Tiles are made level by level as they are written.

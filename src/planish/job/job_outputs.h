@@ -189,13 +189,13 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
                                                const Settings& settings,
                                                const SurfaceOutputOptions& options);
 
-/// Writes the cage of a fitted mesh, with the materials of an OBJ's input, and measures how far its
-/// limit surface, recomputed in double, is from the mesh's vertices.
+/// Writes the cage of a fitted mesh, with the materials of the input, and measures how far its
+/// limit surface, recomputed in double from what is written, is from the mesh's vertices. The
+/// options are those of surfaces beside it.
 [[nodiscard]] WrittenOutput write_cage_output(const PlannedOutput& planned,
                                               const std::filesystem::path& target,
-                                              const FittedMesh& whole,
-                                              const MaterialLibrary& materials,
-                                              const JobReport& report, bool digests);
+                                              const FittedMesh& whole, const JobReport& report,
+                                              const SurfaceOutputOptions& options);
 
 /// What all files of a job's surface have in common.
 [[nodiscard]] SurfaceOutputOptions surface_options(const FittedJob& work);

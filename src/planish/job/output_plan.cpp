@@ -229,6 +229,10 @@ std::string PathClaims::refusal(const fs::path& path) const {
   return found == refusals_.end() ? std::string() : found->second;
 }
 
+bool has_cage(const std::vector<PlannedOutput>& outputs) {
+  return std::ranges::find(outputs, OutputKind::Cage, &PlannedOutput::kind) != outputs.end();
+}
+
 void require_attribute_formats(const std::vector<PlannedOutput>& outputs) {
   for (const PlannedOutput& output : outputs) {
     const bool carries = info_of(output.format).is_gltf || output.format == FileFormat::Ply ||

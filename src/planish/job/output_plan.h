@@ -135,6 +135,8 @@ void require_page_path(const std::filesystem::path& path, std::string_view where
 [[nodiscard]] std::vector<PlannedOutput> plan_output(const OutputRequest& request,
                                                      PathClaims& claims);
 
+[[nodiscard]] bool has_cage(const std::vector<PlannedOutput>& outputs);
+
 /// The same of outputs.
 [[nodiscard]] std::vector<PlannedOutput> settled(std::vector<PlannedOutput> outputs,
                                                  const MeshFineness& mesh);

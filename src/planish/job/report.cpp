@@ -203,6 +203,10 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
     entry["quads"] = output.quads;
     entry["triangles"] = output.triangles;
     entry["as_written_error"] = output.as_written_error;
+    if (output.kind == OutputKind::Cage) {
+      entry["scheme"] = name_of(output.scheme);
+      entry["creases"] = output.creases;
+    }
     for (const WrittenTiles& level : output.tile_levels) {
       entry["tiles"].push_back({{"level", level.level},
                                 {"tiles", level.tiles},
@@ -411,7 +415,12 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   std::string line = output_name(output.path);
   line.resize(std::max(line.size(), path_width), ' ');
   line += "  " + byte_size(output.bytes) + ", ";
-  if (output.kind == OutputKind::Cage) return line + "control cage";
+  if (output.kind == OutputKind::Cage) {
+    if (output.scheme == Scheme::DooSabin) return line + "control cage";
+    return formatted("{}{} control cage, {}, within {} of the vertices", line,
+                     name_of(output.scheme), counted(output.creases, "crease edge"),
+                     short_number(output.as_written_error));
+  }
   if (output.step) {
     const StepFigures& step = *output.step;
     line += faces_text(step);

@@ -44,7 +44,9 @@ struct WrittenOutput {
   std::uint64_t bytes = 0;        ///< a .gltf counts its .bin, a tile set its tiles
   std::string sha256;             ///< of the file named by path
   std::int64_t vertices = 0, quads = 0, triangles = 0;
-  std::int64_t faces = 0;  ///< of any size
+  std::int64_t faces = 0;            ///< of any size
+  Scheme scheme = Scheme::DooSabin;  ///< of a cage
+  std::int64_t creases = 0;          ///< tagged edges of a cage
   /// Of each fineness that is decimated, in their order; of several meshes the worst figures.
   std::vector<DecimationFigures> decimated;
   /// Largest distance of FittedMesh::points() from their places on the surface in the file,

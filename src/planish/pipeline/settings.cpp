@@ -86,6 +86,9 @@ constexpr std::array kUpWords{OptionWord<UpAxis>{"y", UpAxis::Y},
                               OptionWord<UpAxis>{"z", UpAxis::Z}};
 constexpr std::array kAssetWords{OptionWord<AssetChoice>{"keep", AssetChoice::Keep},
                                  OptionWord<AssetChoice>{"merge", AssetChoice::Merge}};
+constexpr std::array kCageWords{
+    OptionWord<std::optional<Scheme>>{"surface", std::nullopt},
+    OptionWord<std::optional<Scheme>>{"catmull-clark", Scheme::CatmullClark}};
 constexpr std::array kLodWords{OptionWord<LodChoice>{"files", LodChoice::Files},
                                OptionWord<LodChoice>{"msft", LodChoice::Msft}};
 constexpr std::array kReachWords{OptionWord<FileReach>{"beside", FileReach::Beside},
@@ -311,6 +314,15 @@ std::vector<FitOption> file_options() {
                    .help = "up axis of the input; z: rotated to Y-up in glTF, recorded in USD"},
                   kUpWords, &FitSettings::up),
       attributes_option(),
+      word_option({.name = "cage_scheme",
+                   .stage = Stage::Output,
+                   .initial = "surface",
+                   .help = "--cage: control points of the surface; or a Catmull-Clark cage with "
+                           "creases through the same points, which engines, Blender and USD draw",
+                   .ranks = {"surface",
+                             "ranks write cages of their surface; planish fit writes "
+                             "others"}},
+                  kCageWords, &FitSettings::cage_scheme),
       word_option({.name = "asset",
                    .stage = Stage::Output,
                    .initial = "keep",
@@ -840,6 +852,8 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
 }
 
 void settle(FitSettings& settings, const FittedMesh& fitted) {
+  settings.scheme = fitted.options.scheme;
+  settings.weights = fitted.options.weights;
   settings.creases.chooses = false;
   settings.creases.finds_features = fitted.finds_features;
   settings.creases.dihedral_degrees = fitted.crease_degrees;

@@ -85,7 +85,8 @@ struct FitSettings {
   std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
   std::vector<CornerVertex> corner_vertices;
   UpAxis up = UpAxis::Y;
-  FieldChoice attributes;  ///< that surfaces carry as data
+  FieldChoice attributes;             ///< that surfaces carry as data
+  std::optional<Scheme> cage_scheme;  ///< of control cages; empty: the surface's
   AssetChoice asset = AssetChoice::Keep;
   LodChoice lods = LodChoice::Files;
   std::vector<PartSetting> parts;          ///< of meshes of an asset, instead of these

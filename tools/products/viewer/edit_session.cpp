@@ -283,12 +283,12 @@ void turn_back(const SaveOptions& options, PolygonMesh& mesh) {
 FileFormat format_for(const std::filesystem::path& path, SavedPart part) {
   const auto format = format_of(path);
   const bool is_surface = part == SavedPart::Surface;
-  if (format && (is_surface ? info_of(*format).is_gltf : serves(*format, FormatUse::WriteCage)))
+  if (format && (is_surface ? info_of(*format).is_gltf : serves(*format, FormatUse::WriteMesh)))
     return *format;
   throw Error(ErrorCode::InvalidArgument,
               utf8(path) + (is_surface ? ": surfaces are saved as .glb or .gltf"
                                        : ": meshes and cages are saved as " +
-                                             extensions_in_words(FormatUse::WriteCage)));
+                                             extensions_in_words(FormatUse::WriteMesh)));
 }
 
 void save_surface(const EditSession& session, const std::filesystem::path& path,

@@ -154,7 +154,27 @@ std::vector<int> add_materials(std::span<const GltfPayload> surfaces, bool doubl
 json plain_rest(const GltfPrimitive& primitive, int material) {
   json rest{{"material", material}, {"mode", TINYGLTF_MODE_TRIANGLES}};
   if (!primitive.name.empty()) rest["extras"] = {{"group", valid_utf8(primitive.name)}};
+  if (primitive.encodes_ngons) rest["extensions"][kNgonExtension] = json::object();
   return rest;
+}
+
+// By USD's names.
+json subdivision_json(const GltfSubdivision& given) {
+  json made{{"subdivisionScheme", given.how.scheme},
+            {"interpolateBoundary", boundary_of(given.how)}};
+  const auto add = [&](const char* list, auto value) { made[list].push_back(value); };
+  for (const CreaseEdge& crease : given.creases) {
+    add("creaseIndices", crease.v0);
+    add("creaseIndices", crease.v1);
+    add("creaseLengths", 2);
+    add("creaseSharpnesses", written_sharpness(crease.sharpness));
+  }
+  for (const CornerVertex& corner : given.corners) {
+    add("cornerIndices", corner.vertex);
+    add("cornerSharpnesses", written_sharpness(corner.sharpness));
+  }
+  for (const std::int32_t face : given.hole_faces) add("holeIndices", face);
+  return made;
 }
 
 // A node of its name for each surface.
@@ -337,12 +357,14 @@ GltfDocument plain_document(std::span<const GltfPayload> surfaces, const GltfOpt
     const std::vector<std::int64_t> accessors = document.add(surfaces[i]);
     json& mesh = document.json["meshes"].emplace_back(json::object());
     if (!model.nodes[i].name.empty()) mesh["name"] = model.nodes[i].name;
+    if (options.subdivision) mesh["extras"]["subdivision"] = subdivision_json(*options.subdivision);
     for (const GltfPrimitive& primitive : surfaces[i].primitives)
       mesh["primitives"].push_back(
           primitive_json(primitive, accessors, plain_rest(primitive, *material++)));
   }
   if (!document.extensions.empty())
     document.json["extensionsUsed"] = document.json["extensionsRequired"] = document.extensions;
+  if (!options.ngon_groups.empty()) document.json["extensionsUsed"].push_back(kNgonExtension);
   return document;
 }
 

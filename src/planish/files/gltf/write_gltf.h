@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/files/write_polygons.h"
 #include "planish/measure/vertex_fields.h"
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
@@ -54,6 +56,14 @@ struct GltfAttribute {
   [[nodiscard]] const float* numbers(std::int32_t uv, std::int64_t row) const;
 };
 
+/// What a program needs to draw the surface of a control cage: see gltf_cage.h.
+struct GltfSubdivision {
+  CageSubdivision how;
+  std::span<const CreaseEdge> creases;
+  std::span<const CornerVertex> corners;
+  std::vector<std::int32_t> hole_faces;  ///< counted over all primitives, ascending
+};
+
 struct GltfOptions {
   std::string name = "surface";  ///< of mesh and node
   bool double_sided = false;     ///< for open surfaces
@@ -75,6 +85,8 @@ struct GltfOptions {
   /// One flag for each group whose triangles are written so that they encode the surface's faces as
   /// FB_ngon_encoding has it; empty: none are. Meshopt's order of triangles encodes none.
   std::vector<std::uint8_t> ngon_groups;
+  /// extras of the mesh; must outlive the call.
+  const GltfSubdivision* subdivision = nullptr;
   /// In the place of plain materials for groups of their names; must outlive the call.
   const GltfMaterials* materials = nullptr;
   /// Where their images stand, as a relative URI with a slash at its end; empty: in the file. A

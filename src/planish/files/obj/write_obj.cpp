@@ -1,6 +1,5 @@
 #include "planish/files/writers.h"
 
-#include <cmath>
 #include <string>
 
 #include "planish/files/obj/material_library.h"
@@ -11,9 +10,7 @@ namespace planish {
 namespace {
 
 // A float is written as the double that it is, so that no rounding happens twice on the way back.
-double sharpness_of(float sharpness) {
-  return std::isfinite(sharpness) ? sharpness : kInfiniteSharpness;
-}
+double sharpness_of(float sharpness) { return written_sharpness(sharpness); }
 
 void write_colored_position(FileBuffer& out, const glm::dvec3& position, const glm::vec4& color) {
   const glm::dvec4 encoded = srgb_of_linear(color);
