@@ -59,7 +59,8 @@ void fields(Archive& archive, FairDecisions& made) {
 template <class Archive>
 void fields(Archive& archive, FairFit& fair) {
   archive(fair.level_one, fair.least_polygon, fair.shrunk_vertices, fair.reversed_vertices,
-          fair.cured_vertices, fair.flagged_edges, fair.flagged_faces, fair.rounds, fair.decisions);
+          fair.cured_vertices, fair.flagged_edges, fair.flagged_faces, fair.rounds, fair.decisions,
+          fair.sharp_decisions);
 }
 
 template <class Archive>
@@ -86,8 +87,8 @@ void fields(Archive& archive, Fit& fit) {
 template <class Archive>
 void fields(Archive& archive, FitOptions& options) {
   archive(options.method, options.scheme, options.weights, options.solver, options.tolerance,
-          options.max_iterations, options.polish_steps, options.cures_folds, options.within,
-          options.sharp);
+          options.max_iterations, options.polish_steps, options.cures_folds,
+          options.obeys_semi_sharp, options.within, options.sharp);
 }
 
 template <class Archive>

@@ -569,7 +569,16 @@ EditChange Editor::Impl::finish(bool is_whole, bool refits_tree) {
 
 Editor::Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options) {
   require_editable(mesh, fit, options);
-  impl_ = std::make_unique<Impl>(mesh, fit, options);
+  if (!fit.fair || !fit.fair->sharp_decisions) {
+    impl_ = std::make_unique<Impl>(mesh, fit, options);
+    return;
+  }
+  EditorOptions smooth = options;
+  smooth.fit.obeys_semi_sharp = false;
+  FitOptions again = smooth.fit;
+  again.fair_decisions = &fit.fair->decisions;
+  again.prepared = fit.prepared;
+  impl_ = std::make_unique<Impl>(mesh, planish::fit(mesh, *make_cpu_backend(), again), smooth);
 }
 
 Editor::Editor(const FittedMesh& fitted, int level)

@@ -70,7 +70,8 @@ class Editor {
  public:
   /// `fit` is of `mesh`, which must outlive the editor; its positions are copied. Throws
   /// Error{InvalidArgument} for a fit that has not reached its tolerance, was allowed to leave the
-  /// vertices (`within`) or is of another scheme than Doo-Sabin, Error{OutOfMemory}.
+  /// vertices (`within`) or is of another scheme than Doo-Sabin, Error{OutOfMemory}. Semi-sharp
+  /// edges are smooth while a mesh is edited: whole fits alone have their rules.
   Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options = {});
   /// The same of all that fit_mesh() made. Vertices that it added are moved along with the given
   /// ones around, by the same weights, and by nothing else.

@@ -19,6 +19,7 @@
 #include "planish/core/words.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/fair/fold_cure.h"
+#include "planish/fair/semi_sharp.h"
 #include "planish/measure/figures.h"
 #include "planish/mend/repair.h"
 #include "planish/mesh/face_geometry.h"
@@ -422,9 +423,9 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
 }
 
 // With a look at the finished surface.
-FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
-                       std::span<const glm::dvec3> given, Backend& backend,
-                       const FitOptions& options) {
+FairNet make_cured_net(const Fit& result, const SharpFeatures& features, const PolygonMesh& mesh,
+                       const Subdivision& subdivision, std::span<const glm::dvec3> given,
+                       Backend& backend, const FitOptions& options) {
   if (!options.cures_folds || options.fair_decisions != nullptr)
     return make_net(mesh, subdivision, given, backend, options, options.callbacks,
                     options.fair_decisions);
@@ -449,8 +450,7 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
        .folds_of = [&](FairNet& net) -> DeepFolds {
          if (net.decisions.cures.size() != given.size()) return {};
          LevelOne level_one{std::move(net.state), result.placement};
-         if (!look)
-           look.emplace(mesh, *result.prepared->topology, *result.features, options.weights);
+         if (!look) look.emplace(mesh, *result.prepared->topology, features, options.weights);
          DeepFolds folds = look->at(level_one, share_of(round, kNetMade, 1));
          net.state = std::move(level_one.state);
          return folds;
@@ -506,17 +506,34 @@ Warning concave_faces_warning(std::int64_t faces, std::int64_t crossing) {
 
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
-  FairNet net = make_cured_net(result, mesh, subdivision, given, backend, options);
+  FairNet net =
+      make_cured_net(result, *result.features, mesh, subdivision, given, backend, options);
   result.interpolation = measured(subdivision, net.state, given, options.tolerance);
   net.least_polygon = least_polygon(*result.prepared->topology, *result.features, given, net.state);
   FairFit& fair = result.fair.emplace(
-      FairFit{net, {std::move(net.state), result.placement}, std::move(net.decisions)});
+      FairFit{net, {std::move(net.state), result.placement}, std::move(net.decisions), {}});
   if (fair.flagged_edges + fair.flagged_faces > 0)
     options.callbacks.warn(folds_left_warning(fair.flagged_edges, fair.flagged_faces));
   const auto concave = std::ssize(concave_faces(mesh));
   if (concave > 0)
     options.callbacks.warn(
         concave_faces_warning(concave, std::ssize(with_convex_faces(mesh).concave_faces)));
+}
+
+void solve_semi_sharp(Fit& result, const PolygonMesh& mesh, const Subdivision& smooth,
+                      const SharpFeatures& features, std::span<const glm::dvec3> given,
+                      Backend& backend, const FitOptions& options) {
+  const PolygonMesh sharp_mesh = with_semi_sharp_as_sharp(mesh);
+  const Subdivision sharp(smooth.topology(), features, Weights::DooSabin);
+  FitOptions making = options;
+  making.fair_decisions = options.sharp_fair_decisions;
+  FairNet net = make_cured_net(result, features, sharp_mesh, sharp, given, backend, making);
+  std::vector<glm::dvec3>& state = result.fair->level_one.state;
+  blend_semi_sharp(smooth, sharp, semi_sharp_tags(mesh, smooth.topology()), given, net.state,
+                   state);
+  result.fair->sharp_decisions = std::move(net.decisions);
+  result.fair->least_polygon = least_polygon(smooth.topology(), smooth.features(), given, state);
+  result.interpolation = measured(smooth, state, given, options.tolerance);
 }
 
 namespace {

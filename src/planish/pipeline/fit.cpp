@@ -14,6 +14,7 @@
 #include "planish/core/raw_vector.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/fair/bending.h"
+#include "planish/fair/semi_sharp.h"
 #include "planish/measure/figures.h"
 #include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/fit_steps.h"
@@ -203,9 +204,16 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+bool obeys_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
+  return options.method == InterpolationMethod::Fair && options.obeys_semi_sharp &&
+         options.sharp.use_tags && has_semi_sharp(mesh);
+}
+
 void warn_of_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
   // OpenSubdiv's own schemes obey them.
-  if (!options.sharp.use_tags || options.scheme != Scheme::DooSabin) return;
+  if (!options.sharp.use_tags || options.scheme != Scheme::DooSabin ||
+      obeys_semi_sharp(mesh, options))
+    return;
   std::int64_t count = 0;
   const CreaseEdge* first = nullptr;
   for (const CreaseEdge& crease : mesh.creases) {
@@ -215,7 +223,8 @@ void warn_of_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
   if (count == 0) return;
   options.callbacks.warn({"semi-sharp-creases",
                           formatted("creases of a sharpness below 10, taken as smooth: {}, the "
-                                    "first of them edge {}-{}; give 10 for a sharp edge",
+                                    "first of them edge {}-{}; fair interpolation obeys them, 10 "
+                                    "is a sharp edge",
                                     count, first->v0, first->v1),
                           count, first->v0});
 }
@@ -289,9 +298,19 @@ void fit_doo_sabin(Fit& result, const UsedPart& used, std::span<const glm::dvec3
       parallel_each(given.size(), kGrain,
                     [&](std::size_t v) { moved->positions[v] = result.points[used.vertices[v]]; });
     }
+    const PolygonMesh& mesh = moved ? *moved : used.mesh;
     // Its first step takes the weights of 1978 whatever the later levels take.
-    solve_fair(result, moved ? *moved : used.mesh,
-               Subdivision(topology, features, Weights::DooSabin), given, backend, solve);
+    const Subdivision subdivision(topology, features, Weights::DooSabin);
+    const bool is_semi_sharp = obeys_semi_sharp(used.mesh, options);
+    if (is_semi_sharp) solve.callbacks = share_of(options.callbacks, kTopologyKnown, 0.6);
+    solve_fair(result, mesh, subdivision, given, backend, solve);
+    if (is_semi_sharp) {
+      solve.callbacks = share_of(options.callbacks, 0.6, 0.95);
+      solve_semi_sharp(result, mesh, subdivision,
+                       find_sharp_features(with_semi_sharp_as_sharp(used.mesh), topology,
+                                           used.mesh.positions, options.sharp),
+                       given, backend, solve);
+    }
     result.timing.solve = watch.lap();
   } else {
     options.callbacks.report("stencils", kTopologyKnown);

@@ -32,7 +32,9 @@ struct FitOptions {
   /// Of the fair method: those of another frame of an animation, usually the rest pose's, so that
   /// nothing pops.
   const FairDecisions* fair_decisions = nullptr;
-  bool cures_folds = true;  ///< of the fair method, see FairOptions
+  const FairDecisions* sharp_fair_decisions = nullptr;  ///< FairFit::sharp_decisions, likewise
+  bool cures_folds = true;                              ///< of the fair method, see FairOptions
+  bool obeys_semi_sharp = true;  ///< of the fair method, see fair/semi_sharp.h; else smooth
   /// Of the fair method without `fair_decisions`: planes are kept, see find_kept_planes().
   bool keeps_planes = false;
   /// Of the diagonal: a surface that bends less and passes every given vertex at no more than this
@@ -56,6 +58,9 @@ struct FitTiming {
 struct FairFit : FairFigures {
   LevelOne level_one;
   FairDecisions decisions;
+  /// With FitOptions::obeys_semi_sharp, of a mesh with such tags: those of the net in which they
+  /// are sharp.
+  std::optional<FairDecisions> sharp_decisions;
 };
 
 /// How far a surface leaves the given vertices where it may, the tolerance included.

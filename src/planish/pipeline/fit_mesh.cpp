@@ -11,6 +11,7 @@
 #include "planish/core/error.h"
 #include "planish/core/portable_math.h"
 #include "planish/core/version.h"
+#include "planish/fair/semi_sharp.h"
 #include "planish/mend/faults.h"
 #include "planish/mend/repair.h"
 #include "planish/mesh/check.h"
@@ -418,6 +419,15 @@ bool has_triangles(const PolygonMesh& mesh) {
 }  // namespace
 
 ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
+  // Which only one method has.
+  if (!options.method && options.fit.scheme == Scheme::DooSabin && options.fit.sharp.use_tags &&
+      options.fit.obeys_semi_sharp && has_semi_sharp(mesh)) {
+    MeshFitOptions fair = options;
+    fair.method = InterpolationMethod::Fair;
+    ReadyFit ready = prepare_fit(std::move(mesh), name, fair);
+    ready.reason = "fair: the mesh has semi-sharp edges, which the progressive method makes smooth";
+    return ready;
+  }
   const HostScope host(options.fit.callbacks);
   const auto report = [&](double fraction) { options.fit.callbacks.report("check", fraction); };
   report(0);

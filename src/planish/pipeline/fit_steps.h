@@ -199,6 +199,12 @@ struct LimitSystem {
 /// The split must have a level 1.
 [[nodiscard]] LimitSystem primal_system(const PrimalSplit& split, const FitOptions& options);
 
+/// Moves the fair net that solve_fair() made towards the one in which what is semi-sharp is sharp,
+/// and measures its error again. `features`: of the latter.
+void solve_semi_sharp(Fit& result, const PolygonMesh& mesh, const Subdivision& smooth,
+                      const SharpFeatures& features, std::span<const glm::dvec3> given,
+                      Backend& backend, const FitOptions& options);
+
 /// Moves the points that a surface is to pass through, one per vertex in unit coordinates, to where
 /// the mesh bends least, as far as options.within lets them; none where that is 0. Nothing is said
 /// of the surface: for ranks, which do not measure it. Each calls it for its part: the same bits
