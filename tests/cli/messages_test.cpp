@@ -233,7 +233,7 @@ TEST_F(Wording, OfOutputs) {
            "a surface is written as .glb, .gltf, .obj, .ply, .off, .stl, .usda, .json or .step",
            "from a .glb \"assimp export "},
           {"-o a.usdz", 2, "Blender converts it"},
-          {"--cage a.glb", 2, "a cage is written as .obj, .ply, .off or .usda"},
+          {"--cage a.stl", 2, "a cage is written as .glb, .gltf, .obj, .ply, .off or .usda"},
           {"-o newdir", 2, "; a folder ends with a slash, as newdir/"},
           {"-o missing/a.glb", 7, "there is no folder"},
           {"-o a.glb --report folder.json", 7, "is a folder"},

@@ -70,8 +70,8 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
              "), - for a GLB on stdout, or a folder to write NAME.glb into; repeatable",
          "FILE")
       ->allow_extra_args(false);
-  option("--cage", flags.cage,
-         "control cage (" + extensions_of(FormatUse::WriteCage) + "), or a folder", "FILE");
+  option("--cage", flags.cage, "cage (" + extensions_of(FormatUse::WriteCage) + "), or a folder",
+         "FILE");
   option("--report", flags.report, "JSON report; - for stdout", "FILE");
   for (const FitOption& fineness : option_table())
     if (is_of_files(fineness)) add_option_flag(command, flags.options, fineness, kFiles);

@@ -17,6 +17,7 @@
 #include "planish/core/error.h"
 #include "planish/core/portable_math.h"
 #include "planish/core/words.h"
+#include "planish/fair/semi_sharp.h"
 #include "planish/files/gltf/asset/asset_vertices.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/job/job.h"
@@ -365,6 +366,9 @@ constexpr double kStepPoints = 60, kCubicPoints = 150;
 constexpr std::uint64_t kProgressiveBytes = 150, kFairBytes = 210, kPrimalBytes = 300,
                         kBothBytes = 290;
 
+// Of a net in which semi-sharp edges are smooth beside the one in which they are sharp.
+constexpr std::uint64_t kSemiSharpBytes = 80;
+
 // Where vertices may be left, the best surface so far beside the next one and how it bends.
 constexpr std::uint64_t kLeavingBytes = 110, kLeavingPrimalBytes = 800;
 
@@ -472,8 +476,11 @@ std::uint64_t solve_bytes(const ReadyFit& ready, const Settings& settings,
                           const std::vector<PlannedOutput>& outputs) {
   const bool makes_both = ready.paired && !ready.is_plainly_halved;
   const std::int64_t corners = ready.input.prepared->topology->corner_count();
-  const std::uint64_t cages = kProgressiveBytes * cage_fits(settings, outputs);
-  return solve_bytes(corners, makes_both, settings) + cages * static_cast<std::uint64_t>(corners);
+  std::uint64_t further =
+      (settings.cage_scheme ? kPrimalBytes : kProgressiveBytes) * cage_fits(settings, outputs);
+  if (settings.scheme == Scheme::DooSabin && has_semi_sharp(ready.input.mesh))
+    further += kSemiSharpBytes;
+  return solve_bytes(corners, makes_both, settings) + further * static_cast<std::uint64_t>(corners);
 }
 
 std::uint64_t rider_bytes(const PointCloud& cloud) {

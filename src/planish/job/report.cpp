@@ -12,6 +12,7 @@
 #include "planish/core/json.h"
 #include "planish/core/version.h"
 #include "planish/core/words.h"
+#include "planish/files/formats.h"
 #include "planish/job/build_info.h"
 #include "planish/job/input.h"
 #include "planish/job/job_text.h"
@@ -792,8 +793,12 @@ std::string next_step(const JobReport& report) {
   for (const WrittenOutput& output : report.outputs) {
     if (output.path == "-") continue;
     const std::string path = visible(output.path);
-    if (output.kind == OutputKind::Cage)
+    if (output.kind == OutputKind::Cage) {
+      const auto format = format_of(path_of(output.path));
+      // Of those that are read with what they say of how they were made.
+      if (!format || info_of(*format).is_gltf || !serves(*format, FormatUse::ReadMesh)) continue;
       return formatted("next: planish verify {} {}", path, visible(report.input.path));
+    }
     return "next: open " + path + ", or see it in a browser: planish fit ... --page out.html";
   }
   return "next: see it in a browser: planish fit ... --page out.html";

@@ -11,6 +11,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/vectors.h"
+#include "planish/core/words.h"
 #include "planish/mesh/face_geometry.h"
 #include "planish/surface/mesh_blocks.h"
 #include "planish/surface/surface_blocks.h"
@@ -98,6 +99,7 @@ GltfFile write_gltf_cage(const std::filesystem::path& path, const PolygonMesh& c
   const GltfSubdivision extras = subdivision_of(cage, subdivision);
   options.subdivision = &extras;
   options.ngon_groups.assign(std::max<std::size_t>(cage.groups.size(), 1), 1);
+  options.most_fanned = std::numeric_limits<std::size_t>::max();
   // All numbers of vertices are of one buffer.
   options.buffer_bytes = std::numeric_limits<std::uint64_t>::max();
   return write_gltf(path, MeshBlocks(surface, faces), options);

@@ -22,9 +22,10 @@ namespace planish {
 /// Each group of faces is a primitive with vertices of its own, which are doubled at seams of
 /// texture coordinates: the attribute _CAGE_VERTEX says which of the cage's vertices each is, by
 /// the numbers of these lists. Faces are counted over all primitives. Lists that are empty are left
-/// out. Normals are the mean of the facets'. The options' extras, name, origin and materials are
-/// taken. Throws as write_gltf(), and Error{InvalidArgument} for a cage without faces or of more
-/// than 2^24 vertices, which float32 does not count.
+/// out. Normals are the mean of the facets'. Polygons are fans, whose triangles overlap where one
+/// is concave. The options' extras, name, origin and materials are taken. Throws as write_gltf(),
+/// and Error{InvalidArgument} for a cage without faces or of more than 2^24 vertices, which float32
+/// does not count.
 GltfFile write_gltf_cage(const std::filesystem::path& path, const PolygonMesh& cage,
                          const CageSubdivision& subdivision, GltfOptions options);
 

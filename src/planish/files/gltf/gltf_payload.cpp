@@ -400,7 +400,7 @@ std::int64_t face_before(const GltfPart& part, std::int64_t face) {
 
 template <class Index>
 void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, const GltfPart& part,
-                   bool is_of_ngons, std::span<const ByteSink> sinks) {
+                   std::size_t most_fanned, std::span<const ByteSink> sinks) {
   std::vector<RowRange> pieces;
   for (const RowRange& run : part.faces) {
     for (RowRange piece : ranges_of(run.count, kBufferFaces)) {
@@ -412,8 +412,8 @@ void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, c
       pieces,
       [&](RowRange faces, RawVector<std::byte>& bytes) {
         FaceWriter<Index> write(surface, vertices);
-        if (is_of_ngons) {
-          write.ngons(faces, face_before(part, faces.first), bytes);
+        if (most_fanned > 0) {
+          write.ngons(faces, face_before(part, faces.first), most_fanned, bytes);
         } else {
           write(faces, bytes);
         }
@@ -538,11 +538,11 @@ void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
   }
   const std::array<std::byte, 4> zeros{};
   for (const GltfPart& part : vertices.parts) {
-    const bool is_of_ngons = encodes_ngons(part, options);
+    const std::size_t most_fanned = encodes_ngons(part, options) ? options.most_fanned : 0;
     if (index_size(part) == 2) {
-      write_indices<std::uint16_t>(surface, vertices, part, is_of_ngons, all);
+      write_indices<std::uint16_t>(surface, vertices, part, most_fanned, all);
     } else {
-      write_indices<std::uint32_t>(surface, vertices, part, is_of_ngons, all);
+      write_indices<std::uint32_t>(surface, vertices, part, most_fanned, all);
     }
     if (written % 4 == 0) continue;
     for (const ByteSink& sink : all) sink(std::span(zeros).first(4 - written % 4));

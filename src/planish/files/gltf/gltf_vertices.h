@@ -222,8 +222,10 @@ class FaceWriter {
 
   /// The same as FB_ngon_encoding has it: triangles of one face follow each other and begin with
   /// one vertex, which is none that those of the face before it, `before` (-1: none), could begin
-  /// with. Faces of more than four corners are triangles of their own.
-  void ngons(RowRange faces, std::int64_t before, RawVector<std::byte>& bytes) {
+  /// with. Faces of more than `most_fanned` corners are triangles of their own, for those of a fan
+  /// overlap where a face is concave.
+  void ngons(RowRange faces, std::int64_t before, std::size_t most_fanned,
+             RawVector<std::byte>& bytes) {
     const SurfaceInfo& info = surface_.info();
     std::vector<Index> taken;
     if (before >= 0) {
@@ -238,8 +240,8 @@ class FaceWriter {
       const auto begin = static_cast<std::size_t>(info.first_corner(f) - first);
       const auto end = static_cast<std::size_t>(info.first_corner(f + 1) - first);
       Index* const written = to;
-      if (end - begin == 4) {
-        to = fan(begin, taken, to);
+      if (end - begin >= 4 && end - begin <= most_fanned) {
+        to = end - begin == 4 ? quad_fan(begin, taken, to) : fan(begin, end - begin, taken, to);
         taken = {*written};
         continue;
       }
@@ -266,8 +268,18 @@ class FaceWriter {
     return std::ranges::find(taken, vertex) != taken.end();
   }
 
+  // The triangles of a polygon around a corner that is not taken.
+  Index* fan(std::size_t at, std::size_t size, const std::vector<Index>& taken, Index* to) const {
+    std::size_t start = 0;
+    while (start + 1 < size && is_in(taken, static_cast<Index>(corners_[at + start]))) ++start;
+    for (std::size_t k = 1; k + 1 < size; ++k)
+      for (const std::size_t corner : {start, start + k, start + k + 1})
+        *to++ = static_cast<Index>(corners_[at + corner % size]);
+    return to;
+  }
+
   // The two triangles of a quad at an end of the diagonal that cuts it, one that is not taken.
-  Index* fan(std::size_t at, const std::vector<Index>& taken, Index* to) const {
+  Index* quad_fan(std::size_t at, const std::vector<Index>& taken, Index* to) const {
     const glm::dvec3* p = positions_.data() + at;
     const auto split = split_quad(p[0], p[1], p[2], p[3]);
     std::size_t start = split[0] == split[3] ? 0 : 1;

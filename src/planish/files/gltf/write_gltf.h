@@ -85,6 +85,8 @@ struct GltfOptions {
   /// One flag for each group whose triangles are written so that they encode the surface's faces as
   /// FB_ngon_encoding has it; empty: none are. Meshopt's order of triangles encodes none.
   std::vector<std::uint8_t> ngon_groups;
+  /// Corners of the largest faces that are encoded so; larger ones become separate triangles.
+  std::size_t most_fanned = 4;
   /// extras of the mesh; must outlive the call.
   const GltfSubdivision* subdivision = nullptr;
   /// In the place of plain materials for groups of their names; must outlive the call.
