@@ -160,6 +160,46 @@ TEST(COptions, LimitsEndWhatNeedsMore) {
   EXPECT_EQ(status_with("point_limit", "8"), PLANISH_OK);
 }
 
+// The third cannot be fitted, and stops nobody.
+TEST(COptions, ManyFilesHaveAContactSheet) {
+  const TemporaryFolder folder;
+  const auto inside = [&](const char* name) { return (folder.path() / name).string(); };
+  const std::array<std::string, 3> paths{inside("cube.obj"), inside("torus.obj"),
+                                         inside("bad.obj")};
+  write_mesh(paths[0], FileFormat::Obj, cube());
+  write_mesh(paths[1], FileFormat::Obj, torus(8, 6, 1, 0.4));
+  std::ofstream(paths[2]) << "no mesh";
+  const std::array<const char*, 3> inputs{paths[0].c_str(), paths[1].c_str(), paths[2].c_str()};
+  const OwnOptions options = defaults();
+  set(options, "page", inside("pages"));
+  std::vector<std::pair<std::size_t, std::string>> failures;
+  const auto note = [](void* user, std::size_t input, const char* message) {
+    static_cast<decltype(failures)*>(user)->emplace_back(input, message);
+  };
+  ASSERT_EQ(planish_fit_files(inputs.data(), 3, inside("out").c_str(), "ply", options.get(), note,
+                              &failures),
+            PLANISH_OK)
+      << planish_last_error();
+  ASSERT_EQ(failures.size(), 1u);
+  EXPECT_EQ(failures[0].first, 2u);
+  EXPECT_THAT(failures[0].second, HasSubstr("bad.obj"));
+  for (const char* name : {"out/cube.ply", "out/torus.ply", "pages/cube.html", "pages/torus.html"})
+    EXPECT_TRUE(std::filesystem::exists(inside(name))) << name;
+  std::ifstream sheet(inside("pages/index.html"));
+  const std::string html{std::istreambuf_iterator<char>(sheet), {}};
+  EXPECT_THAT(html, AllOf(HasSubstr("torus.html"), HasSubstr("bad")));
+  // Without a folder of pages, an extension and anybody to tell.
+  EXPECT_EQ(
+      planish_fit_files(inputs.data(), 2, inside("b").c_str(), nullptr, nullptr, nullptr, nullptr),
+      PLANISH_OK);
+  EXPECT_TRUE(std::filesystem::exists(inside("b/torus.glb")));
+  set(options, "report", "r.json");
+  EXPECT_EQ(planish_fit_files(inputs.data(), 3, inside("c").c_str(), nullptr, options.get(),
+                              nullptr, nullptr),
+            PLANISH_INVALID_ARGUMENT);
+  EXPECT_THAT(planish_last_error(), StartsWith("options.report: is of one file"));
+}
+
 TEST(COptions, UnknownNamesAreToldTheNearest) {
   const OwnOptions options = defaults();
   EXPECT_EQ(refusal(options, "tolerence", "1"),

@@ -99,6 +99,19 @@ export default async function make() {
       if (module.status === 0) files.set(text(to), files.get(text(from)).slice());
       return module.status;
     },
+    _planish_fit_files: (inputs, count, folder, extension, options, failed) => {
+      const view = new DataView(module.HEAPU8.buffer);
+      const from = Array.from({ length: count }, (_, i) => text(view.getUint32(inputs + 4 * i, true)));
+      calls.push({ from, folder: text(folder), extension: text(extension), set: module.handles.get(options).set });
+      from.forEach((path, i) => {
+        const stem = path.replace('/in/', '').replace(/\\.[^.]*$/, '');
+        if (files.get(path).length === 0) return functions.get(failed)(0, i, constant(path + ': is empty'));
+        files.set(text(folder) + '/' + stem + '.' + text(extension), files.get(path).slice());
+        if (module.handles.get(options).set.some(([name]) => name === 'page')) files.set('/pages/' + stem + '.html', 'page of ' + stem);
+      });
+      files.set('/pages/index.html', 'sheet');
+      return module.status;
+    },
   });
 }
 `;
@@ -172,6 +185,28 @@ test('warnings are heard, exceptions come out, and nothing is left behind', () =
   assert.deepEqual(heard, [['odd', 'odd']]);
   assert.throws(() => planish.fitFile(new Uint8Array(4), 'a.glb', { warning() { throw new Error('mine'); } }), /^Error: mine$/);
   nothingIsLeft();
+});
+
+test('many files go one after another, and one that fails stops nobody', () => {
+  module.told = undefined;
+  const files = [{ bytes: new Uint8Array([1]), name: 'in/a.obj' }, { bytes: new Uint8Array(0), name: 'b.b.stl' }, { bytes: new Uint8Array([2]), name: 'c.glb' }];
+  const made = planish.fitFiles(files, { extension: 'ply', page: true, levels: [1] });
+  assert.deepEqual(made, {
+    files: [
+      { name: 'in/a.obj', bytes: new Uint8Array([1]), page: 'page of a' }, { name: 'b.b.stl', error: 'b.b.stl: is empty' },
+      { name: 'c.glb', bytes: new Uint8Array([2]), page: 'page of c' },
+    ],
+    warnings: [], sheet: 'sheet',
+  });
+  assert.deepEqual(module.calls.at(-1), {
+    from: ['/in/a.obj', '/in/b.b.stl', '/in/c.glb'], folder: '/out', extension: 'ply', set: [['levels', '1'], ['page', '/pages']],
+  });
+  nothingIsLeft();
+  assert.equal(planish.fitFiles(files.slice(2)).sheet, undefined);
+  refused(() => planish.fitFiles(files, { extension: 'gltf' }), 'INVALID_ARGUMENT', /beside it/);
+  [module.status, module.error] = [2, '/in/a.obj, /in/c.glb: one name'];
+  refused(() => planish.fitFiles(files), 'INVALID_ARGUMENT', /^in\/a.obj, c.glb: one name/);
+  [module.status, module.error] = [0, ''];
 });
 
 test('errors name the file and what was wrong', () => {

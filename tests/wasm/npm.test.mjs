@@ -211,6 +211,20 @@ test('a file comes with its report and its page', () => {
   assert.equal(planish.fitFile(scene('goblet.obj'), 'goblet.obj', { levels: 0 }).page, undefined);
 });
 
+test('a contact sheet shows many files', () => {
+  const files = ['goblet.obj', 'cube.obj'].map((name) => ({ bytes: scene(name), name }));
+  files.push({ bytes: new Uint8Array([7]), name: 'broken.stl' });
+  const made = planish.fitFiles(files, { levels: 0, page: true });
+  assert.deepEqual(made.files.map(({ error }) => !error), [true, true, false]);
+  assert.match(made.files[2].error, /^broken.stl/);
+  for (const { bytes, page } of made.files.slice(0, 2)) {
+    assert.equal(String.fromCharCode(...bytes.subarray(0, 4)), 'glTF');
+    assert.match(page, /class="payload"/);
+  }
+  for (const name of ['goblet.html', 'cube.html', 'broken']) assert.ok(made.sheet.includes(name), name);
+  refused(() => planish.fitFiles([files[0], files[0]]), 'INVALID_ARGUMENT', /goblet/);
+});
+
 test('errors say what, where and which', () => {
   const bytes = (text) => new TextEncoder().encode(text);
   refused(() => planish.fit({ positions: [0, 0, 0, 1, 0, 0], faces: [[0, 1, 7]] }), 'UNUSABLE_MESH', /face 0 names vertex 7 of 2/);

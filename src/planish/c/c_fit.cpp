@@ -1,4 +1,6 @@
 #include <cmath>
+#include <cstddef>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -206,6 +208,38 @@ planish_status planish_fit_file(const char* input, const char* output,
         planish::fit_file(planish::path_of(input), planish::path_of(output), how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
     return written_status(done.fitted, done.step);
+  });
+}
+
+planish_status planish_fit_files(const char* const* inputs, size_t input_count, const char* folder,
+                                 const char* extension, const planish_options* options,
+                                 void (*failed)(void* user, size_t input, const char* message),
+                                 void* user) {
+  return call([&] {
+    require(folder, "folder");
+    if (input_count > 0) require(inputs, "inputs");
+    const planish_options& own = options_of(options);
+    const planish::Settings& settings = consistent_settings(own);
+    for (const char* const file : {"report", "cage", "source"})
+      if (!own.file(file).empty())
+        planish::refuse(spelled(file), "is of one file; planish_fit_file() has it");
+    std::vector<std::filesystem::path> from;
+    for (std::size_t i = 0; i < input_count; ++i) {
+      require(inputs[i], "inputs");
+      from.push_back(planish::path_of(inputs[i]));
+    }
+    const auto backend = Kept{own.thread_count, settings, {}}.make_backend();
+    const std::vector<std::string> messages =
+        planish::fit_files(from, planish::path_of(folder),
+                           {.settings = settings,
+                            .extension = extension == nullptr ? "glb" : extension,
+                            .pages = planish::path_of(own.file("page")),
+                            .limits = own.limits,
+                            .callbacks = callbacks_of(own),
+                            .backend = backend.get()});
+    for (std::size_t i = 0; failed != nullptr && i < messages.size(); ++i)
+      if (!messages[i].empty()) failed(user, i, planish::visible(messages[i]).c_str());
+    return PLANISH_OK;
   });
 }
 

@@ -126,7 +126,8 @@ planish_status planish_options_create(planish_options** options);
  *   PLANISH_LEVEL_AUTO stands for. Several are levels of detail of one glTF, for which "lods" has
  *   to be "msft".
  * - "report" (JSON), "page" (HTML), "cage" and "source" (a mesh that the surface is compared with):
- *   paths of further files of planish_fit_file(), as jobs of scene files name them.
+ *   paths of further files of planish_fit_file(), as jobs of scene files name them; "page" of
+ *   planish_fit_files(), too.
  * - "device": "cpu".
  * - "memory_limit" (bytes), "point_limit" (of an input), "output_limit" (bytes of all files),
  *   "time_limit" (seconds of processor time): of planish_fit_file(), for hosts that run the work of
@@ -209,6 +210,17 @@ void planish_fit_free(planish_fit* fit);
  * the new one is whole. */
 planish_status planish_fit_file(const char* input, const char* output,
                                 const planish_options* options, planish_fit_info* info);
+
+/** Many files one after another, each as planish_fit_file() makes it, into `folder` under its name
+ * with that extension; NULL: "glb". The option "page" names a folder here, for a page of each and
+ * index.html, a contact sheet, the worst first; "report", "cage" and "source" are refused. An input
+ * that cannot be fitted does not stop the others: `failed`, which may be NULL, is called on the
+ * calling thread with its number and a sentence. PLANISH_INVALID_ARGUMENT for two inputs of one
+ * name. */
+planish_status planish_fit_files(const char* const* inputs, size_t input_count, const char* folder,
+                                 const char* extension, const planish_options* options,
+                                 void (*failed)(void* user, size_t input, const char* message),
+                                 void* user);
 
 /* -- Surfaces -------------------------------------------------------------------------------- */
 

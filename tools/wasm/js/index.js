@@ -32,7 +32,7 @@ class Planish {
   #module;
   constructor(module) {
     this.#module = module;
-    for (const folder of ['/in', '/out']) module.FS.mkdir(folder);
+    for (const folder of ['/in', '/out', '/pages']) module.FS.mkdir(folder);
   }
 
   get version() {
@@ -98,6 +98,42 @@ class Planish {
     } finally {
       module.FS.unlink(from);
       removeAll(module, '/out');
+    }
+  }
+
+  /** Many files, each {bytes, name}, as fitFile() makes them, one after another. One that cannot be fitted has an
+   * `error` and stops nobody. With `page` each has a page, NAME.html, and `sheet` is a contact sheet that shows all, the
+   * worst first, and links to these. */
+  fitFiles(files, { extension = 'glb', page = false, ...options } = {}) {
+    const module = this.#module;
+    if (/^(gltf|json)$/i.test(extension)) refuse(`extension: a .${extension} has files beside it; take glb`);
+    const given = files.map(({ name }) => pathIn('/in', name)), warnings = [], errors = new Map();
+    const named = (message) => given.reduce((text, path, i) => text.replaceAll(path, files[i].name), message);
+    const text = (path) => module.FS.readFile(path, { encoding: 'utf8' });
+    try {
+      files.forEach(({ bytes }, i) => module.FS.writeFile(given[i], bytes));
+      new Memory(module).use((memory) => {
+        const told = new FitOptions(memory, { ...options, ...(page && { page: '/pages' }) }, warnings);
+        const failed = memory.callback('viii', (user, input, message) =>
+          errors.set(input, named(module.UTF8ToString(message))));
+        const status = module._planish_fit_files(memory.texts(given), given.length, memory.text('/out'),
+          memory.text(extension), told.pointer, failed, 0);
+        told.end();
+        try {
+          check(module, status);
+        } catch (error) {
+          throw new PlanishError(named(error.message), error.code, error.element);
+        }
+      });
+      const stem = (i) => given[i].replace(/^\/in\//, '').replace(/\.[^.]*$/, '');
+      return {
+        files: files.map(({ name }, i) => errors.has(i) ? { name, error: errors.get(i) } : {
+          name, bytes: module.FS.readFile(`/out/${stem(i)}.${extension}`), ...(page && { page: text(`/pages/${stem(i)}.html`) }),
+        }),
+        warnings, ...(page && { sheet: text('/pages/index.html') }),
+      };
+    } finally {
+      for (const folder of ['/in', '/out', '/pages']) removeAll(module, folder);
     }
   }
 }

@@ -27,6 +27,9 @@ const DO = {
   fitFile({ id, bytes, name, options }) {
     return planish.fitFile(bytes, name, { ...options, progress: listening(id, 'progress'), warning: listening(id, 'warning') });
   },
+  fitFiles({ id, files, options }) {
+    return planish.fitFiles(files, { ...options, progress: listening(id, 'progress'), warning: listening(id, 'warning') });
+  },
   call({ fit, name, given }) {
     const result = fits.get(fit)[name](...given);
     if (name !== 'cage') return result;

@@ -1,4 +1,4 @@
-import type { FileFit, Fit, FitFileOptions, FitInfo, FitOptions, MeshArrays, MeshCopy } from './index.js';
+import type { FileFit, FilesFit, Fit, FitFileOptions, FitFilesOptions, FitInfo, FitOptions, MeshArrays, MeshCopy } from './index.js';
 
 type Later<F> = F extends (...given: infer Given) => infer Result ? (...given: Given) => Promise<Result> : never;
 
@@ -9,5 +9,6 @@ export class PlanishWorker {
   static create(options?: { wasm?: ArrayBuffer | Uint8Array | WebAssembly.Module }): Promise<PlanishWorker>;
   fit(mesh: MeshArrays | { bytes: Uint8Array; name: string }, options?: FitOptions): Promise<LaterFit>;
   fitFile(bytes: Uint8Array, name: string, options?: FitFileOptions): Promise<FileFit>;
+  fitFiles(files: { bytes: Uint8Array; name: string }[], options?: FitFilesOptions): Promise<FilesFit>;
   stop(): void;
 }

@@ -72,6 +72,11 @@ export class PlanishWorker {
     return this.#call({ do: 'fitFile', bytes, name, options }, { progress, warning });
   }
 
+  /** Many files, and a contact sheet of them. */
+  fitFiles(files, { progress, warning, ...options } = {}) {
+    return this.#call({ do: 'fitFiles', files, options }, { progress, warning });
+  }
+
   /** Ends the thread; what it was asked for is rejected with the code CANCELLED. */
   stop() {
     this.#end('stopped', 'CANCELLED');
