@@ -214,9 +214,20 @@ def main():
             tab.evaluate("document.getElementById('fit').click()")
             said = tab.wait(ERROR)
             check(words in said, said)
+        # What the choice is between, of one mesh; nothing but the page is made.
+        give(tab, ("cube.obj", (ROOT / "scenes/cube.obj").read_bytes()))
+        tab.evaluate("document.getElementById('try').click()")
+        tab.wait(READY, seconds=120)
+        links = tab.evaluate("[...document.querySelectorAll('#downloads a')].map(a=>a.download).join()")
+        check(links == "cube_tried.html", f"links: {links}")
+        said = tab.evaluate("document.getElementById('said').textContent")
+        check("taken" in said and "--quads off" in said, said)
+        check(drawn(tab), "the frame of what was tried stays empty")
+        picture(tab, folder, "tried.png")
         # Several at once, with a cage; each is in the one report page.
         obj = (ROOT / "scenes/goblet.obj").read_bytes()
         give(tab, ("a.obj", obj), ("b c.obj", obj))
+        check(tab.evaluate("document.getElementById('try').disabled"), "several meshes are tried")
         tab.evaluate("document.getElementById('cage').click();document.getElementById('levels').value='0';"
                      "document.getElementById('fit').click()")
         tab.wait(READY, seconds=120)
@@ -231,7 +242,7 @@ def main():
         refused = ["Fetch API cannot load", "connect-src"]  # what was asked for above
         bad = [event for event in problems(browser) if not any(words in str(event) for words in refused)]
         check(not bad, f"the console says {bad}")
-    print("the page fits, refuses, stops")
+    print("the page fits, tries, refuses, stops")
 
 
 main()

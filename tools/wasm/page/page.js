@@ -56,7 +56,22 @@ async function take(files) {
 
 function show() {
   $('chosen').textContent = chosen.map((file) => file.name).join(', ');
+  ready();
+}
+
+// What is chosen from is that of one mesh.
+function ready() {
   $('fit').disabled = chosen.length === 0;
+  $('try').disabled = mains().length !== 1;
+}
+
+// The run of the command that shows what a fit chooses from, as far as the form leaves it open.
+function trials() {
+  const named = [['interpolation', 'method', 'auto'], ['creases', 'creases', 'choose']];
+  const flags = named.flatMap(([flag, id, open]) => ($(id).value === open ? [] : [`--${flag}`, $(id).value]));
+  if ($('within').value.trim()) flags.push('--within', $('within').value.trim());
+  flags.push(...($('flags').value.match(/\S+/g) ?? []));
+  return [['try', ...mains(), ...flags, '--page', '/page.html', '--progress', 'json']];
 }
 
 // The runs of the command that make what the form asks for.
@@ -81,7 +96,8 @@ function runs() {
 
 function busy(is) {
   for (const id of ['stop', 'progress']) $(id).hidden = !is;
-  $('fit').disabled = is || chosen.length === 0;
+  if (is) $('fit').disabled = $('try').disabled = true;
+  else ready();
   if (!is) $('step').textContent = '';
 }
 
@@ -92,7 +108,8 @@ function stop() {
   leave();
 }
 
-async function fit() {
+// Runs of the command one after another; the page of the last is shown, and saved under this name.
+async function work(runs, pageName) {
   if (worker || chosen.length === 0) return;
   leave();
   fail('');
@@ -115,10 +132,13 @@ async function fit() {
   worker.onmessage = ({ data }) => {
     if (data.line !== undefined) return hear(data.line, said, data.share);
     stop();
-    finish(data, said);
+    finish(data, said, pageName);
   };
-  worker.postMessage({ module: started.module, files: chosen, runs: runs() });
+  worker.postMessage({ module: started.module, files: chosen, runs });
 }
+
+const fit = () => chosen.length > 0 && work(runs(), `${stemOf(mains()[0])}.html`);
+const tryAll = () => work(trials(), `${stemOf(mains()[0])}_tried.html`);
 
 function hear(line, said, [run, count]) {
   let message;
@@ -138,18 +158,18 @@ function hear(line, said, [run, count]) {
   }
 }
 
-function finish({ status, files, page, memory }, said) {
+function finish({ status, files, page, memory }, said, pageName) {
   for (const link of links) URL.revokeObjectURL(link);
   links = [];
   const names = mains();
   // 5: not converged, and written all the same.
-  if (status !== 0 && files.length === 0) {
+  if (status !== 0 && files.length === 0 && !(status === 5 && page)) {
     $('result').hidden = true;
     const words = said.join('\n') || `it ended with status ${status}`;
     const larger = memory || status === 6 ? `\nWebAssembly has at most 4 GiB; on your machine: planish fit ${quoted(names[0])} -o ${quoted(stemOf(names[0]))}.glb` : '';
     return fail(words + larger);
   }
-  $('downloads').replaceChildren(...[...files, ...(page ? [{ name: `${stemOf(names[0])}.html`, bytes: page }] : [])].map(link));
+  $('downloads').replaceChildren(...[...files, ...(page ? [{ name: pageName, bytes: page }] : [])].map(link));
   $('said').textContent = said.join('\n');
   $('report').hidden = !page;
   if (page) {
@@ -288,7 +308,7 @@ $('stop').addEventListener('click', () => {
   stop();
   fail('Stopped; nothing was written.');
 });
-for (const [id, deed] of Object.entries({ edit, leave, undo: takeBack, redo: makeAgain, saveMoved })) $(id).addEventListener('click', deed);
+for (const [id, deed] of Object.entries({ try: tryAll, edit, leave, undo: takeBack, redo: makeAgain, saveMoved })) $(id).addEventListener('click', deed);
 $('reach').addEventListener('input', (event) => {
   const part = Number(event.target.value);
   $('reached').textContent = part > 0 ? `${Math.round(100 * part)} % of the diagonal` : 'one vertex';
