@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares what two builds of the command write, byte by byte.
 
-    tools/dev/checks/same_bytes.py BEFORE AFTER [--only WORD] [--without WORD] [--jobs N] [FILE ...]
+    tools/dev/checks/same_bytes.py BEFORE AFTER [--only WORD] [--without WORD] [--every N] [--jobs N] [FILE ...]
     tools/dev/checks/same_bytes.py --write HASHES.json AFTER [--only WORD]
 
 BEFORE and AFTER are planish programs, or how they are called, for another processor for example:
@@ -176,6 +176,7 @@ def main():
     parser.add_argument("files", nargs="*", type=pathlib.Path)
     parser.add_argument("--only", default="", help="calls whose name has this word")
     parser.add_argument("--without", help="no calls whose name has this word")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="the first of each N of these calls alone")
     parser.add_argument("--write", action="store_true", help="write these calls' hashes instead")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
@@ -189,6 +190,9 @@ def main():
                 if not (hashes and call[0].endswith(UNHASHED_CALLS))]
     wanted = [call for call in possible
               if options.only in call[0] and (not options.without or options.without not in call[0])]
+    if options.every < 1:
+        parser.error("--every wants a number from 1 on")
+    wanted = wanted[::options.every]
     if not wanted:
         parser.error(f"no call has '{options.only}' in its name")
 
