@@ -47,8 +47,10 @@ arm64_packages="g++-aarch64-linux-gnu qemu-user-static"
 arm64_libraries="libosd-dev libtbb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libstb-dev zlib1g-dev libssl-dev
   libgtest-dev libgmock-dev libtinyobjloader-dev"
 
-# To compile for Windows and to run that; the packages whose sources are compiled so.
-windows_packages="g++-mingw-w64-x86-64-posix wine64 wine dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtbb-dev
+# To compile for Windows and to run that; by clang with libc++; and, for both, the packages whose sources are compiled so.
+windows_packages="g++-mingw-w64-x86-64-posix wine64 wine"
+libcxx_packages="clang-19 lld-19 libc++-19-dev libc++abi-19-dev"
+toolchain_packages="dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtbb-dev
   libtinygltf-dev libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libstb-dev libgtest-dev
   libtinyobjloader-dev libeigen3-dev"
-windows_sources="libosd-dev libmeshoptimizer-dev zlib1g-dev libtbb-dev"
+toolchain_sources="libosd-dev libmeshoptimizer-dev zlib1g-dev libtbb-dev"

@@ -1,7 +1,7 @@
 # Compilers and systems that planish is not written for, by their names and before they fail in the midst of a build.
 if(MSVC)
   message(FATAL_ERROR "Visual Studio's cl and clang-cl do not compile planish: its vectors, attributes and options are "
-          "GCC's. mingw-w64's GCC does, on Linux by `cmake --preset windows` after tools/windows/setup.sh; programs of "
+          "GCC's. mingw-w64's GCC does, on Linux by `cmake --preset windows` after tools/toolchains/setup.sh windows; programs of "
           "Visual Studio can use the planish.dll and planish.lib that it makes.")
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 16)

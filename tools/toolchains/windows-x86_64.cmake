@@ -1,4 +1,4 @@
-# Builds for Windows 10 and later on x86-64 Linux by Debian's mingw-w64, with what tools/windows/setup.sh puts into
+# Builds for Windows 10 and later on x86-64 Linux by Debian's mingw-w64, with what tools/toolchains/setup.sh windows puts into
 # $PLANISH_WINDOWS; programs and the library for C need nothing but the system's own, and run under Wine.
 if(DEFINED ENV{PLANISH_WINDOWS})
   set(planish_windows $ENV{PLANISH_WINDOWS})

@@ -16,8 +16,7 @@ set(NODE_JS_EXECUTABLE node)
 
 # As native builds: nothing is fused, and no one asks for errno. Exceptions are the engine's own.
 string(CONCAT planish_wasm_flags "-fwasm-exceptions -msimd128 -ffp-contract=off -fno-math-errno"
-       " -D_LIBCPP_ENABLE_EXPERIMENTAL"  # std::jthread
-       " -include ${CMAKE_CURRENT_LIST_DIR}/missing_cxx20.h -isystem ${planish_wasm}/prefix/include")
+       " -isystem ${planish_wasm}/prefix/include")
 set(CMAKE_C_FLAGS_INIT "-fwasm-exceptions -msimd128")
 set(CMAKE_CXX_FLAGS_INIT ${planish_wasm_flags})
 set(CMAKE_C_FLAGS_RELEASE "-Oz -DNDEBUG" CACHE STRING "")

@@ -1,45 +1,50 @@
 #pragma once
 
-// What planish uses of C++20 and libc++ 18 lacks; included before everything else. Without threads
-// an atomic reference is a plain one.
+// What planish uses of C++20 and LLVM's C++ library lacks: std::atomic_ref before 19, numbers of
+// std::from_chars() before 20. The root's CMakeLists.txt has it included before everything else.
 
 #ifdef __cplusplus
 #include <atomic>
 #include <charconv>
+#include <clocale>
 #include <cstdlib>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
+#if defined(__APPLE__)
+#include <xlocale.h>
+#endif
 
 namespace std {
 
 #ifndef __cpp_lib_atomic_ref
+// In the strictest order, whichever is asked for.
 template <class T>
 class atomic_ref {
  public:
   explicit atomic_ref(T& value) : value_(&value) {}
-  void store(T value, memory_order = memory_order_seq_cst) const { *value_ = value; }
-  T load(memory_order = memory_order_seq_cst) const { return *value_; }
+  void store(T value, memory_order = memory_order_seq_cst) const {
+    __atomic_store_n(value_, value, __ATOMIC_SEQ_CST);
+  }
+  T load(memory_order = memory_order_seq_cst) const {
+    return __atomic_load_n(value_, __ATOMIC_SEQ_CST);
+  }
   T fetch_add(T by, memory_order = memory_order_seq_cst) const {
-    const T before = *value_;
-    *value_ = static_cast<T>(before + by);
-    return before;
+    return __atomic_fetch_add(value_, by, __ATOMIC_SEQ_CST);
   }
   T fetch_or(T bits, memory_order = memory_order_seq_cst) const {
-    const T before = *value_;
-    *value_ = static_cast<T>(before | bits);
-    return before;
+    return __atomic_fetch_or(value_, bits, __ATOMIC_SEQ_CST);
   }
   bool compare_exchange_strong(T& expected, T desired, memory_order = memory_order_seq_cst,
                                memory_order = memory_order_seq_cst) const {
-    const bool equal = *value_ == expected;
-    (equal ? *value_ : expected) = equal ? desired : *value_;
-    return equal;
+    return __atomic_compare_exchange_n(value_, &expected, desired, false, __ATOMIC_SEQ_CST,
+                                       __ATOMIC_SEQ_CST);
   }
-  bool compare_exchange_weak(T& expected, T desired, memory_order success = memory_order_seq_cst,
-                             memory_order failure = memory_order_seq_cst) const {
-    return compare_exchange_strong(expected, desired, success, failure);
+  bool compare_exchange_weak(T& expected, T desired, memory_order = memory_order_seq_cst,
+                             memory_order = memory_order_seq_cst) const {
+    return __atomic_compare_exchange_n(value_, &expected, desired, true, __ATOMIC_SEQ_CST,
+                                       __ATOMIC_SEQ_CST);
   }
 
  private:
@@ -49,9 +54,10 @@ template <class T>
 atomic_ref(T&) -> atomic_ref<T>;
 #endif
 
-#ifndef __cpp_lib_to_chars
-// By musl's strtod, which rounds correctly; what that takes and from_chars() does not (blanks, a
-// plus, hexadecimal digits) is refused or ended here.
+#if !defined(__cpp_lib_to_chars) && _LIBCPP_VERSION < 200000
+// By the C library's strtod(), which rounds correctly, with a point whatever the locale has; what
+// that takes and from_chars() does not (blanks, a plus, hexadecimal digits) is refused or ended
+// here.
 template <class Float>
 requires is_floating_point_v<Float> from_chars_result from_chars(const char* first,
                                                                  const char* last, Float& value) {
@@ -63,10 +69,11 @@ requires is_floating_point_v<Float> from_chars_result from_chars(const char* fir
   const string text(first, end);
   char* parsed = nullptr;
   Float number{};
+  static const locale_t kPlain = newlocale(LC_ALL_MASK, "C", locale_t{});
   if constexpr (is_same_v<Float, float>) {
-    number = strtof(text.c_str(), &parsed);
+    number = strtof_l(text.c_str(), &parsed, kPlain);
   } else {
-    number = strtod(text.c_str(), &parsed);
+    number = strtod_l(text.c_str(), &parsed, kPlain);
   }
   if (parsed == text.c_str()) return {first, errc::invalid_argument};
   const char* stop = first + (parsed - text.c_str());
