@@ -316,7 +316,7 @@ planish_status planish_options_set_sharp(planish_options* options, const int32_t
     for (size_t i = 0; i < edge_count; ++i) sharp.edges.push_back({edges[2 * i], edges[2 * i + 1]});
     sharp.corners.assign(corners, corners + corner_count);
     options->sharp.reset();
-    if (edges != nullptr || corners != nullptr) options->sharp = std::move(sharp);
+    if (edges != nullptr || corners != nullptr) options->sharp.emplace(std::move(sharp));
     return PLANISH_OK;
   });
 }

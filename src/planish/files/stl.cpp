@@ -418,10 +418,10 @@ void write_triangle(FileBuffer& out, const glm::vec3& a, const glm::vec3& b, con
 }  // namespace
 
 void write_stl(const PolygonStream& stream) {
-  constexpr std::size_t kHeaderBytes = 80;
+  constexpr std::size_t kTitleBytes = 80;
   // A reader takes a file that begins with `solid` for text.
   std::string header = "binary STL by planish";
-  header.resize(kHeaderBytes, ' ');
+  header.resize(kTitleBytes, ' ');
   const std::int64_t count = stream.totals().corner_count - 2 * stream.totals().face_count;
   if (count > std::numeric_limits<std::uint32_t>::max())
     throw Error(ErrorCode::InvalidArgument,

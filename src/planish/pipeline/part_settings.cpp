@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kKinds{"mesh", "material", "node"};
 constexpr char kNext = ';';
-constexpr std::string_view kWanted =
+constexpr std::string_view kPartWanted =
     "mesh=NAME:OPTION=VALUE is wanted, or material= or node= for it, such as "
     "mesh=Wheel:creases=use";
 
@@ -66,7 +66,7 @@ PartSetting parse_one(std::string_view text, std::string_view where) {
   const auto kind = std::ranges::find(kKinds, text.substr(0, equals));
   const auto setting = begin_of_setting(text);
   if (kind == kKinds.end() || !setting || *setting < equals + 2)
-    refuse(where, in_double_quotes(text) + ": " + std::string(kWanted) +
+    refuse(where, in_double_quotes(text) + ": " + std::string(kPartWanted) +
                       did_you_mean(text.substr(0, equals), kKinds));
   PartSetting one{.kind = static_cast<PartKind>(kind - kKinds.begin()),
                   .name = std::string(text.substr(equals + 1, *setting - equals - 2))};
