@@ -24,7 +24,7 @@ STANDARD = {
     "atomic": r"\b(atomic\w*|memory_order\w*)\b",
     "bit": r"\b(bit_cast|bit_ceil|bit_floor|bit_width|popcount|countl_\w+|countr_\w+|"
     r"has_single_bit|endian|rotl|rotr)\b",
-    "charconv": r"\b(from_chars|to_chars|chars_format)\b",
+    "charconv": r"\b(from_chars|to_chars|chars_format|to_chars_result)\b",
     "chrono": r"\b(chrono|steady_clock|system_clock)\b",
     "deque": r"\bdeque\b",
     "filesystem": r"\bfilesystem\b",
