@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "planish/core/words.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/mesh_parts.h"
 #include "planish/pipeline/fit_mesh.h"
@@ -29,7 +30,7 @@ class TryChoices : public testing::Test {
   void take(const PolygonMesh& mesh) {
     write_mesh(folder_.path() / "mesh.obj", FileFormat::Obj, mesh);
     job_.name = job_.label = "mesh";
-    job_.input = folder_.path() / "mesh.obj";
+    job_.input = utf8(folder_.path() / "mesh.obj");
   }
   const Trial& tried(bool has_page = false) {
     bytes_.clear();
