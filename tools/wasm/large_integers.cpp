@@ -12,7 +12,8 @@
 namespace std {
 inline namespace __2 {
 
-std::to_chars_result __d2fixed_buffered_n(char* first, char* last, double value, uint32_t decimals) {
+std::to_chars_result __d2fixed_buffered_n(char* first, char* last, double value,
+                                          uint32_t decimals) {
   constexpr int kFractionBits = 53;
   // Of the largest double, the least first.
   std::array<char, 309> digits;

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -312,11 +313,14 @@ planish_status planish_options_set_sharp(planish_options* options, const int32_t
     require(options, "options");
     require_list(edges, edge_count, "edges", "edge_count");
     require_list(corners, corner_count, "corners", "corner_count");
-    planish::FoundCreases sharp;
-    for (size_t i = 0; i < edge_count; ++i) sharp.edges.push_back({edges[2 * i], edges[2 * i + 1]});
-    sharp.corners.assign(corners, corners + corner_count);
-    options->sharp.reset();
-    if (edges != nullptr || corners != nullptr) options->sharp.emplace(std::move(sharp));
+    std::optional<planish::FoundCreases> sharp;
+    if (edges != nullptr || corners != nullptr) {
+      sharp.emplace();
+      for (size_t i = 0; i < edge_count; ++i)
+        sharp->edges.push_back({edges[2 * i], edges[2 * i + 1]});
+      sharp->corners.assign(corners, corners + corner_count);
+    }
+    options->sharp = std::move(sharp);
     return PLANISH_OK;
   });
 }
