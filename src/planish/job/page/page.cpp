@@ -655,8 +655,10 @@ std::string status_of(std::span<const PageJob> jobs, std::string_view kind) {
 
 std::string relative_to(const std::filesystem::path& folder, std::string text) {
   replace_all(text, utf8(folder / ""), "");
-  if (const std::filesystem::path path = path_of(text); path.is_absolute())
-    text = utf8(path.lexically_relative(folder));
+  if (const std::filesystem::path path = path_of(text); path.is_absolute()) {
+    const std::filesystem::path relative = path.lexically_relative(folder);
+    if (!relative.empty()) text = utf8(relative);  // there is none from one drive to another
+  }
   return text;
 }
 
