@@ -383,14 +383,19 @@ class NoisyFinder {
     const SpreadOrder order(faces_.size());
     const double least = is_first ? 0.02 * area_of(faces_) : 0;
     constexpr std::size_t kMostMisses = 100;
+    std::vector<char> is_small(region_of_.size(), 0);
     std::size_t misses = 0;
     for (std::size_t i = 0; i < faces_.size() && misses < kMostMisses; ++i) {
       if (i % 16 == 0) check_stop();
       const std::int32_t seed = faces_[order[i]];
-      if (region_of_[seed] != kNoRegion) continue;
+      if (region_of_[seed] != kNoRegion || is_small[seed] != 0) continue;
       auto best = best_at(seed);
-      if (!best || !is_told(*best) || best->area < least) {
+      if (!best || !is_told(*best)) {
         ++misses;
+        continue;
+      }
+      if (best->area < least) {
+        for (const std::int32_t f : best->faces) is_small[f] = 1;
         continue;
       }
       for (const std::int32_t f : best->faces)
