@@ -126,6 +126,7 @@ class PartBuilder {
       chains_at[chain.vertices.back()].push_back(c);
     }
     for (const auto& [vertex, chains] : chains_at) vertex_of_[vertex] = junction(vertex, chains);
+    join_junctions();
     for (const std::int32_t c : chains_) {
       const BorderChain& chain = borders_.chains[c];
       ChainPlan& plan = plans_[c];
@@ -154,6 +155,27 @@ class PartBuilder {
         }
       }
     }
+  }
+  // Those that a chain joins and that are one point: noise has put an edge between them.
+  void join_junctions() {
+    std::map<std::int32_t, std::int32_t> stands_for;  // vertices of the B-rep
+    const auto of = [&](std::int32_t v) {
+      while (stands_for.contains(v)) v = stands_for.at(v);
+      return v;
+    };
+    for (const std::int32_t c : chains_) {
+      const BorderChain& chain = borders_.chains[c];
+      if (chain.is_closed || chain.right < 0) continue;
+      const std::int32_t from = of(vertex_of_.at(chain.vertices.front())),
+                         to = of(vertex_of_.at(chain.vertices.back()));
+      if (from != to && glm::length(brep_.vertices[from] - brep_.vertices[to]) < kSamePoint)
+        stands_for[to] = from;
+    }
+    for (auto& [vertex, junction] : vertex_of_) junction = of(junction);
+  }
+  [[nodiscard]] static bool is_point(const BorderChain& chain, const ChainPlan& plan) {
+    return !chain.is_closed && plan.from == plan.to &&
+           chain.vertices.front() != chain.vertices.back();
   }
   // Whether a point that surfaces have in common stands for a vertex: no farther than its edges
   // reach, for noise moves these from one side of a border to the other.
@@ -627,6 +649,7 @@ class PartBuilder {
   void make_edges(std::int32_t c) {
     const BorderChain& chain = borders_.chains[c];
     ChainPlan& plan = plans_.at(c);
+    if (is_point(chain, plan)) return;
     if (chain.is_closed && plan.splits.empty())
       plan.splits.push_back({0, add_vertex(plan.points[0])});
     // Vertices in order, with their places; of a closed one the first once more.
@@ -923,8 +946,7 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, const AnalyticParts&
       continue;
     }
     if (found.has_free[part] != 0) ++result.mixed_parts;
-    const auto first_vertex = static_cast<std::int32_t>(result.brep.vertices.size()),
-               first_edge = static_cast<std::int32_t>(result.brep.edges.size()),
+    const auto first_edge = static_cast<std::int32_t>(result.brep.edges.size()),
                first_face = static_cast<std::int32_t>(result.brep.faces.size());
     face_of_part[part] = first_face;
     for (std::size_t i = 0; i < brep.faces.size(); ++i) {
@@ -944,10 +966,17 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, const AnalyticParts&
       }
       result.brep.faces.push_back(std::move(face));
     }
-    for (const glm::dvec3& p : brep.vertices) result.brep.vertices.push_back(placement.to_model(p));
+    // But for those that another stands for.
+    std::vector<std::int32_t> vertex_number(brep.vertices.size(), -1);
+    for (const Brep::Edge& edge : brep.edges) vertex_number[edge.from] = vertex_number[edge.to] = 0;
+    for (std::size_t v = 0; v < brep.vertices.size(); ++v) {
+      if (vertex_number[v] < 0) continue;
+      vertex_number[v] = static_cast<std::int32_t>(result.brep.vertices.size());
+      result.brep.vertices.push_back(placement.to_model(brep.vertices[v]));
+    }
     for (Brep::Edge& edge : brep.edges) {
-      edge.from += first_vertex;
-      edge.to += first_vertex;
+      edge.from = vertex_number[edge.from];
+      edge.to = vertex_number[edge.to];
       if (edge.curve) edge.curve = to_model(*edge.curve, placement);
       for (glm::dvec3& p : edge.points) p = placement.to_model(p);
       for (Brep::Line& line : edge.lines)
