@@ -160,6 +160,7 @@ class NoisyFinder {
       const glm::dvec3 area = area_vector(positions, topology.face(f));
       facets_[f] = {unit_or_zero(area), glm::length(area), patches_.centre(f)};
     }
+    whole_ = area_of(faces);
   }
 
   // Puts its regions in place of those that the faces have, if they take more than `least` of the
@@ -167,7 +168,7 @@ class NoisyFinder {
   bool find(double least, AnalyticRegions& regions) && {
     constexpr double kHopeless = 0.1;  // of the area
     take_all(true);
-    if (taken() < kHopeless * area_of(faces_)) return false;
+    if (taken() < kHopeless * whole_) return false;
     take_all(false);
     compete();
     absorb();
@@ -361,7 +362,13 @@ class NoisyFinder {
       }
       if (best) return best;
     }
-    return std::nullopt;
+    // A plane of a few large facets among the small ones of fillets.
+    constexpr double kLarge = 0.01;  // of the area
+    if (facets_[seed].area < kLarge * whole_) return std::nullopt;
+    const std::array<std::int32_t, 1> alone{seed};
+    const auto plane =
+        guess_surface(AnalyticKind::Plane, patches_.points_of(alone), std::span(&facets_[seed], 1));
+    return plane ? grown(*plane, {seed}) : std::nullopt;
   }
 
   // Whether it is large beside the noise: a plane by its width, others by how far they leave one.
@@ -381,7 +388,7 @@ class NoisyFinder {
   // Large ones first, then all.
   void take_all(bool is_first) {
     const SpreadOrder order(faces_.size());
-    const double least = is_first ? 0.02 * area_of(faces_) : 0;
+    const double least = is_first ? 0.02 * whole_ : 0;
     constexpr std::size_t kMostMisses = 100;
     std::vector<char> is_small(region_of_.size(), 0);
     std::size_t misses = 0;
@@ -557,6 +564,7 @@ class NoisyFinder {
   Patches patches_;
   std::vector<std::int32_t> region_of_;
   std::vector<Facet> facets_;
+  double whole_ = 0;  // area
   std::vector<std::int32_t> seen_;
   std::int32_t round_ = 0;
   std::vector<Found> found_;
