@@ -593,12 +593,12 @@ std::vector<double> find_noisy_regions(std::span<const glm::dvec3> positions,
                                        const MeshTopology& topology, std::span<const char> is_sharp,
                                        const FaceComponents& parts, std::optional<double> tolerance,
                                        double exact, AnalyticRegions& regions) {
-  // A single triangle is flat whatever the noise.
+  // A single triangle is flat whatever the noise, and a larger face may not be.
   Patches patches(positions, topology, is_sharp);
   std::vector<char> is_told;
   for (const AnalyticRegion& region : regions.regions)
-    is_told.push_back(patches.points_of(region.faces).size() >
-                      changes_of(region.surface.kind).size());
+    is_told.push_back(region.error <= exact && patches.points_of(region.faces).size() >
+                                                   changes_of(region.surface.kind).size());
   const auto count = static_cast<std::size_t>(parts.count);
   std::vector<std::vector<std::int32_t>> faces_of(count);
   std::vector<double> whole(count), taken(count);
@@ -612,7 +612,8 @@ std::vector<double> find_noisy_regions(std::span<const glm::dvec3> positions,
   std::vector<double> tolerances(count, exact);
   for (std::size_t part = 0; part < count; ++part) {
     constexpr double kHalf = 0.5, kMostTolerance = 5e-3;
-    if (taken[part] >= kHalf * whole[part]) continue;
+    constexpr double kAll = 1 - 1e-9;
+    if (taken[part] >= (tolerance ? kAll : kHalf) * whole[part]) continue;
     const double own =
         tolerance.value_or(kDeviations * noise_of(positions, topology, is_sharp, faces_of[part]));
     if (!(own > exact) || (!tolerance && own > kMostTolerance)) continue;

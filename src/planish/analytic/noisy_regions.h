@@ -18,12 +18,12 @@ namespace planish {
 [[nodiscard]] double noise_of(std::span<const glm::dvec3> positions, const MeshTopology& topology,
                               std::span<const char> is_sharp, std::span<const std::int32_t> faces);
 
-/// Finds the regions of parts anew whose vertices are noisy: where those of `regions` take less
-/// than half of the area, surfaces that fit within five deviations of the noise, and leave no more
-/// than it, take more. Kinds are told by patches as large as they can be, for facets tell nothing.
-/// `tolerance`: five deviations; empty: of the noise that is measured in each part, and then its
-/// regions have to take half of its area. Returns the tolerances of the regions by part, `exact`
-/// where they stay. Throws Error{Cancelled}.
+/// Finds the regions of parts anew whose vertices are noisy: surfaces that fit within five
+/// deviations of the noise, and leave no more than it. Kinds are told by patches as large as they
+/// can be, for facets tell nothing. `tolerance`: five deviations, for parts of which `regions` do
+/// not take all and these take more; empty: of the noise that is measured in each part, where
+/// `regions` take less than half of the area and these take more than half. Returns the tolerances
+/// of the regions by part, `exact` where they stay. Throws Error{Cancelled}.
 std::vector<double> find_noisy_regions(std::span<const glm::dvec3> positions,
                                        const MeshTopology& topology, std::span<const char> is_sharp,
                                        const FaceComponents& parts, std::optional<double> tolerance,
