@@ -1,11 +1,11 @@
-// make_page.mjs OUTPUT VERSION SCRIPT WASM REPORT NOTICES GOBLET CAMERA: one HTML file of the parts in this folder, of
-// the command (its script and its WebAssembly), of the npm package's modules, of a report page, whose script and style
-// the policy must allow, too, and of that page's camera.
+// make_page.mjs OUTPUT VERSION SCRIPT WASM NOTICES GOBLET CAMERA SHOWN...: one HTML file of the parts in this folder, of
+// the command (its script and its WebAssembly), of the npm package's modules, and of the report page's camera. SHOWN: a
+// page of each kind that the command makes for the frame; the policy must allow their scripts and styles, too.
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 
-const [output, version, script, wasm, report, notices, goblet, camera] = process.argv.slice(2);
+const [output, version, script, wasm, notices, goblet, camera, ...shown] = process.argv.slice(2);
 const here = (name) => readFileSync(new URL(name, import.meta.url), 'utf8');
 function packed(id, content) {
   const bytes = Buffer.from(content);
@@ -14,7 +14,8 @@ function packed(id, content) {
   return `<script type="text/plain" id="${id}">${data.toString('base64')}</script>`;
 }
 const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
-const allowed = (kind) => readFileSync(report, 'utf8').match(new RegExp(`${kind} ('sha256-[^']*')`))[1];
+const texts = shown.map((page) => readFileSync(page, 'utf8'));
+const allowed = (kind) => texts.map((text) => text.match(new RegExp(`${kind} ('sha256-[^']*')`))[1]).join(' ');
 const escaped = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;');
 
 // A page from disk may start classic workers only.
@@ -51,7 +52,7 @@ const parts = {
     packed('goblet', readFileSync(goblet)),
   ].join('\n'),
 };
-// The report's frame takes this policy besides its own.
+// The frame's page takes this policy besides its own.
 parts.security = `default-src 'none'; script-src ${hash(parts.script)} ${allowed('script-src')} 'wasm-unsafe-eval' blob:; ` +
   `worker-src blob:; style-src ${hash(parts.style)} ${allowed('style-src')}; frame-src blob:; img-src data: blob:; ` +
   "base-uri 'none'; form-action 'none'";
