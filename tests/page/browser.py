@@ -1,6 +1,7 @@
 """A headless Chromium, steered by its DevTools protocol over two pipes: nothing but Python's own
 library is needed, and no port is opened."""
 import base64
+import copy
 import json
 import os
 import pathlib
@@ -104,8 +105,7 @@ class Tab:
         target = browser.call("Target.createTarget", url="about:blank")["targetId"]
         self.target = target
         self.session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ["Page", "Runtime", "Network", "Log"]:
-            self.call(f"{domain}.enable")
+        self.listen()
         width, height = size
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
                   deviceScaleFactor=1, mobile=width < 600)
@@ -115,6 +115,25 @@ class Tab:
             self.call("Emulation.setScriptExecutionDisabled", value=True)
         address = path if str(path).startswith("http:") else pathlib.Path(path).absolute().as_uri()
         self.call("Page.navigate", url=address + (f"#{link}" if link else ""))
+
+    def listen(self):
+        for domain in ["Page", "Runtime", "Network", "Log"]:
+            self.call(f"{domain}.enable")
+
+    def frame(self):
+        """The page's frame as a tab, where it has an origin of its own, and so a process; what it has said is in events."""
+        end, found = time.monotonic() + self.browser.seconds, []
+        while not found:  # its process starts after the frame has its address
+            if time.monotonic() > end:
+                raise TimeoutError("the page has no frame of its own origin")
+            time.sleep(0.05)
+            found = [target["targetId"] for target in self.browser.call("Target.getTargets")["targetInfos"]
+                     if target["type"] == "iframe" and target.get("parentFrameId") == self.target]
+        frame = copy.copy(self)
+        frame.target = found[0]
+        frame.session = self.browser.call("Target.attachToTarget", targetId=frame.target, flatten=True)["sessionId"]
+        frame.listen()
+        return frame
 
     def call(self, method, **parameters):
         return self.browser.call(method, session=self.session, **parameters)
@@ -149,9 +168,9 @@ class Tab:
             time.sleep(0.05)
         raise TimeoutError(f"never true: {expression}")
 
-    def ready(self):
+    def ready(self, seconds=240):
         """Which view the page has made."""
-        return self.wait("document.documentElement.dataset.ready")
+        return self.wait("document.documentElement.dataset.ready", seconds)
 
     def key(self, key, shift=False):
         for kind in ["keyDown", "keyUp"]:

@@ -1,6 +1,7 @@
 """check_page.py PAGE [PICTURES]: the page, opened from disk in a browser without a network: fits its goblet and files
 that are given to it, says what is wrong with others, stops; desktop, phone, dark. PICTURES: a folder for pictures."""
 import base64
+import json
 import pathlib
 import re
 import sys
@@ -38,16 +39,18 @@ def picture(tab, folder, name):
 
 
 def drawn(tab):
-    """Waits until the report's frame, scrolled to, has more than its background."""
+    """The frame, scrolled to, once its page has run its script and shows more than its background; None: it does not."""
+    frame = tab.frame()
+    frame.ready(seconds=60)
     box = tab.evaluate("document.getElementById('report').scrollIntoView(),"
                        "(({x,y,width,height})=>({x:x+scrollX,y:y+scrollY,width,height,scale:1}))"
                        "(document.getElementById('report').getBoundingClientRect())")
     end = time.monotonic() + 60
     while time.monotonic() < end:
         if len(tab.call("Page.captureScreenshot", format="png", clip=box)["data"]) > LEAST_PICTURE:
-            return True
+            return frame
         time.sleep(0.2)
-    return False
+    return None
 
 
 def pixels(tab, condition, *shots):
@@ -222,7 +225,14 @@ def main():
         check(links == "cube_tried.html", f"links: {links}")
         said = tab.evaluate("document.getElementById('said').textContent")
         check("taken" in said and "--quads off" in said, said)
-        check(drawn(tab), "the frame of what was tried stays empty")
+        frame = drawn(tab)
+        check(frame, "the frame of what was tried stays empty")
+        check(frame.evaluate("getComputedStyle(document.querySelector('.trial')).display") == "grid", "its style is refused")
+        kept = "document.querySelector('.keep:not([hidden]) pre').textContent"
+        first = frame.evaluate(kept)
+        check("planish fit" in first, first)
+        frame.evaluate("document.querySelectorAll('.card')[2].click()")
+        frame.wait(f"{kept} !== {json.dumps(first)}", seconds=60)
         picture(tab, folder, "tried.png")
         # Several at once, with a cage; each is in the one report page.
         obj = (ROOT / "scenes/goblet.obj").read_bytes()
