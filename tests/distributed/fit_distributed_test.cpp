@@ -276,6 +276,7 @@ void expect_fair_of_one_machine(const FairCase& job) {
 FitOptions fair_options(std::int32_t polish_steps = 8) {
   FitOptions options;
   options.method = InterpolationMethod::Fair;
+  options.obeys_semi_sharp = false;  // ranks take them as smooth, and say so
   options.polish_steps = polish_steps;
   return options;
 }
@@ -321,6 +322,7 @@ TEST(PartFair, RandomOpenMeshesWithCreasesAreThoseOfOneMachine) {
 std::string cage_of_one_machine(const PolygonMesh& mesh, const DistributedOptions& options) {
   FitOptions on_one;
   on_one.method = InterpolationMethod::Fair;
+  on_one.obeys_semi_sharp = false;
   on_one.polish_steps = options.polish_steps;
   on_one.sharp = options.sharp;
   const auto backend = make_cpu_backend();
