@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "planish/analytic/face_patches.h"
 #include "planish/analytic/spread_order.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/portable_math.h"
@@ -47,7 +48,7 @@ class RegionFinder {
         doubt_(facets_.size()),
         cluster_of_(facets_.size(), kNoRegion),
         seen_(facets_.size(), 0),
-        vertex_seen_(topology.vertex_count(), 0) {
+        patches_(positions, topology, is_sharp) {
     measure();
     make_clusters();
     join_clusters();
@@ -71,7 +72,8 @@ class RegionFinder {
     take_planes();
     join_across();
     while (drop_doubtful()) take_planes();
-    return finished();
+    remove_empty(result_);
+    return std::move(result_);
   }
 
  private:
@@ -99,16 +101,6 @@ class RegionFinder {
     }
   }
 
-  template <class Use>
-  void each_neighbour(std::int32_t face, const Use& use) const {
-    const auto edges = topology_.face_edges(face);
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      const std::int32_t twin =
-          topology_.twin(topology_.first_corner(face) + static_cast<std::int32_t>(i));
-      if (twin >= 0 && is_sharp_[edges[i]] == 0) use(topology_.face_of(twin));
-    }
-  }
-
   [[nodiscard]] double height_over(std::int32_t face, const glm::dvec3& origin,
                                    const glm::dvec3& normal) const {
     double largest = 0;
@@ -131,7 +123,7 @@ class RegionFinder {
       const glm::dvec3 origin = positions_[topology_.face(first)[0]];
       glm::dvec3 sum = facets_[first].area * facets_[first].normal;
       for (std::size_t i = 0; i < cluster.faces.size(); ++i) {
-        each_neighbour(cluster.faces[i], [&](std::int32_t next) {
+        patches_.each_neighbour(cluster.faces[i], [&](std::int32_t next) {
           if (cluster_of_[next] != kNoRegion) return;
           const Facet& facet = facets_[next];
           const glm::dvec3 normal = sum / std::max(glm::length(sum), 1e-300);
@@ -152,28 +144,13 @@ class RegionFinder {
     for (std::int32_t c = 0; c < std::ssize(clusters_); ++c) {
       auto& neighbours = clusters_[c].neighbours;
       for (const std::int32_t f : clusters_[c].faces)
-        each_neighbour(f, [&](std::int32_t other) {
+        patches_.each_neighbour(f, [&](std::int32_t other) {
           if (cluster_of_[other] != c) neighbours.push_back(cluster_of_[other]);
         });
       std::ranges::sort(neighbours);
       const auto rest = std::ranges::unique(neighbours);
       neighbours.erase(rest.begin(), rest.end());
     }
-  }
-
-  // Vertices of faces, each once.
-  template <class Faces>
-  [[nodiscard]] std::vector<glm::dvec3> points_of(const Faces& faces) {
-    ++vertex_round_;
-    std::vector<glm::dvec3> points;
-    for (const std::int32_t f : faces) {
-      for (const std::int32_t v : topology_.face(f)) {
-        if (vertex_seen_[v] == vertex_round_) continue;
-        vertex_seen_[v] = vertex_round_;
-        points.push_back(positions_[v]);
-      }
-    }
-    return points;
   }
 
   [[nodiscard]] std::vector<std::int32_t> faces_of(std::span<const std::int32_t> clusters) const {
@@ -230,7 +207,8 @@ class RegionFinder {
   // on it.
   [[nodiscard]] std::optional<Candidate> grown(AnalyticSurface surface,
                                                std::vector<std::int32_t> seeds) {
-    if (!(fit_surface(surface, points_of(seeds), tolerance_) <= tolerance_)) return std::nullopt;
+    if (!(fit_surface(surface, patches_.points_of(seeds), tolerance_) <= tolerance_))
+      return std::nullopt;
     double turn = 0;
     for (const std::int32_t f : seeds)
       turn += facets_[f].area *
@@ -253,7 +231,7 @@ class RegionFinder {
       const std::size_t enough = next.size() + next.size() / 2 + 2;
       bool is_whole = true;
       for (std::size_t i = 0; i < next.size(); ++i) {
-        each_neighbour(next[i], [&](std::int32_t other) {
+        patches_.each_neighbour(next[i], [&](std::int32_t other) {
           if (seen_[other] == round_ || result_.region_of[other] != kNoRegion) return;
           if (next.size() >= enough) {
             is_whole = false;
@@ -267,7 +245,7 @@ class RegionFinder {
       const bool is_same = next.size() == faces.size();
       faces = std::move(next);
       AnalyticSurface fitted = surface;
-      if (!(fit_surface(fitted, points_of(faces), tolerance_) <= tolerance_)) break;
+      if (!(fit_surface(fitted, patches_.points_of(faces), tolerance_) <= tolerance_)) break;
       surface = fitted;
       if (is_same && is_whole) break;
     }
@@ -329,7 +307,7 @@ class RegionFinder {
                                                  std::vector<std::int32_t> faces,
                                                  const AnalyticSurface* around = nullptr,
                                                  double near = 1) {
-    const std::vector<glm::dvec3> points = points_of(faces);
+    const std::vector<glm::dvec3> points = patches_.points_of(faces);
     // One place more than tells the surface, so that something speaks against it.
     if (points.size() <= changes_of(kind).size()) return std::nullopt;
     const auto guess = guess_surface(kind, points, facets, around);
@@ -415,7 +393,7 @@ class RegionFinder {
         ++round_;
         for (const std::int32_t f : candidate.faces) seen_[f] = round_;
         for (std::size_t i = 0; i < candidate.faces.size(); ++i)
-          each_neighbour(candidate.faces[i], [&](std::int32_t other) {
+          patches_.each_neighbour(candidate.faces[i], [&](std::int32_t other) {
             if (seen_[other] == round_ || result_.region_of[other] != kNoRegion ||
                 !lies_on(other, known.surface, is_same ? sign : -sign))
               return;
@@ -470,7 +448,7 @@ class RegionFinder {
       const std::size_t before = region.faces.size();
       const auto own = static_cast<std::int32_t>(r);
       for (std::size_t i = 0; i < region.faces.size(); ++i)
-        each_neighbour(region.faces[i], [&](std::int32_t other) {
+        patches_.each_neighbour(region.faces[i], [&](std::int32_t other) {
           const std::int32_t there = result_.region_of[other];
           if (there == own || there == kNoRegion || size(there) >= before ||
               !lies_on(other, region.surface, region.side()))
@@ -519,7 +497,7 @@ class RegionFinder {
     std::vector<std::int32_t> faces = first.faces;
     faces.insert(faces.end(), second.faces.begin(), second.faces.end());
     AnalyticSurface both = first.surface;
-    if (!(fit_surface(both, points_of(faces), tolerance_) <= tolerance_)) return false;
+    if (!(fit_surface(both, patches_.points_of(faces), tolerance_) <= tolerance_)) return false;
     for (const std::int32_t f : second.faces) result_.region_of[f] = static_cast<std::int32_t>(to);
     second.faces.clear();
     first.faces = std::move(faces);
@@ -708,7 +686,7 @@ class RegionFinder {
       const AnalyticRegion& region = result_.regions[r];
       if (region.faces.empty()) continue;
       const bool is_plane = region.surface.kind == AnalyticKind::Plane;
-      if (is_plane && points_of(region.faces).size() > kFacet) continue;
+      if (is_plane && patches_.points_of(region.faces).size() > kFacet) continue;
       const bool is_small = clusters_of(region.faces).size() < kSmall;
       const bool is_one_row = !is_plane && has_no_inside(region);
       if (!is_small && !is_one_row) continue;
@@ -778,19 +756,6 @@ class RegionFinder {
     return clusters;
   }
 
-  AnalyticRegions finished() {
-    std::vector<std::int32_t> number(result_.regions.size(), kNoRegion);
-    AnalyticRegions kept;
-    for (std::size_t r = 0; r < result_.regions.size(); ++r) {
-      if (result_.regions[r].faces.empty()) continue;
-      number[r] = static_cast<std::int32_t>(kept.regions.size());
-      kept.regions.push_back(std::move(result_.regions[r]));
-    }
-    for (const std::int32_t r : result_.region_of)
-      kept.region_of.push_back(r == kNoRegion ? kNoRegion : number[r]);
-    return kept;
-  }
-
   // Whether a cone or cylinder passes through them, too: a row of facets between two circles.
   [[nodiscard]] bool is_row(std::span<const std::int32_t> faces,
                             std::span<const glm::dvec3> points) const {
@@ -810,7 +775,7 @@ class RegionFinder {
     std::size_t least = 4;
     std::vector<double> places;
     double size = surface.radius;
-    const std::vector<glm::dvec3> points = points_of(faces);
+    const std::vector<glm::dvec3> points = patches_.points_of(faces);
     glm::dvec3 axis = surface.axis, mean(0.0);
     if (surface.kind == AnalyticKind::Sphere) {
       if (is_row(faces, points)) return false;
@@ -865,7 +830,7 @@ class RegionFinder {
 
   void take_plane(std::int32_t cluster) {
     const std::vector<std::int32_t>& faces = clusters_[cluster].faces;
-    const std::vector<glm::dvec3> points = points_of(faces);
+    const std::vector<glm::dvec3> points = patches_.points_of(faces);
     auto plane =
         guess_surface(AnalyticKind::Plane, points, std::span(&clusters_[cluster].facet, 1));
     if (!plane) return;
@@ -886,12 +851,23 @@ class RegionFinder {
   std::vector<Cluster> clusters_;
   std::vector<std::int32_t> given_back_;  // by cluster: how often
   std::vector<glm::dvec3> directions_;
-  std::vector<std::int32_t> seen_, vertex_seen_;
-  std::int32_t round_ = 0, vertex_round_ = 0;
+  std::vector<std::int32_t> seen_;
+  FacePatches patches_;
+  std::int32_t round_ = 0;
   AnalyticRegions result_;
 };
 
 }  // namespace
+
+void remove_empty(AnalyticRegions& regions) {
+  std::vector<std::int32_t> number;
+  std::int32_t count = 0;
+  for (const AnalyticRegion& region : regions.regions)
+    number.push_back(region.faces.empty() ? kNoRegion : count++);
+  std::erase_if(regions.regions, [](const AnalyticRegion& r) { return r.faces.empty(); });
+  for (std::int32_t& r : regions.region_of)
+    if (r != kNoRegion) r = number[r];
+}
 
 AnalyticRegions find_regions(std::span<const glm::dvec3> positions, const MeshTopology& topology,
                              std::span<const char> is_sharp, double tolerance) {

@@ -33,6 +33,9 @@ struct AnalyticRegions {
 /// Of a face that lies on no surface that is known by name.
 inline constexpr std::int32_t kNoRegion = -1;
 
+/// Takes out regions without faces; the others are numbered anew, in their order.
+void remove_empty(AnalyticRegions& regions);
+
 /// Of an edge that no region reaches across.
 inline constexpr char kGroupBorder = 2;
 

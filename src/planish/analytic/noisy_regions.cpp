@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <optional>
-#include <queue>
 #include <utility>
 
+#include "planish/analytic/face_patches.h"
 #include "planish/analytic/spread_order.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/vectors.h"
@@ -20,76 +20,6 @@ namespace planish {
 namespace {
 
 constexpr std::int32_t kElsewhere = -2;  // of other faces than those that are looked at
-
-// Faces around others, as far as sharp edges let them go.
-class Patches {
- public:
-  Patches(std::span<const glm::dvec3> positions, const MeshTopology& topology,
-          std::span<const char> is_sharp)
-      : positions_(positions),
-        topology_(topology),
-        is_sharp_(is_sharp),
-        seen_(topology.face_count(), 0),
-        vertex_seen_(topology.vertex_count(), 0) {}
-
-  template <class Use>
-  void each_neighbour(std::int32_t face, const Use& use) const {
-    for (std::int32_t i = 0; i < topology_.face_size(face); ++i) {
-      const std::int32_t corner = topology_.first_corner(face) + i, twin = topology_.twin(corner);
-      if (twin >= 0 && is_sharp_[topology_.edge_of(corner)] == 0) use(topology_.face_of(twin));
-    }
-  }
-
-  [[nodiscard]] glm::dvec3 centre(std::int32_t face) const {
-    glm::dvec3 sum(0.0);
-    for (const std::int32_t v : topology_.face(face)) sum += positions_[v];
-    return sum / static_cast<double>(topology_.face_size(face));
-  }
-
-  // The nearest first.
-  template <class May>
-  [[nodiscard]] std::vector<std::int32_t> around(std::int32_t seed, std::size_t count,
-                                                 const May& may) {
-    ++round_;
-    using Entry = std::pair<double, std::int32_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    const glm::dvec3 middle = centre(seed);
-    queue.emplace(0.0, seed);
-    seen_[seed] = round_;
-    std::vector<std::int32_t> faces;
-    while (!queue.empty() && faces.size() < count) {
-      const std::int32_t face = queue.top().second;
-      queue.pop();
-      faces.push_back(face);
-      each_neighbour(face, [&](std::int32_t next) {
-        if (seen_[next] == round_ || !may(next)) return;
-        seen_[next] = round_;
-        queue.emplace(glm::length(centre(next) - middle), next);
-      });
-    }
-    return faces;
-  }
-
-  [[nodiscard]] std::vector<glm::dvec3> points_of(std::span<const std::int32_t> faces) {
-    ++vertex_round_;
-    std::vector<glm::dvec3> points;
-    for (const std::int32_t f : faces) {
-      for (const std::int32_t v : topology_.face(f)) {
-        if (vertex_seen_[v] == vertex_round_) continue;
-        vertex_seen_[v] = vertex_round_;
-        points.push_back(positions_[v]);
-      }
-    }
-    return points;
-  }
-
- private:
-  std::span<const glm::dvec3> positions_;
-  const MeshTopology& topology_;
-  std::span<const char> is_sharp_;
-  std::vector<std::int32_t> seen_, vertex_seen_;
-  std::int32_t round_ = 0, vertex_round_ = 0;
-};
 
 // The rms of what a quadric over their plane leaves of points; none where they do not tell one.
 std::optional<double> left_by_quadric(std::span<const glm::dvec3> points) {
@@ -214,15 +144,6 @@ class NoisyFinder {
     for (const std::int32_t f : faces_)
       if (region_of_[f] >= 0) members[region_of_[f]].push_back(f);
     return members;
-  }
-  static void remove_empty(AnalyticRegions& regions) {
-    std::vector<std::int32_t> number;
-    std::int32_t count = 0;
-    for (const AnalyticRegion& region : regions.regions)
-      number.push_back(region.faces.empty() ? -1 : count++);
-    std::erase_if(regions.regions, [](const AnalyticRegion& r) { return r.faces.empty(); });
-    for (std::int32_t& r : regions.region_of)
-      if (r >= 0) r = number[r];
   }
 
   [[nodiscard]] bool lies_on(std::int32_t face, const AnalyticSurface& surface, double sign,
@@ -561,7 +482,7 @@ class NoisyFinder {
   std::span<const char> is_sharp_;
   std::span<const std::int32_t> faces_;
   double tolerance_;
-  Patches patches_;
+  FacePatches patches_;
   std::vector<std::int32_t> region_of_;
   std::vector<Facet> facets_;
   double whole_ = 0;  // area
@@ -575,7 +496,7 @@ class NoisyFinder {
 double noise_of(std::span<const glm::dvec3> positions, const MeshTopology& topology,
                 std::span<const char> is_sharp, std::span<const std::int32_t> faces) {
   constexpr std::size_t kPatches = 200, kPatchFaces = 32;
-  Patches patches(positions, topology, is_sharp);
+  FacePatches patches(positions, topology, is_sharp);
   const SpreadOrder order(faces.size());
   std::vector<double> left;
   for (std::size_t i = 0; i < std::min(kPatches, faces.size()); ++i) {
@@ -594,7 +515,7 @@ std::vector<double> find_noisy_regions(std::span<const glm::dvec3> positions,
                                        const FaceComponents& parts, std::optional<double> tolerance,
                                        double exact, AnalyticRegions& regions) {
   // A single triangle is flat whatever the noise, and a larger face may not be.
-  Patches patches(positions, topology, is_sharp);
+  FacePatches patches(positions, topology, is_sharp);
   std::vector<char> is_told;
   for (const AnalyticRegion& region : regions.regions)
     is_told.push_back(region.error <= exact && patches.points_of(region.faces).size() >

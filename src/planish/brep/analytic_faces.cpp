@@ -847,16 +847,14 @@ std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology
 
 // Whether there were any.
 bool drop_regions(const std::vector<char>& is_dropped, AnalyticRegions& regions) {
-  AnalyticRegions kept;
-  kept.region_of.assign(regions.region_of.size(), -1);
+  const std::size_t before = regions.regions.size();
   for (std::size_t r = 0; r < is_dropped.size(); ++r) {
-    if (is_dropped[r] != 0) continue;
-    for (const std::int32_t f : regions.regions[r].faces)
-      kept.region_of[f] = static_cast<std::int32_t>(kept.regions.size());
-    kept.regions.push_back(std::move(regions.regions[r]));
+    if (is_dropped[r] == 0) continue;
+    for (const std::int32_t f : regions.regions[r].faces) regions.region_of[f] = kNoRegion;
+    regions.regions[r].faces.clear();
   }
-  std::swap(kept, regions);
-  return kept.regions.size() != regions.regions.size();
+  remove_empty(regions);
+  return regions.regions.size() != before;
 }
 
 // What a face of a region says of the whole.
