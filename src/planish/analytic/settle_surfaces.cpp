@@ -109,8 +109,13 @@ class Settler {
       for (const std::int32_t v : topology_.face(f)) vertices.push_back(v);
     std::ranges::sort(vertices);
     vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+    // Samples that the region does not reach are none of it.
+    constexpr double kMost = 4;
+    const double most = kMost * std::max(region.error, kLeastError);
     std::vector<glm::dvec3> points;
-    for (const std::int32_t v : vertices) points.push_back(positions_[v]);
+    for (const std::int32_t v : vertices)
+      if (std::abs(signed_distance(region.surface, positions_[v])) <= most)
+        points.push_back(positions_[v]);
     return points;
   }
   // Regions, those first whose vertices tell most.
@@ -614,6 +619,21 @@ class Settler {
     std::int32_t vertex = 0;
     std::vector<std::size_t> regions;  // the first three tell the point
   };
+  // Whether a surface passes the point of the first three, as far as vertices tell: a vertex that
+  // is a sample may be where two edges only come near each other.
+  [[nodiscard]] bool passes_near(const Meeting& meeting, std::size_t region) const {
+    std::vector<SidedSurface> three;
+    double error = regions_.regions[region].error;
+    for (const std::size_t r : meeting.regions) {
+      three.push_back({&regions_.regions[r].surface, 1});
+      error = std::max(error, regions_.regions[r].error);
+    }
+    double reach = 0;
+    const glm::dvec3 p = common_point(positions_[meeting.vertex], three, {}, reach);
+    constexpr double kMost = 4;
+    return std::abs(signed_distance(regions_.regions[region].surface, p)) <=
+           kMost * std::max(error, 10 * kLeastError);
+  }
   void find_meetings() {
     std::map<std::int32_t, std::vector<std::size_t>> at;
     for (std::size_t c = 0; c < borders_.chains.size(); ++c) {
@@ -644,7 +664,8 @@ class Settler {
       if (!(best > 1e-2)) continue;
       Meeting meeting{vertex, {regions[three[0]], regions[three[1]], regions[three[2]]}};
       for (std::size_t i = 0; i < regions.size(); ++i)
-        if (std::ranges::find(three, i) == three.end()) meeting.regions.push_back(regions[i]);
+        if (std::ranges::find(three, i) == three.end() && passes_near(meeting, regions[i]))
+          meeting.regions.push_back(regions[i]);
       meetings_.push_back(std::move(meeting));
     }
   }

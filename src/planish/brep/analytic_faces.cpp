@@ -13,7 +13,6 @@
 
 #include "planish/analytic/border_curves.h"
 #include "planish/analytic/find_regions.h"
-#include "planish/analytic/noisy_regions.h"
 #include "planish/analytic/region_borders.h"
 #include "planish/analytic/settle_surfaces.h"
 #include "planish/brep/freeform_side.h"
@@ -29,6 +28,39 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 // Of the diagonal: points that are nearer are one.
 constexpr double kSamePoint = 1e-7;
+
+// Of unit length, of the curve that two surfaces have; 0 where they touch, or nearly.
+glm::dvec3 tangent_at(const BorderSides& sides, const glm::dvec3& p) {
+  constexpr double kTouch = 0.2;  // sine of the angle between them
+  const glm::dvec3 t =
+      glm::cross(normal_at(*sides.left.surface, p), normal_at(*sides.right.surface, p));
+  return glm::length(t) > kTouch ? glm::normalize(t) : glm::dvec3(0.0);
+}
+// How far points go along that curve, ways back taken off: below 0 against its tangents.
+double way_along(const BorderSides& sides, std::span<const glm::dvec3> points) {
+  double way = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    way += glm::dot(tangent_at(sides, points[i]), points[i + 1] - points[i]);
+  return way;
+}
+constexpr double kForward = 0.5;  // cosine of what goes on along a curve
+
+// Leaves out points that lie behind others along the curve: samples of either side of an edge come
+// in any order.
+void drop_backward(const BorderSides& sides, std::vector<glm::dvec3>& points) {
+  const double sign = way_along(sides, points) < 0 ? -1 : 1;
+  const auto goes_on = [&](const glm::dvec3& tangent, const glm::dvec3& step) {
+    return sign * glm::dot(tangent, step) >= kForward * glm::length(tangent) * glm::length(step);
+  };
+  const glm::dvec3 target = points.back();
+  std::vector<glm::dvec3> kept{points.front()};
+  for (std::size_t i = 1; i + 1 < points.size(); ++i)
+    if (goes_on(tangent_at(sides, kept.back()), points[i] - kept.back())) kept.push_back(points[i]);
+  while (kept.size() > 1 && !goes_on(tangent_at(sides, target), target - kept.back()))
+    kept.pop_back();
+  kept.push_back(target);
+  points = std::move(kept);
+}
 
 double wrapped(double angle) { return angle - kTurn * std::floor(angle / kTurn + 0.5); }
 
@@ -150,7 +182,7 @@ class PartBuilder {
           double reach = 0;
           plan.points.push_back(plan.sides.point(given, reach));
           require_near(
-              reach, chain.vertices[i], plan.points.back(),
+              reach, chain.vertices[i], plan.points.back(), plan.sides.is_tangent,
               {"two surfaces do not meet where their faces do", smaller(chain.left, chain.right)});
         }
       }
@@ -177,18 +209,19 @@ class PartBuilder {
     return !chain.is_closed && plan.from == plan.to &&
            chain.vertices.front() != chain.vertices.back();
   }
-  // Whether a point that surfaces have in common stands for a vertex: no farther than its edges
-  // reach, for noise moves these from one side of a border to the other.
-  void require_near(double reach, std::int32_t vertex, const glm::dvec3& to,
+  // Whether a point that surfaces have in common stands for a vertex: not much farther than its
+  // edges reach, for noise moves these from one side of a border to the other, and farther where
+  // surfaces touch.
+  void require_near(double reach, std::int32_t vertex, const glm::dvec3& to, bool is_tangent,
                     const NotAnalytic& otherwise) const {
     constexpr double kMostMoved = 2e-3, kMost = 0.02;  // of the diagonal
     const glm::dvec3& from = positions_[vertex];
-    double longest = 0;
+    double longest = is_tangent ? kMost : 0;
     for (const std::int32_t corner : topology_.corners_at(vertex))
       longest = std::max(
           longest, glm::length(positions_[topology_.vertex_of(topology_.next(corner))] - from));
     if (!(reach <= kOnSurface) ||
-        !(glm::length(to - from) <= std::clamp(longest, kMostMoved, kMost)))
+        !(glm::length(to - from) <= std::clamp(2 * longest, kMostMoved, kMost)))
       throw otherwise;
   }
   [[nodiscard]] double area_of(std::int32_t region) const {
@@ -220,7 +253,7 @@ class PartBuilder {
     double reach = 0;
     const glm::dvec3 point = common_point(positions_[vertex], surfaces, touching, reach);
     require_near(
-        reach, vertex, point,
+        reach, vertex, point, !touching.empty(),
         {"surfaces that meet at a vertex have no point in common",
          *std::ranges::min_element(around, {}, [&](std::int32_t r) { return area_of(r); })});
     return add_vertex(point);
@@ -677,6 +710,7 @@ class PartBuilder {
           points.push_back(p);
       }
       points.push_back(target);
+      drop_backward(plan.sides, points);
       const auto curve = curve_along(plan.sides, points);
       if (!curve)
         throw NotAnalytic{"two surfaces do not meet between their vertices",
@@ -820,19 +854,27 @@ BorderCurve to_model(BorderCurve curve, const Placement& placement) {
   return curve;
 }
 
+// Corners of faces with samples that lie on no surface around: across an edge, or out of order.
+std::size_t few_of(std::size_t corners) { return std::max<std::size_t>(20, corners / 50); }
+
 // One by one for each part: those that left their vertices when all were settled, and whose faces
 // cannot be closed.
-std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology& topology) {
+std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology& topology,
+                                  VertexPlaces places) {
   std::vector<char> is_unsound(found.regions.regions.size(), 0);
   for (std::size_t part = 0; part < found.regions_of.size(); ++part) {
     const std::vector<std::int32_t>& regions = found.regions_of[part];
     const double most = 2 * found.tolerances[part];
     for (const std::int32_t r : regions) {
       const AnalyticRegion& region = found.regions.regions[r];
-      for (const std::int32_t f : region.faces)
-        for (const std::int32_t v : topology.face(f))
-          if (!(std::abs(signed_distance(region.surface, found.positions[v])) <= most))
-            is_unsound[r] = 1;
+      std::size_t off = 0, all = 0;
+      for (const std::int32_t f : region.faces) {
+        for (const std::int32_t v : topology.face(f)) {
+          if (!(std::abs(signed_distance(region.surface, found.positions[v])) <= most)) ++off;
+          ++all;
+        }
+      }
+      if (off > (places == VertexPlaces::Samples ? few_of(all) : 0)) is_unsound[r] = 1;
     }
     if (std::ranges::any_of(regions, [&](std::int32_t r) { return is_unsound[r] != 0; })) continue;
     try {
@@ -845,6 +887,32 @@ std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology
   return is_unsound;
 }
 
+// Closed borders that go along an edge and back: around a handle that triangles between samples
+// have made, and no hole.
+void drop_handles(AnalyticParts& found) {
+  std::vector<char> is_handle;
+  for (const BorderChain& chain : found.borders.chains) {
+    is_handle.push_back(0);
+    if (!chain.is_closed || chain.left < 0 || chain.right < 0) continue;
+    const BorderSides sides{{&found.regions.regions[chain.left].surface},
+                            {&found.regions.regions[chain.right].surface}};
+    std::vector<glm::dvec3> points;
+    for (const std::int32_t v : chain.vertices) points.push_back(found.positions[v]);
+    double length = 0, told = 0;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const double step = glm::length(points[i + 1] - points[i]);
+      length += step;
+      told += glm::length(tangent_at(sides, points[i])) * step;
+    }
+    is_handle.back() =
+        told > kForward * length && std::abs(way_along(sides, points)) < kForward * told ? 1 : 0;
+  }
+  for (auto& loops : found.borders.loops)
+    std::erase_if(loops, [&](const std::vector<ChainUse>& loop) {
+      return is_handle[loop.front().chain] != 0;
+    });
+}
+
 // Whether there were any.
 bool drop_regions(const std::vector<char>& is_dropped, AnalyticRegions& regions) {
   const std::size_t before = regions.regions.size();
@@ -855,6 +923,23 @@ bool drop_regions(const std::vector<char>& is_dropped, AnalyticRegions& regions)
   }
   remove_empty(regions);
   return regions.regions.size() != before;
+}
+
+// Of samples, where they were, from the nearest surface around them.
+double farthest_sample(const AnalyticMesh& mesh, const AnalyticParts& found) {
+  double farthest = 0;
+  for (std::int32_t v = 0; v < mesh.topology.vertex_count(); ++v) {
+    double nearest = std::numeric_limits<double>::max();
+    for (const std::int32_t corner : mesh.topology.corners_at(v)) {
+      const std::int32_t r = found.regions.region_of[mesh.topology.face_of(corner)];
+      if (r < 0) continue;
+      nearest =
+          std::min(nearest, std::abs(signed_distance(found.regions.regions[r].surface,
+                                                     found.placement.to_unit(mesh.positions[v]))));
+    }
+    if (nearest < std::numeric_limits<double>::max()) farthest = std::max(farthest, nearest);
+  }
+  return found.placement.diagonal * farthest;
 }
 
 // What a face of a region says of the whole.
@@ -892,17 +977,20 @@ AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, std::optional<double
   AnalyticRegions regions = find_regions(found.positions, topology, is_sharp, exact);
   found.parts = face_components(topology);
   found.tolerances = find_noisy_regions(found.positions, topology, is_sharp, found.parts, tolerance,
-                                        exact, regions);
+                                        exact, mesh.places, regions);
+  if (mesh.places == VertexPlaces::Samples)
+    move_samples(topology, found.parts, found.tolerances, regions, found.positions);
   // Regions that surfaces cannot be settled for become freeform, until all others can.
   do {
     check_stop();
     found.regions = regions;
     found.borders = find_borders(topology, found.regions);
+    if (mesh.places == VertexPlaces::Samples) drop_handles(found);
     found.settled = settle_surfaces(found.positions, topology, found.borders, found.regions);
     found.regions_of.assign(static_cast<std::size_t>(found.parts.count), {});
     for (std::int32_t r = 0; r < std::ssize(found.regions.regions); ++r)
       found.regions_of[found.parts.of_face[found.regions.regions[r].faces.front()]].push_back(r);
-  } while (drop_regions(unsound_regions(found, topology), regions));
+  } while (drop_regions(unsound_regions(found, topology, mesh.places), regions));
   found.has_free.assign(found.regions_of.size(), 0);
   for (std::int32_t f = 0; f < topology.face_count(); ++f)
     if (found.regions.region_of[f] < 0) found.has_free[found.parts.of_face[f]] = 1;
@@ -932,6 +1020,8 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, const AnalyticParts&
     try {
       if (regions.empty())
         throw NotAnalytic{"its faces lie on no plane, cylinder, cone, sphere or torus"};
+      if (found.has_free[part] != 0 && mesh.places == VertexPlaces::Samples)
+        throw NotAnalytic{"its points do not tell such a surface everywhere"};
       if (found.has_free[part] != 0 && freeform_of[part].empty())
         throw NotAnalytic{
             "triangles were joined or vertices added across borders of its planes, cylinders, "
@@ -984,6 +1074,7 @@ AnalyticFaces make_analytic_faces(const AnalyticMesh& mesh, const AnalyticParts&
   }
   for (std::int32_t f = 0; f < topology.face_count(); ++f)
     result.face_of[f] = face_of_part[found.parts.of_face[f]];
+  if (mesh.places == VertexPlaces::Samples) result.largest_distance = farthest_sample(mesh, found);
   std::ranges::sort(result.radii);
   result.radii.erase(std::ranges::unique(result.radii).begin(), result.radii.end());
   return result;

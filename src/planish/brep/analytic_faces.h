@@ -10,6 +10,7 @@
 
 #include "planish/analytic/analytic_surface.h"
 #include "planish/analytic/find_regions.h"
+#include "planish/analytic/noisy_regions.h"
 #include "planish/analytic/region_borders.h"
 #include "planish/analytic/settle_surfaces.h"
 #include "planish/brep/brep.h"
@@ -28,12 +29,13 @@ struct AnalyticMesh {
   std::span<const char> is_sharp;         ///< one per edge
   std::span<const std::int32_t> groups;   ///< one per face, or none
   double diagonal = 1;
+  VertexPlaces places = VertexPlaces::OnEdges;
 };
 
 /// What of a mesh lies on surfaces that have a name, part by part: faces that edges join.
 struct AnalyticParts {
   Placement placement;                ///< all that follows is in unit coordinates
-  std::vector<glm::dvec3> positions;  ///< of the mesh's vertices
+  std::vector<glm::dvec3> positions;  ///< of the mesh's vertices; of samples, on their borders
   AnalyticRegions regions;
   RegionBorders borders;
   SettledRegions settled;
