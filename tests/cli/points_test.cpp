@@ -108,6 +108,39 @@ TEST_F(Points, BecomeASurfaceWhoseDistanceIsReported) {
   EXPECT_EQ(report["input"]["vertices"], report["reconstruction"]["vertices"]);
 }
 
+// A plate of 8 x 6 x 2 with a bore of radius 2, as a scanner sees it: no point on an edge, and
+// noise.
+TEST_F(Points, OfAPartBecomeTheFacesOfItsSurfaces) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> noise(0, 1e-3);
+  const auto within = [&](double most) { return most * (2.0 * random() * 0x1p-32 - 1); };
+  std::ostringstream cloud;
+  const auto add = [&](double x, double y, double z) {
+    cloud << x + noise(random) << ' ' << y + noise(random) << ' ' << z + noise(random) << '\n';
+  };
+  for (int i = 0; i < 8000; ++i) {
+    const double x = within(4), y = within(3);
+    if (std::hypot(x, y) > 2) add(x, y, i % 2 == 0 ? 1 : -1);
+  }
+  for (int i = 0; i < 1600; ++i) {
+    add(within(4), i % 2 == 0 ? 3 : -3, within(1));
+    if (i % 4 != 0) add(i % 2 == 0 ? 4 : -4, within(3), within(1));
+    const double angle = within(std::numbers::pi);
+    add(2 * std::cos(angle), 2 * std::sin(angle), within(1));
+  }
+  write("plate.xyz", cloud.str());
+  run("fit plate.xyz -o plate.step --report r.json");
+  const json step = read_json("r.json")["outputs"][0]["step"];
+  expect_values(step, {{"/faces", 7},
+                       {"/solids", 1},
+                       {"/analytic/parts", 1},
+                       {"/analytic/faces/plane", 6},
+                       {"/analytic/faces/cylinder", 1}});
+  EXPECT_NEAR(step["analytic"]["radii"][0], 2, 2e-3);
+  EXPECT_GT(step["analytic"]["largest_distance"], 2e-3);
+  EXPECT_LT(step["analytic"]["largest_distance"], 1e-2);
+}
+
 TEST_F(Points, AreInputsOfScenes) {
   write("s.json", R"({"version":1,"jobs":[{"name":"ring","input":"torus.xyz","report":"r.json",
                       "tolerance_mesh":5e-3}]})");

@@ -58,9 +58,10 @@ Callbacks callbacks_for(JobReport& report, const JobContext& context) {
 
 namespace {
 
-void reconstruct_points(const PointInput& cloud, const Mesher& mesher, JobInput& made,
-                        JobReport& report, const Callbacks& callbacks) {
+void reconstruct_points(const PointInput& cloud, const Mesher& mesher, bool keeps_scan,
+                        JobInput& made, JobReport& report, const Callbacks& callbacks) {
   ReconstructOptions options = report.settings.points;
+  options.keeps_scan = keeps_scan;
   options.callbacks = callbacks;
   options.pair_quads = report.settings.quads != QuadChoice::Off &&
                        report.settings.scheme != Scheme::Loop;  // which is of triangles only
@@ -69,6 +70,7 @@ void reconstruct_points(const PointInput& cloud, const Mesher& mesher, JobInput&
   for (const std::int32_t point : result.used_points)
     made.points.push_back(cloud.cloud.origin + cloud.cloud.points[point]);
   made.input.file.mesh = std::move(result.mesh);
+  made.scan = std::move(result.scan);
 }
 
 Input read_source(const std::string& path, FileReach reach, const Callbacks& callbacks) {
@@ -106,6 +108,16 @@ PolygonMesh tagged(PolygonMesh mesh, const Settings& settings, const std::string
   mesh.corners.insert(mesh.corners.end(), settings.corner_vertices.begin(),
                       settings.corner_vertices.end());
   return mesh;
+}
+
+// Whether faces on surfaces that have a name are looked for.
+bool writes_analytic(const Job& job) {
+  return job.settings.step.analytic == AnalyticChoice::Auto &&
+         job.settings.scheme == Scheme::DooSabin &&
+         std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
+           const auto format = format_of(path_of(output.path));
+           return format && info_of(*format).is_brep;
+         });
 }
 
 bool writes_obj(const Job& job) {
@@ -153,7 +165,7 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
   const auto reconstruct = [&](const PointInput& cloud) {
     require_points(job, input.name, std::ssize(cloud.cloud.points));
     context.progress.update("points", 0);
-    reconstruct_points(cloud, mesher(), made, report, callbacks);
+    reconstruct_points(cloud, mesher(), writes_analytic(job), made, report, callbacks);
   };
   if (holds_points_only(file.format)) {
     reconstruct(points_of(file, callbacks));

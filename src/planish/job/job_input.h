@@ -48,6 +48,7 @@ void add_warning(JobReport& report, const JobContext& context, const Warning& wa
 struct JobInput {
   Input input;
   std::vector<glm::dvec3> points;  ///< that were used, where the file has them
+  PolygonMesh scan;                ///< Reconstruction::scan of these, for STEP
   FileMaterials materials;         ///< that the file names
   std::optional<Input> source;     ///< where the job names one
   FittedMesh fitted;               ///< the mesh of `input`, once fit_input() has it

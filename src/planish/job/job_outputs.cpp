@@ -320,13 +320,14 @@ namespace {
 // `limit` makes its Doo-Sabin surface.
 WrittenOutput write_step_output(const PlannedOutput& planned, const std::filesystem::path& target,
                                 const std::function<const LimitSurface&()>& limit,
-                                const FittedMesh& fitted, const StepSettings& settings,
-                                const SurfaceOutputOptions& options) {
+                                const JobInput& made, const FittedMesh& fitted,
+                                const StepSettings& settings, const SurfaceOutputOptions& options) {
   WrittenDigest digest(options.digests);
   const StepFileOptions step{.settings = settings,
                              .name = options.gltf.name,
                              .shown = planned.path,
                              .materials = options.gltf.materials,
+                             .scan = made.scan.face_count() > 0 ? &made.scan : nullptr,
                              .observe = digest.observer(),
                              .callbacks = options.gltf.callbacks};
   const StepFigures figures = write_fitted_step(target, fitted, step, limit);
@@ -472,7 +473,8 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
     settings.unit = settled_unit(settings.unit, work.report.input.format);
     written = write_step_output(
         planned, work.staged.stage(planned.path),
-        [&]() -> const LimitSurface& { return all.limit(); }, work.fitted, settings, options);
+        [&]() -> const LimitSurface& { return all.limit(); }, work.made, work.fitted, settings,
+        options);
   });
   if (!written.step->is_as_asked()) work.report.falls_short = true;
   warn_of_rounding(work.report, work.context, written);

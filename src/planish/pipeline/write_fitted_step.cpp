@@ -173,6 +173,7 @@ struct GivenParts {
   UsedPart used;
   std::span<const std::int32_t> groups;
   double diagonal = 1;
+  VertexPlaces places = VertexPlaces::OnEdges;
   AnalyticParts found;
 
   [[nodiscard]] AnalyticMesh mesh() const {
@@ -180,7 +181,12 @@ struct GivenParts {
             .positions = used.mesh.positions,
             .is_sharp = {},
             .groups = groups,
-            .diagonal = diagonal};
+            .diagonal = diagonal,
+            .places = places};
+  }
+  // Whether faces on surfaces are all that there is of every part.
+  [[nodiscard]] bool is_whole() const {
+    return std::ranges::none_of(found.has_free, [](char free) { return free != 0; });
   }
 };
 
@@ -188,14 +194,14 @@ std::span<const std::int32_t> groups_in(const PolygonMesh& mesh) {
   return mesh.groups.size() > 1 ? std::span(mesh.face_groups) : std::span<const std::int32_t>();
 }
 
-// Null where nobody wants them.
-std::unique_ptr<const GivenParts> given_parts(const FittedMesh& fitted,
-                                              const StepFileOptions& options) {
+// Whoever names another scheme wants its surface.
+bool wants_parts(const FittedMesh& fitted, const StepFileOptions& options) {
+  return options.settings.analytic == AnalyticChoice::Auto &&
+         given_mesh(fitted).hole_faces.empty() && fitted.options.scheme == Scheme::DooSabin;
+}
+
+std::unique_ptr<GivenParts> given_parts(const FittedMesh& fitted, const StepFileOptions& options) {
   const PolygonMesh& mesh = given_mesh(fitted);
-  // Whoever names another scheme wants its surface.
-  if (options.settings.analytic == AnalyticChoice::Off || !mesh.hole_faces.empty() ||
-      fitted.options.scheme != Scheme::DooSabin)
-    return nullptr;
   auto prepared = fitted.bare ? prepare_mesh(mesh, options.name) : fitted.fit.prepared;
   auto given = std::make_unique<GivenParts>(GivenParts{.prepared = prepared,
                                                        .used = used_part(mesh, prepared),
@@ -217,6 +223,26 @@ std::unique_ptr<const GivenParts> given_parts(const FittedMesh& fitted,
   given->found =
       find_analytic_parts(analytic, options.settings.analytic_tolerance, options.callbacks);
   return given;
+}
+// The same of a mesh through samples, of which no vertex has to lie on an edge: of points, or of a
+// part that is noisy and was told in part only.
+std::unique_ptr<GivenParts> scanned_parts(const FittedMesh& fitted,
+                                          const StepFileOptions& options) {
+  const PolygonMesh& mesh = options.scan != nullptr ? *options.scan : given_mesh(fitted);
+  auto prepared = prepare_mesh(mesh, options.name);
+  auto scanned = std::make_unique<GivenParts>(GivenParts{.prepared = prepared,
+                                                         .used = used_part(mesh, prepared),
+                                                         .groups = groups_in(mesh),
+                                                         .diagonal = fitted.fit.placement.diagonal,
+                                                         .places = VertexPlaces::Samples,
+                                                         .found = {}});
+  // Features of samples are chance.
+  const std::vector<char> is_sharp(static_cast<std::size_t>(prepared->topology->edge_count()), 0);
+  AnalyticMesh analytic = scanned->mesh();
+  analytic.is_sharp = is_sharp;
+  scanned->found =
+      find_analytic_parts(analytic, options.settings.analytic_tolerance, options.callbacks);
+  return scanned;
 }
 
 // By vertex of the fitted mesh's topology, where it lies in that of the given one.
@@ -395,23 +421,36 @@ class MixedFacesMaker {
   std::vector<std::array<std::int32_t, 2>> places_;
 };
 
+// Whether all parts have become faces on surfaces.
+bool take_whole(const GivenParts& given, const StepFileOptions& options, MadeFaces& made) {
+  made.analytic = make_analytic_faces(given.mesh(), given.found, nullptr, options.callbacks);
+  if (made.analytic->freeform_parts > 0) {
+    made.analytic = AnalyticFaces{.parts = made.analytic->parts,
+                                  .freeform_parts = made.analytic->parts,
+                                  .first_reason = made.analytic->first_reason};
+    return false;
+  }
+  made.brep = std::move(made.analytic->brep);
+  find_shells(*given.prepared->topology, given.used.mesh.positions, made.analytic->face_of,
+              made.brep);
+  return true;
+}
+bool is_noisy(const AnalyticParts& found) {
+  return std::ranges::any_of(found.tolerances, [](double t) { return t > kExactTolerance; });
+}
+
 MadeFaces make_faces(const FittedMesh& fitted, const StepFileOptions& options,
                      const std::function<const LimitSurface&()>& limit,
                      const Callbacks& callbacks) {
   constexpr double kFitShare = 0.5;  // of the time, where it is fitted again
   MadeFaces made;
-  const auto given = given_parts(fitted, options);
-  const bool has_free =
-      given && std::ranges::any_of(given->found.has_free, [](char free) { return free != 0; });
-  if (given && !has_free) {
-    made.analytic = make_analytic_faces(given->mesh(), given->found, nullptr, options.callbacks);
-    if (made.analytic->freeform_parts == 0) {
-      made.brep = std::move(made.analytic->brep);
-      find_shells(*given->prepared->topology, given->used.mesh.positions, made.analytic->face_of,
-                  made.brep);
-      return made;
-    }
+  std::unique_ptr<const GivenParts> given;
+  if (wants_parts(fitted, options) && options.scan == nullptr) {
+    given = given_parts(fitted, options);
+    if (given->is_whole() && take_whole(*given, options, made)) return made;
   }
+  if (wants_parts(fitted, options) && (options.scan != nullptr || is_noisy(given->found)))
+    if (take_whole(*scanned_parts(fitted, options), options, made)) return made;
   if (given && is_torn(*given, fitted))
     made.again = fitted_as_given(fitted, options, share_of(callbacks, 0, kFitShare));
   const FittedMesh& of = made.again ? *made.again : fitted;

@@ -72,6 +72,9 @@ struct StepFileOptions {
   std::filesystem::path shown{};  ///< what warnings call the file; empty: its path
   /// Of the mesh's groups, whose colours faces get; null: none.
   const GltfMaterials* materials = nullptr;
+  /// Of points, the triangles through all of them, in which analytic faces are looked for; null:
+  /// the fitted mesh's.
+  const PolygonMesh* scan = nullptr;
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
   /// Steps "faces" and "write"; warnings "step-folds", "step-inside-out", "step-faces",

@@ -320,6 +320,16 @@ MeshedCloud vertices_of(const OrderedPoints& points, std::vector<Triangle> trian
   return meshed;
 }
 
+// `points`: of the cloud, that triangles name.
+void keep_scan(Work& work, std::span<const std::int32_t> points,
+               std::span<const Triangle> triangles) {
+  if (!work.options.keeps_scan) return;
+  PolygonMesh scan = polygons_of(triangles);
+  scan.positions = chosen(work.cloud.points, points);
+  for (glm::dvec3& position : scan.positions) position += work.cloud.origin;
+  work.result.scan = without_unused_vertices(scan).mesh;
+}
+
 // The way of few points: all of them are meshed.
 MeshedCloud mesh_all_points(Work& work) {
   const Callbacks& callbacks = work.options.callbacks;
@@ -332,6 +342,7 @@ MeshedCloud mesh_all_points(Work& work) {
   std::vector<Triangle> triangles = work.mesher(points, share_of(callbacks, kSmoothed, kMeshed));
   result.timing.mesh = work.watch.lap();
   triangles = repaired(work, points, std::move(triangles));
+  keep_scan(work, result.used_points, triangles);
   if (result.tolerance > 0) {
     SimplifiedMesh simplified = simplify(points, triangles, simplify_options(work));
     triangles = std::move(simplified.triangles);
@@ -394,6 +405,8 @@ MeshedCloud mesh_coarse_first(Work& work) {
   result.meshing_count = coarse.meshing_count;
   result.used_points = ascending(points.given(), work.cloud.points.size());
   result.timing.mesh = work.watch.lap();
+  if (options.keeps_scan)
+    keep_scan(work, chosen(points.given(), coarse.mesh.vertex_points), coarse.mesh.triangles);
   SimplifiedMesh simplified = simplify(points, std::move(coarse.mesh), simplify_options(work));
   result.timing.simplify = work.watch.lap();
   result.distances = measure_distances(points, simplified.triangles);

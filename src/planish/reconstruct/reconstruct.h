@@ -145,6 +145,7 @@ struct ReconstructOptions {
   double least_angle = -1;        ///< as in SimplifyOptions
   std::int32_t max_valence = -1;  ///< as in SimplifyOptions
   bool pair_quads = true;
+  bool keeps_scan = false;  ///< for Reconstruction::scan
   Callbacks callbacks;
 };
 
@@ -188,6 +189,9 @@ struct Reconstruction : ReconstructionFigures {
   /// to the last bit.
   std::vector<std::int32_t> vertex_points;
   std::vector<std::int32_t> used_points;  ///< what cleaning kept, ascending
+  /// The triangles through all points that were meshed, neither moved nor simplified away; empty
+  /// where nobody asked to keep it.
+  PolygonMesh scan;
 };
 
 /// Points to mesh, in the order of the paper's first step: clean, smooth on request, mesh through
