@@ -381,6 +381,7 @@ class NoisyFinder {
   // in one piece, and each vertex a place where the surfaces around it can meet.
   void take_samples() {
     constexpr int kTimes = 2, kTidied = 3;
+    constexpr double kHopeful = 0.7;  // of the area
     for (int i = 0; i < kTimes; ++i) {
       for (std::size_t before = 0; before < found_.size();) {
         before = found_.size();
@@ -389,6 +390,7 @@ class NoisyFinder {
       measure();
       share_surfaces();
       give_back();
+      if (taken() < kHopeful * whole_) return;
     }
     free_bridges();
     fill_gaps();
