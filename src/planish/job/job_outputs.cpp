@@ -476,8 +476,11 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
         [&]() -> const LimitSurface& { return all.limit(); }, work.made, work.fitted, settings,
         options);
   });
-  if (!written.step->is_as_asked()) work.report.falls_short = true;
-  warn_of_rounding(work.report, work.context, written);
+  const StepFigures& step = *written.step;
+  if (!step.is_as_asked()) work.report.falls_short = true;
+  // Surfaces that leave their vertices by noise do so whatever the digits.
+  if (step.largest_distance > step.analytic_distance)
+    warn_of_rounding(work.report, work.context, written);
 }
 
 // The deepest level that the page may show; -1: none.

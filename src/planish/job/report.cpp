@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <string>
 
+#include "planish/brep/analytic_faces.h"
 #include "planish/core/error.h"
 #include "planish/core/json.h"
 #include "planish/core/version.h"
@@ -427,6 +428,9 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
     line += faces_text(step);
     if (step.solids > 0) line += ", " + counted(step.solids, "solid");
     if (step.open_shells > 0) line += ", " + counted(step.open_shells, "open shell");
+    if (output.as_written_error > kExactTolerance)
+      line += formatted(", within {} of the diagonal of its vertices",
+                        short_number(output.as_written_error));
     return formatted("{}, {} degrees at edges, in {}", line, angle_text(step.max_angle),
                      word_of(kStepUnitWords, step.unit));
   }
