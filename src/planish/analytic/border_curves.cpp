@@ -184,10 +184,54 @@ std::optional<BorderCurve> spline_along(const BorderSides& sides,
   return std::nullopt;
 }
 
+// Of unit length, of the curve that two surfaces have; 0 where they touch, or nearly.
+glm::dvec3 tangent_at(const BorderSides& sides, const glm::dvec3& p) {
+  constexpr double kTouch = 0.2;  // sine of the angle between them
+  const glm::dvec3 t =
+      glm::cross(normal_at(*sides.left.surface, p), normal_at(*sides.right.surface, p));
+  return glm::length(t) > kTouch ? glm::normalize(t) : glm::dvec3(0.0);
+}
+// How far points go along that curve, ways back taken off: below 0 against its tangents.
+double way_along(const BorderSides& sides, std::span<const glm::dvec3> points) {
+  double way = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    way += glm::dot(tangent_at(sides, points[i]), points[i + 1] - points[i]);
+  return way;
+}
+constexpr double kForward = 0.5;  // cosine of what goes on along a curve
+
+// Without points that lie behind others along the curve: samples of either side of an edge come in
+// any order.
+std::vector<glm::dvec3> forward_of(const BorderSides& sides, std::span<const glm::dvec3> points) {
+  const double sign = way_along(sides, points) < 0 ? -1 : 1;
+  const auto goes_on = [&](const glm::dvec3& tangent, const glm::dvec3& step) {
+    return sign * glm::dot(tangent, step) >= kForward * glm::length(tangent) * glm::length(step);
+  };
+  const glm::dvec3 target = points.back();
+  std::vector<glm::dvec3> kept{points.front()};
+  for (std::size_t i = 1; i + 1 < points.size(); ++i)
+    if (goes_on(tangent_at(sides, kept.back()), points[i] - kept.back())) kept.push_back(points[i]);
+  while (kept.size() > 1 && !goes_on(tangent_at(sides, target), target - kept.back()))
+    kept.pop_back();
+  kept.push_back(target);
+  return kept;
+}
+
 }  // namespace
 
+bool comes_back(const BorderSides& sides, std::span<const glm::dvec3> chain) {
+  double length = 0, told = 0;
+  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+    const double step = glm::length(chain[i + 1] - chain[i]);
+    length += step;
+    told += glm::length(tangent_at(sides, chain[i])) * step;
+  }
+  return told > kForward * length && std::abs(way_along(sides, chain)) < kForward * told;
+}
+
 std::optional<BorderCurve> curve_along(const BorderSides& sides,
-                                       std::span<const glm::dvec3> chain) {
+                                       std::span<const glm::dvec3> given) {
+  const std::vector<glm::dvec3> chain = forward_of(sides, given);
   const glm::dvec3 &from = chain.front(), &to = chain.back();
   // On both surfaces all along, and near the chain.
   const auto fits = [&](const BorderCurve& curve) {

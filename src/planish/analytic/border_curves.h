@@ -30,9 +30,13 @@ inline constexpr std::size_t kBorderDegree = 3;
 inline constexpr double kOnSurface = 1e-9;
 
 /// The curve along a chain: from its first point to its last, which lie on both surfaces, by those
-/// between, which are near. None where the surfaces do not meet along it.
+/// between, which are near and may go back and forth. None where the surfaces do not meet along it.
 [[nodiscard]] std::optional<BorderCurve> curve_along(const BorderSides& sides,
                                                      std::span<const glm::dvec3> chain);
+
+/// Whether a closed chain goes along that curve and back, so that it is around nothing. Not where
+/// the surfaces touch.
+[[nodiscard]] bool comes_back(const BorderSides& sides, std::span<const glm::dvec3> chain);
 
 /// An arc about an axis through `centre`, counter-clockwise from a point.
 [[nodiscard]] BorderCurve arc(const glm::dvec3& centre, const glm::dvec3& axis,
