@@ -245,7 +245,7 @@ struct RingSumParameters {
 // Levels by need. What they are chosen by and listed in is a buffer of words: a record of each
 // level, from coarse to fine, and a segment of each dispatch that walks a list of instances.
 // Words of a level: places in its list, vertices and indices of an instance, its first index, its
-// first vertex, and where its list begins.
+// first vertex, where its list begins, and the vertices of an instance at all coarser levels.
 PLANISH_SHARED_CONSTANT kMostLevels = 5u;
 PLANISH_SHARED_CONSTANT kLevelPlaces = 0u;
 PLANISH_SHARED_CONSTANT kLevelVertices = 1u;
@@ -253,7 +253,10 @@ PLANISH_SHARED_CONSTANT kLevelIndices = 2u;
 PLANISH_SHARED_CONSTANT kLevelFirstIndex = 3u;
 PLANISH_SHARED_CONSTANT kLevelFirstVertex = 4u;
 PLANISH_SHARED_CONSTANT kLevelList = 5u;
-PLANISH_SHARED_CONSTANT kLevelWords = 6u;
+PLANISH_SHARED_CONSTANT kLevelFirstRow = 6u;
+PLANISH_SHARED_CONSTANT kLevelWords = 7u;
+// Words of a list's entry, a DrawnInstance.
+PLANISH_SHARED_CONSTANT kDrawnWords = 2u;
 // Words of a segment: arguments, whose y counts the instances of its list, and the list's level;
 // kNone: the list of all that are seen, which stands behind the segments.
 PLANISH_SHARED_CONSTANT kChosenLevel = 3u;

@@ -37,7 +37,8 @@ layout(std430, set = 0, binding = 7) restrict readonly buffer Work { uint work[]
 // Rows go by way of the work group, whose lanes then write neighbouring words: from a lane each, words
 // are a row and more apart.
 const uint kPositionWords = kPositionFormat == kFormatFloat3 ? 3u : 2u;
-const uint kNormalWords = kNormalFormat == kFormatFloat3 ? 3u : 1u;
+const uint kNormalWords =
+    kNormalFormat == kFormatNone ? 0u : kNormalFormat == kFormatFloat3 ? 3u : 1u;
 const uint kTangentWords =
     kTangentFormat == kFormatNone ? 0u : kTangentFormat == kFormatFloat4 ? 4u : 1u;
 const uint kRowWords = kPositionWords + kNormalWords + kTangentWords;
@@ -196,7 +197,7 @@ void write_rows(uint row, uint flags, uint frame) {
 #endif
     precise vec3 limit = own_vertex + (own.xyz + position[s]);
     if ((flags & kHasPositions) != 0u) write_position(position_at, limit);
-    if ((flags & kHasNormals) == 0u) continue;
+    if (kNormalFormat == kFormatNone || (flags & kHasNormals) == 0u) continue;
     vec3 normal = unit_normal(du[s], dv[s]);
     write_normal(normal_at, normal);
     if (kTangentFormat == kFormatNone) continue;
@@ -325,7 +326,7 @@ void main() {
 #ifdef KERNEL_instance_patches
 // Of the instances that a level's list names, one after another.
 void main() {
-  begin_instance(work[parameters.segment + gl_WorkGroupID.y], gl_WorkGroupID.y);
+  begin_instance(work[parameters.segment + kDrawnWords * gl_WorkGroupID.y], gl_WorkGroupID.y);
   evaluate_units();
 }
 #endif

@@ -125,13 +125,13 @@ uint sum_before(uint own) {
   return before;
 }
 
-void draw(uint instance, uint level, uint place) {
-  uint head = level * kLevelWords, at = instance * kDrawWords;
+void draw(uint number, uint level, uint count, uint first_vertex, uint first_instance) {
+  uint head = level * kLevelWords, at = number * kDrawWords;
   draws[at] = work[head + kLevelIndices];
-  draws[at + 1u] = 1u;
+  draws[at + 1u] = count;
   draws[at + 2u] = work[head + kLevelFirstIndex];
-  draws[at + 3u] = work[head + kLevelFirstVertex] + place * work[head + kLevelVertices];
-  draws[at + 4u] = parameters.numbers_draws != 0u ? instance : 0u;
+  draws[at + 3u] = first_vertex;
+  draws[at + 4u] = parameters.numbers_draws != 0u ? first_instance : 0u;
 }
 
 void main() {
@@ -162,17 +162,24 @@ void main() {
     uint place = sum_before(own);
     uint head = level * kLevelWords;
     uint places = work[head + kLevelPlaces], list = work[head + kLevelList];
+    uint first_row = work[head + kLevelFirstRow];
     for (uint i = begin; i < end; ++i) {
       if (levels[count + i] != level) continue;
       if (place < places) {
-        work[list + place] = i;
-        draw(i, level, place);
+        uint vertex = work[head + kLevelFirstVertex] + place * work[head + kLevelVertices];
+        work[list + kDrawnWords * place] = i;
+        work[list + kDrawnWords * place + 1u] = vertex - first_row;
+        draw(i, level, 1u, vertex, i);
       } else {
         levels[count + i] = level - 1u;
       }
       ++place;
     }
-    if (lane == 0u) listed[level] = min(total, places);
+    if (lane == 0u) {
+      listed[level] = min(total, places);
+      draw(count + level, level, listed[level], first_row,
+           (list - work[kLevelList]) / kDrawnWords);
+    }
   }
   barrier();
   for (uint s = lane; s < parameters.segment_count; s += kPlaceLanes) {

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <iterator>
+#include <list>
 #include <optional>
 #include <random>
 #include <set>
@@ -68,7 +71,7 @@ struct LevelHost {
 
   LevelHost(vulkan::Context& on, vulkan::Submitter& with, const PolygonMesh& mesh,
             const vulkan::SystemOptions& options, const std::vector<glm::dvec3>& places,
-            std::vector<std::uint32_t> room = {}, vulkan::VertexLayout layout = {})
+            vulkan::TessellationOptions wanted = {})
       : context(on),
         submitter(with),
         rest(mesh),
@@ -78,33 +81,25 @@ struct LevelHost {
         system(mesh, options),
         tables(on, system, {.max_vertex_stride = 64}),
         points(on, count * mesh.positions.size() * sizeof(glm::vec3), vulkan::MemoryUse::Upload),
-        output(on, vertex_total(tables, count, room) * layout.stride, vulkan::MemoryUse::Download),
+        output(on, tables.tessellation_bytes(wanted, count), vulkan::MemoryUse::Download),
         solve(on, tables, {.given = {points.handle()}, .instances = count}) {
-    layout.buffer = output.handle();
-    levels.emplace(on, tables, solve,
-                   vulkan::TessellationOptions{.vertices = layout, .places = std::move(room)});
+    wanted.vertices.buffer = output.handle();
+    if (wanted.previous_positions.stride > 0) wanted.previous_positions.buffer = output.handle();
+    levels.emplace(on, tables, solve, wanted);
     upload_tables(on, submitter, system, tables);
+    pose(0);
+    reset();
+    submitter.run([&](VkCommandBuffer commands) { solve.record_surface(commands); });
+  }
+
+  // Solves all instances in the poses of a frame.
+  void pose(std::uint32_t frame) {
     for (std::uint32_t i = 0; i < count; ++i)
-      put(points, points_of(pose_of(i)), i * mesh.positions.size() * sizeof(glm::vec3));
-    submitter.run([&](VkCommandBuffer commands) {
-      levels->record_reset(commands);
-      solve.record_solve(commands, iterations(20));
-      solve.record_surface(commands);
-    });
+      put(points, points_of(pose_of(i, frame)), i * rest.positions.size() * sizeof(glm::vec3));
+    submitter.run([&](VkCommandBuffer commands) { solve.record_solve(commands, iterations(20)); });
   }
-
-  static std::uint64_t vertex_total(const vulkan::DeviceSystem& tables, std::uint32_t instances,
-                                    const std::vector<std::uint32_t>& room) {
-    const std::vector<std::int32_t> counts = tables.level_vertex_counts();
-    std::uint64_t total = 0;
-    for (std::size_t k = 0; k < counts.size(); ++k)
-      total +=
-          std::uint64_t(room.empty() ? instances : room[k]) * static_cast<std::uint64_t>(counts[k]);
-    return total;
-  }
-
-  [[nodiscard]] PolygonMesh pose_of(std::uint32_t instance) const {
-    PolygonMesh pose = posed(rest, static_cast<int>(instance));
+  [[nodiscard]] PolygonMesh pose_of(std::uint32_t instance, std::uint32_t frame = 0) const {
+    PolygonMesh pose = posed(rest, static_cast<int>(instance + 7 * frame));
     for (glm::dvec3& p : pose.positions) p = glm::dvec3(glm::vec3(p + offsets[instance]));
     return pose;
   }
@@ -478,7 +473,7 @@ TEST_F(EmbedLevels, TakeACoarserOneWhereTheirsIsFull) {
   const SystemOptions options{.level = 1, .levels = kLevels};
   const std::vector<std::uint32_t> room = {40, 6, 2, 3};
   with_both_variants([&] {
-    LevelHost host(*context_, *submitter_, mesh, options, field(40), room);
+    LevelHost host(*context_, *submitter_, mesh, options, field(40), {.places = room});
     const TessellateParameters view = view_of(perspective(0.1f, 5000), 0.1f);
     std::vector<std::uint32_t> expected = expected_levels(host, view);
     std::uint32_t moved = 0;
@@ -493,6 +488,174 @@ TEST_F(EmbedLevels, TakeACoarserOneWhereTheirsIsFull) {
     expect_bits(host, levels, options);
     // What was not to be had is wanted again.
     EXPECT_EQ(host.draw(view), expected);
+  });
+}
+
+// One draw a level: its instances in their order, each at the vertices of its own draw.
+TEST_F(EmbedLevels, ALevelsDrawHasItsInstances) {
+  const std::vector<std::uint32_t> room = {40, 6, 2, 3};
+  for (const bool numbers : {false, true}) {
+    LevelHost host(*context_, *submitter_, test::torus(9, 6, 2, 0.7), {.levels = kLevels},
+                   field(40), {.places = room, .numbers_draws = numbers});
+    const std::vector<std::uint32_t> levels =
+        host.draw(view_of(perspective(0.1f, 5000), numbers ? 0.1f : 3.0f));
+    const std::vector<VkDrawIndexedIndirectCommand> draws = host.draws();
+    std::int32_t first_row = 0;
+    std::uint32_t first_place = 0, drawn = 0;
+    for (std::uint32_t k = 0; k < kLevels.size(); ++k) {
+      const LevelDraw level = host.levels->level_draw(k);
+      const auto all = host.fetch<VkDrawIndexedIndirectCommand>(level.draw, level.draw_offset, 1);
+      EXPECT_EQ(level.draw_offset, host.levels->level_draw(0).draw_offset + k * sizeof all[0]);
+      EXPECT_EQ(all[0].vertexOffset, first_row);
+      EXPECT_EQ(all[0].firstInstance, numbers ? first_place : 0);
+      EXPECT_EQ(all[0].instanceCount, std::ranges::count(levels, k));
+      const auto records = host.fetch<DrawnInstance>(
+          level.instances, level.instances_offset + all[0].firstInstance * sizeof(DrawnInstance),
+          room[k]);
+      const DrawnInstance* record = records.data();
+      for (std::uint32_t i = 0; i < host.count; ++i) {
+        if (levels[i] != k) continue;
+        EXPECT_EQ(record->instance, i);
+        EXPECT_EQ(static_cast<std::int32_t>(record->first_vertex) + first_row,
+                  draws[i].vertexOffset);
+        EXPECT_EQ(all[0].indexCount, draws[i].indexCount);
+        EXPECT_EQ(all[0].firstIndex, draws[i].firstIndex);
+        ++record, ++drawn;
+      }
+      first_row += host.tables.level_vertex_counts()[k];
+      first_place += room[k];
+    }
+    EXPECT_GT(drawn, 20u);
+  }
+}
+
+// Of what an instance was a view ago, at the level that it has now, whether it had that, another or
+// none: the bits of a solve of its own.
+class PreviousPositions : public EmbedLevels {
+ protected:
+  struct Moving {
+    Vertex now;
+    glm::vec3 before;
+  };
+
+  void draw_frames(const PolygonMesh& mesh, const SystemOptions& options,
+                   const std::vector<glm::dvec3>& places, bool turns) {
+    LevelHost host(
+        *context_, *submitter_, mesh, options, places,
+        {.vertices = {.stride = sizeof(Moving)},
+         .previous_positions = {.offset = offsetof(Moving, before), .stride = sizeof(Moving)}});
+    std::list<HostTopology> topologies;
+    std::list<HostFrame> alone;
+    for (const int level : options.levels) {
+      SystemOptions one = options;
+      one.levels.clear();
+      one.level = level;
+      topologies.emplace_back(*context_, *submitter_, mesh, one);
+      alone.push_back(frame_of(topologies.back()));
+    }
+    std::vector<std::uint32_t> last;
+    for (std::uint32_t frame = 0; frame < 3; ++frame) {
+      if (frame > 0) host.pose(frame);
+      // Levels rise and fall, and what was behind the eye comes before it.
+      const glm::mat4 clip = perspective(0.1f, 5000) * (turns && frame == 2 ? -1.0f : 1.0f);
+      const std::vector<std::uint32_t> levels = host.draw(view_of(clip, frame == 0 ? 40.0f : 0.3f));
+      const std::vector<VkDrawIndexedIndirectCommand> draws = host.draws();
+      host.output.invalidate();
+      for (std::uint32_t i = 0; i < host.count; ++i) {
+        if (levels[i] == kNotSeen) continue;
+        const std::byte* found =
+            &host.output.mapped()[std::uint64_t(draws[i].vertexOffset) * sizeof(Moving)];
+        HostFrame& own = *std::next(alone.begin(), levels[i]);
+        EXPECT_TRUE(are(found, offsetof(Moving, now), sizeof(Vertex),
+                        run(own, host.pose_of(i, frame), iterations(20))))
+            << "frame " << frame << ", instance " << i;
+        EXPECT_TRUE(are(found, offsetof(Moving, before), sizeof(glm::vec3),
+                        run(own, host.pose_of(i, frame > 0 ? frame - 1 : 0), iterations(20))))
+            << "frame " << frame << ", instance " << i;
+        if (frame > 0) ++(last[i] == levels[i] ? same_ : last[i] == kNotSeen ? unseen_ : other_);
+      }
+      last = levels;
+    }
+  }
+  // Whether the first bytes of the vertices stand at an offset of those found.
+  static bool are(const std::byte* found, std::size_t offset, std::size_t bytes,
+                  const std::vector<Vertex>& vertices) {
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (std::memcmp(found + i * sizeof(Moving) + offset, &vertices[i], bytes) != 0) return false;
+    return true;
+  }
+
+  std::size_t same_ = 0, other_ = 0, unseen_ = 0;
+};
+
+TEST_F(PreviousPositions, AreThoseOfTheViewBefore) {
+  std::vector<PolygonMesh> meshes = {test::with_random_creases(test::torus(7, 5, 2, 0.7), 0.15, 2)};
+  for (const test::NamedMesh& of : large_rings())
+    if (of.name == "ring") meshes.push_back(of.mesh);
+  with_both_variants([&] {
+    for (const PolygonMesh& mesh : meshes) draw_frames(mesh, {.levels = {1, 2}}, field(12), true);
+  });
+  EXPECT_GT(same_, 2u);
+  EXPECT_GT(unseen_, 2u);
+  EXPECT_GT(other_, 2u);
+}
+
+// Whose state is kept instead of a displacement.
+TEST_F(PreviousPositions, TheFairMethodHasThemToo) {
+  draw_frames(test::torus(7, 5, 2, 0.7), {.levels = {1, 2}, .method = InterpolationMethod::Fair},
+              {{0, 0, -6}}, false);
+  EXPECT_GT(other_, 0u);
+}
+
+// Into a buffer of their own, in the format of positions: what these were.
+TEST_F(EmbedLevels, PreviousPositionsHaveTheFormatOfPositions) {
+  with_both_variants([&] {
+    const HostTopology topology = topology_of(test::icosphere(1), {.levels = {2}});
+    HostFrame host = frame_of(topology);
+    TessellationOptions wanted{.vertices = {.offset = 4,
+                                            .stride = 12,
+                                            .normal_offset = 8,
+                                            .position_format = VertexFormat::Snorm16x4,
+                                            .normal_format = VertexFormat::Octahedral16,
+                                            .box_half = {3, 3, 3}},
+                               .previous_positions = {.offset = 20, .stride = 16}};
+    const std::uint64_t bytes = topology.device.tessellation_bytes(wanted, 1);
+    const auto count = static_cast<std::size_t>(topology.device.level_vertex_counts()[0]);
+    EXPECT_EQ(bytes, 20 + 16 * count - 8);
+    Buffer vertices(*context_, bytes, MemoryUse::Download),
+        previous(*context_, bytes, MemoryUse::Download);
+    wanted.vertices.buffer = vertices.handle();
+    wanted.previous_positions.buffer = previous.handle();
+    const Tessellation levels(*context_, topology.device, host.solve, wanted);
+    std::vector<std::uint64_t> last;
+    for (int frame = 0; frame < 3; ++frame) {
+      PolygonMesh pose = posed(test::icosphere(1), frame);
+      host.set_points(pose);
+      std::ranges::fill(previous.mapped(), std::byte{0x5a});
+      previous.flush();
+      submitter_->run([&](VkCommandBuffer commands) {
+        host.solve.record_solve(commands, iterations(9));
+        if (frame == 0) levels.record_reset(commands);
+        glm::mat4 clip(0.1f);
+        clip[2][2] = 0.01f, clip[3] = {0, 0, 0.5f, 1};
+        levels.record_evaluate(commands, view_of(clip));
+      });
+      const auto positions = [&](Buffer& from, std::size_t offset, std::size_t stride) {
+        const auto all = fetched<std::byte>(from, bytes);
+        std::vector<std::uint64_t> found(count);
+        for (std::size_t i = 0; i < count; ++i)
+          std::memcpy(&found[i], &all[offset + i * stride], sizeof found[i]);
+        return found;
+      };
+      const std::vector<std::uint64_t> now = positions(vertices, 4, 12);
+      if (frame == 0) last = now;
+      EXPECT_EQ(positions(previous, 20, 16), last) << frame;
+      EXPECT_EQ(now == last, frame == 0);
+      for (std::size_t i = 0; i + 1 < count; ++i)
+        for (std::size_t k = 8; k < 16; ++k)
+          ASSERT_EQ(previous.mapped()[20 + 16 * i + k], std::byte{0x5a});
+      last = now;
+    }
   });
 }
 
@@ -560,7 +723,8 @@ using EmbedLevelsHost = Embedding;
 
 TEST_F(EmbedLevelsHost, RecordingOnlyRecords) {
   LevelHost host(*context_, *submitter_, test::icosphere(1), {.levels = {1, 2, 3, 4}},
-                 {{0, 0, -4}, {0, 0, -40}, {0, 0, 4}});
+                 {{0, 0, -4}, {0, 0, -40}, {0, 0, 4}},
+                 {.vertices = {.stride = 36}, .previous_positions = {.offset = 24, .stride = 36}});
   HostCommands commands(*own_);
   Buffer report(*context_, 64, MemoryUse::Download);
   recorded_calls(commands, [&](VkCommandBuffer buffer) {
@@ -606,7 +770,13 @@ TEST_F(EmbedLevelsHost, WrongOptionsAreRefusedByName) {
       {{.vertices = all, .places = {3}}, "places are of 1 levels, but the System has 2"},
       {{.vertices = all, .places = {2, 2}}, "places for 2 instances, but takes all 3"},
       {{.vertices = all, .places = {3, 0}}, "places for no instance"},
-      {{.vertices = apart}, "in one buffer"}};
+      {{.vertices = apart}, "in one buffer"},
+      {{.vertices = all, .previous_positions = {.stride = 12}},
+       "previous positions of a Tessellation have no buffer"},
+      {{.vertices = all, .previous_positions = {other.handle(), 0, 8}},
+       "a vertex of stride 8 does not hold 12 bytes from offset 0 on"},
+      {{.vertices = all, .previous_positions = {target.handle(), 12, 24}},
+       "normals of the Tessellation and positions of the view before share bytes"}};
   for (const auto& [options, words] : of_options)
     EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
                                  [&] { Tessellation(*context_, some.device, with, options); }),

@@ -30,7 +30,8 @@
 //   points that the host writes for that frame, and the vertices that it draws. Frame n takes
 //   {.slot = n}. Their command buffers may be submitted before earlier ones are done, to one
 //   queue, in the order of the frames. The last slot's vertices are the last frame's positions,
-//   for motion vectors; a warm start goes on from the last frame.
+//   for motion vectors; a warm start goes on from the last frame. A Tessellation, whose vertices
+//   change their levels, writes previous positions beside the new ones.
 //
 // Vertices. A VertexLayout says where positions and normals go and in which VertexFormat: by
 //   default 24 bytes a vertex, in compact formats 12; normals may be a stream of their own.
@@ -67,6 +68,9 @@
 //   host's. Offsets and strides are multiples of 4 bytes.
 // Destroying. Handles may be dropped once no pending command buffer uses them, as vkDestroyBuffer
 //   demands.
+// Software drivers. Mesa's llvmpipe (22.3) draws nothing beyond 65,535 vertices that the stages of
+//   tessellation make in one draw, and counts gl_PrimitiveID anew after 1,024 patches: draw fewer
+//   corners of surface_buffers() at a time there. Draws of written vertices are whole.
 // Threads. System, Context and DeviceSystem may be used from many threads; a Solve and the command
 //   buffer that it records to, from one at a time.
 // Names. planish::Solve is the interface of backends; this one is planish::vulkan::Solve.
@@ -183,8 +187,9 @@ class System {
   /// have is the first one's. -1: the file has none, as only holes name the vertex. Made anew for
   /// each call.
   [[nodiscard]] std::vector<std::int32_t> file_vertices() const;
-  /// The same three at a level that is the System's or one of SystemOptions::levels, for the draws
-  /// of a Tessellation. Throws Error{InvalidArgument} for another one.
+  /// The same three at a level that is the System's or one of SystemOptions::levels, for the level
+  /// draws of a Tessellation (Tessellation::level_draw). Throws Error{InvalidArgument} for another
+  /// one.
   [[nodiscard]] std::vector<SurfacePlace> places(int level) const;
   [[nodiscard]] std::vector<glm::vec2> uvs(int level) const;
   [[nodiscard]] std::vector<std::int32_t> file_vertices(int level) const;

@@ -28,8 +28,9 @@ GpuFirstStep::GpuFirstStep(const Maker& on, const PatchTables& patches, const St
 }
 
 GpuFirstStep::GpuFirstStep(const Maker& on, const PatchTables& patches, const StepTables& tables,
-                           const GpuFirstStep& all, const InstanceList& listed)
-    : context_(on.context()), instances_(all.instances_), points_(all.points_) {
+                           const Points& points, const Instances& instances,
+                           const InstanceList& listed)
+    : context_(on.context()), instances_(instances), points_(points) {
   bind(on, patches, tables, listed);
 }
 
@@ -150,7 +151,8 @@ static_assert(is_same(VertexFormat::Snorm10, shared::kFormatSnorm10));
 static_assert(is_same(VertexFormat::Float4, shared::kFormatFloat4));
 
 // What rows of a host's vertices are written through: a window of positions and one of attributes,
-// and where in them the first row's position and normal are, in words.
+// that of positions again where there are none, and where in them the first row's position and
+// normal are, in words.
 struct Target {
   BufferRange positions, attributes;
   std::uint32_t position, normal;
@@ -176,7 +178,9 @@ Target target_of(const Context& context, const VertexLayout& layout, const Index
   const ElementWindow positions =
       window({layout.buffer, layout.offset, layout.stride, layout.instance_stride},
              layout.position_offset, layout.position_format);
-  const ElementWindow normals = window(attributes, layout.normal_offset, layout.normal_format);
+  const ElementWindow normals = has_normals(layout)
+                                    ? window(attributes, layout.normal_offset, layout.normal_format)
+                                    : positions;
   Target target{positions.range, normals.range, 0, 0};
   if (has_tangents(layout))
     target.attributes = joined(
@@ -212,14 +216,15 @@ GpuPatches::GpuPatches(const Maker& on, const PatchTables& tables, const Buffer&
   std::vector<BoundKernel> bound;
   for (const PatchSlice& slice : tables.slices) {
     const Target target = target_of(context, layout, slice.rows, places, lists, in_one);
-    const std::uint32_t constants[] = {slice.gather,
-                                       slice.samples,
-                                       static_cast<std::uint32_t>(layout.position_format),
-                                       static_cast<std::uint32_t>(layout.normal_format),
-                                       has_tangents(layout)
-                                           ? static_cast<std::uint32_t>(layout.tangent_format)
-                                           : shared::kFormatNone,
-                                       in_one};
+    const std::uint32_t constants[] = {
+        slice.gather,
+        slice.samples,
+        static_cast<std::uint32_t>(layout.position_format),
+        has_normals(layout) ? static_cast<std::uint32_t>(layout.normal_format)
+                            : shared::kFormatNone,
+        has_tangents(layout) ? static_cast<std::uint32_t>(layout.tangent_format)
+                             : shared::kFormatNone,
+        in_one};
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.pipeline = context.pipelines().specialised(kernel, constants);
     shared::CornerPatchParameters& parameters = dispatch.parameters;

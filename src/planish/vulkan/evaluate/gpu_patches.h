@@ -16,14 +16,21 @@ namespace planish::vulkan {
 /// as GpuPatches reads it. Externally synchronised; tables and points outlive it.
 class GpuFirstStep {
  public:
+  /// What it reads and writes.
+  struct Points {
+    const Buffer *given, *displacement;
+    std::uint64_t vertex_count;
+    const Buffer* state;
+  };
+
   /// `given`, `displacement`: shared::kPointFloats floats for each of `vertex_count` vertices,
   /// instance by instance.
   GpuFirstStep(const Maker& on, const PatchTables& patches, const StepTables& tables,
                const Buffer& given, const Buffer& displacement, std::uint64_t vertex_count = 0,
                const Instances& instances = {});
-  /// Some instances of another one's points, into its state.
+  /// The listed ones of these instances, into a state that is there.
   GpuFirstStep(const Maker& on, const PatchTables& patches, const StepTables& tables,
-               const GpuFirstStep& all, const InstanceList& listed);
+               const Points& points, const Instances& instances, const InstanceList& listed);
 
   /// Only records, within kEntryScope; all that it writes is ready for kernels.
   void record(VkCommandBuffer commands) const noexcept;
@@ -50,18 +57,12 @@ class GpuFirstStep {
     bool is_of_large;
   };
 
-  /// What it reads and writes.
-  struct Points {
-    const Buffer *given, *displacement;
-    std::uint64_t vertex_count;
-    const Buffer* state;
-  };
   void bind(const Maker& on, const PatchTables& patches, const StepTables& tables,
             const InstanceList& listed);
 
   Context& context_;
   Instances instances_;
-  std::unique_ptr<Buffer> own_state_;  // where it is no other one's
+  std::unique_ptr<Buffer> own_state_;  // where it is not given
   Points points_;
   std::vector<Dispatch> dispatches_;
   DescriptorSets sets_;

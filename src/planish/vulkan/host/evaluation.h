@@ -69,9 +69,33 @@ struct TessellationOptions {
   /// one. All vertices of a level are one binding, 128 MiB on many devices: fine levels of many
   /// instances want fewer places.
   std::vector<std::uint32_t> places;
-  /// A draw's firstInstance is the instance's number, not 0: the host enabled
-  /// drawIndirectFirstInstance.
+  /// Where each vertex's position of the view before goes, for motion vectors: of the pose that the
+  /// last record_evaluate or record_reset saw, at the level that its instance has now, in the
+  /// format and box of its position. Of a buffer with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, the
+  /// vertices' own or another one. A stride of 0: nowhere. `instance_stride` says nothing. Takes 32
+  /// bytes of the device a used vertex of each instance; of the fair method 16, and 16 a corner.
+  VertexStream previous_positions;
+  /// A draw's firstInstance is the instance's number, not 0, and a level's draw begins with its own
+  /// instances among those of all levels: the host enabled drawIndirectFirstInstance.
   bool numbers_draws = false;
+};
+
+/// What a level's draw has of each instance, for a vertex buffer at VK_VERTEX_INPUT_RATE_INSTANCE.
+struct DrawnInstance {
+  std::uint32_t instance;  ///< its number
+  /// Added to gl_VertexIndex: which of TessellationOptions::vertices the vertex is.
+  std::uint32_t first_vertex;
+};
+static_assert(sizeof(DrawnInstance) == 8);
+
+/// The one draw of all instances at a level.
+struct LevelDraw {
+  /// A VkDrawIndexedIndirectCommand, those of finer levels behind it. Its vertexOffset is that of a
+  /// stream of vertices of all levels one after another, an instance of each, whatever is drawn.
+  VkBuffer draw = VK_NULL_HANDLE;
+  VkDeviceSize draw_offset = 0;
+  VkBuffer instances = VK_NULL_HANDLE;  ///< DrawnInstance records
+  VkDeviceSize instances_offset = 0;    ///< the first level's if TessellationOptions::numbers_draws
 };
 
 /// What levels are chosen for.
@@ -102,6 +126,12 @@ struct TessellateParameters {
 /// proportion to that sphere, is at most chord_pixels at the sphere's nearest point: measured in
 /// the rest pose, so poses that bend much more want fewer pixels. Vertices have the bits of
 /// record_evaluate of a System of that level. Several views: a Tessellation each.
+///
+/// Texture coordinates, places and whatever else is the same for all instances are streams of the
+/// host's own, of System::uvs(level) of all levels one after another. They want level_draw(): one
+/// draw a level, whose vertex shader reads positions and normals from a storage buffer, at
+/// DrawnInstance::first_vertex + gl_VertexIndex (vulkan/details.md has all of it). Draws of single
+/// instances have offsets of their own vertices, at which no stream of the level can be bound.
 class Tessellation {
  public:
   /// `system` was made of a System with levels, `solve` on it. Throws Error{InvalidArgument},
@@ -112,7 +142,8 @@ class Tessellation {
   Tessellation(Tessellation&&) noexcept;
   Tessellation& operator=(Tessellation&&) noexcept;
 
-  /// Forgets what levels the last view had: before the first, and after a cut.
+  /// Forgets what levels the last view had: before the first, and after a cut. Previous positions
+  /// are then those of the last solve, so it comes behind record_solve where they are written.
   void record_reset(VkCommandBuffer commands) const noexcept;
   /// Chooses levels and evaluates what is seen, of the last solve of whatever slot. Instead of
   /// record_evaluate and record_surface; what Places and surface_buffers() read is then made of
@@ -129,6 +160,9 @@ class Tessellation {
   [[nodiscard]] VkBuffer draws() const;
   static constexpr std::uint32_t kDrawStride = sizeof(VkDrawIndexedIndirectCommand);
   static constexpr std::uint32_t kNotSeen = 0xffffffff;
+  /// `level` is a place among SystemOptions::levels. To be read by VERTEX_INPUT and DRAW_INDIRECT
+  /// as draws() are.
+  [[nodiscard]] LevelDraw level_draw(std::size_t level) const;
   /// uint32 indices of all levels.
   [[nodiscard]] VkBuffer indices() const;
 

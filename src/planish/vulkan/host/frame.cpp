@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -308,7 +309,7 @@ EvaluatedParts Solve::evaluated_parts() const {
           {patches, parts.system.step ? &*parts.system.step : nullptr, *parts.system.levels,
            parts.control_points(), hull, parts.instances.stride(hull), parts.given_points(),
            parts.state_points(), parts.sizes.rows, parts.instances,
-           parts.step ? &*parts.step : nullptr},
+           parts.progressive ? &parts.progressive->given.displacement() : nullptr},
           parts.progressive ? &parts.progressive->given : nullptr,
           parts.read};
 }
@@ -604,9 +605,19 @@ TessellationOptions checked(const LevelSetTables& tables, const EvaluatedParts& 
   check_layout(options.vertices, solve.sizes);
   require_option(attributes_of(options.vertices).buffer == options.vertices.buffer,
                  "a Tessellation has positions and attributes in one buffer");
+  const bool has_previous = options.previous_positions.stride > 0;
+  require_option(!has_previous || options.previous_positions.buffer,
+                 "previous positions of a Tessellation have no buffer");
   options.places = places_of(tables, solve.chosen.instances.count, std::move(options.places));
-  const std::vector<HostRange> written = vertex_ranges(options.vertices, " of the Tessellation",
-                                                       vertex_total(tables, options.places), 1);
+  const std::uint64_t vertices = vertex_total(tables, options.places);
+  std::vector<HostRange> written =
+      vertex_ranges(options.vertices, " of the Tessellation", vertices, 1);
+  if (has_previous) {
+    const VertexLayout previous = previous_layout(options);
+    check_layout(previous, solve.sizes);
+    std::ranges::move(vertex_ranges(previous, " of the view before", vertices, 1),
+                      std::back_inserter(written));
+  }
   require_apart(written);
   require_apart(solve.read, written);
   return options;
@@ -625,8 +636,12 @@ std::uint64_t DeviceSystem::tessellation_bytes(const TessellationOptions& option
   const LevelSetTables& tables = level_set_of(parts_->levels);
   const std::uint64_t vertices = vertex_total(tables, places_of(tables, instances, options.places));
   const VertexStream attributes = attributes_of(options.vertices);
-  return std::max(options.vertices.offset + vertices * options.vertices.stride,
-                  attributes.offset + vertices * attributes.stride);
+  const std::uint64_t own = std::max(options.vertices.offset + vertices * options.vertices.stride,
+                                     attributes.offset + vertices * attributes.stride);
+  const VertexStream& previous = options.previous_positions;
+  if (previous.stride == 0 || vertices == 0) return own;
+  return std::max(own, previous.offset + (vertices - 1) * previous.stride +
+                           bytes_of(options.vertices.position_format));
 }
 
 struct Tessellation::Parts {
@@ -659,7 +674,13 @@ Tessellation::Tessellation(Tessellation&&) noexcept = default;
 Tessellation& Tessellation::operator=(Tessellation&&) noexcept = default;
 
 void Tessellation::record_reset(VkCommandBuffer commands) const noexcept {
-  record_barrier(parts_->context, commands, kExitScope, kEntryScope);
+  const Context& context = parts_->context;
+  record_barrier(context, commands, kExitScope, kEntryScope);
+  if (parts_->given && parts_->levels.writes_previous()) {
+    // Of the last solve, as is its displacement.
+    parts_->given->record_control_points(commands);
+    record_barrier(context, commands, kEntryScope, kEntryScope);
+  }
   parts_->levels.record_reset(commands);
 }
 
@@ -683,6 +704,9 @@ void Tessellation::record_levels(VkCommandBuffer commands, VkBuffer target,
   context.vk().vkCmdCopyBuffer(commands, parts_->levels.levels(), target, 1, &copy);
 }
 
+LevelDraw Tessellation::level_draw(std::size_t level) const {
+  return parts_->levels.level_draw(level);
+}
 VkBuffer Tessellation::draws() const { return parts_->levels.draws(); }
 VkBuffer Tessellation::indices() const { return parts_->indices; }
 

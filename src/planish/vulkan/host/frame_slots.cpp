@@ -99,8 +99,9 @@ std::vector<HostRange> vertex_ranges(const VertexLayout& layout, const std::stri
   const VertexStream attributes = attributes_of(layout);
   std::vector<HostRange> ranges = {
       range("positions", {layout.buffer, layout.offset, layout.stride, layout.instance_stride},
-            layout.position_offset, layout.position_format),
-      range("normals", attributes, layout.normal_offset, layout.normal_format)};
+            layout.position_offset, layout.position_format)};
+  if (has_normals(layout))
+    ranges.push_back(range("normals", attributes, layout.normal_offset, layout.normal_format));
   if (has_tangents(layout))
     ranges.push_back(range("tangents", attributes, layout.tangent_offset, layout.tangent_format));
   return ranges;
@@ -146,6 +147,7 @@ void check_tangents(const VertexLayout& layout, bool has_tables) {
   require_option(
       has_tables,
       "the System has no tangents; make it textured, of a mesh with texture coordinates");
+  require_option(has_normals(layout), "tangents are square to normals; give these an offset, too");
   require_option(is_word(layout.tangent_offset), "tangents lie at multiples of 4 bytes");
   check_holds(attributes_of(layout).stride, layout.tangent_offset, bytes_of(layout.tangent_format));
 }
@@ -189,12 +191,12 @@ void check_strides(const FrameSlot& slot, std::uint64_t vertex_count) {
   check_instance_stride(layout.instance_stride, (vertex_count - 1) * layout.stride +
                                                     layout.position_offset +
                                                     bytes_of(layout.position_format));
+  const std::uint32_t normal =
+      has_normals(layout) ? layout.normal_offset + bytes_of(layout.normal_format) : 0;
   const std::uint32_t tangent =
       has_tangents(layout) ? layout.tangent_offset + bytes_of(layout.tangent_format) : 0;
-  check_instance_stride(
-      attributes.instance_stride,
-      (vertex_count - 1) * attributes.stride +
-          std::max(layout.normal_offset + bytes_of(layout.normal_format), tangent));
+  check_instance_stride(attributes.instance_stride,
+                        (vertex_count - 1) * attributes.stride + std::max(normal, tangent));
 }
 
 void check_spans(const Context& context, std::uint32_t count, const FrameSlot& slot) {
@@ -258,12 +260,14 @@ void check_vectors(const Context& context, const InstanceSizes& sizes,
 void check_layout(const VertexLayout& layout, const InstanceSizes& sizes) {
   const VertexStream attributes = attributes_of(layout);
   require_option(is_word(layout.offset) && is_word(layout.stride) &&
-                     is_word(layout.position_offset) && is_word(layout.normal_offset) &&
+                     is_word(layout.position_offset) &&
+                     (!has_normals(layout) || is_word(layout.normal_offset)) &&
                      is_word(attributes.offset) && is_word(attributes.stride),
                  "offsets and strides of a vertex layout are multiples of 4 bytes");
   check_formats(layout);
   check_holds(layout.stride, layout.position_offset, bytes_of(layout.position_format));
-  check_holds(attributes.stride, layout.normal_offset, bytes_of(layout.normal_format));
+  if (has_normals(layout))
+    check_holds(attributes.stride, layout.normal_offset, bytes_of(layout.normal_format));
   check_tangents(layout, sizes.has_tangents);
   const std::uint32_t largest = std::max(layout.stride, attributes.stride);
   require_option(

@@ -123,7 +123,7 @@ struct VertexLayout {
   VkDeviceSize offset = 0;    ///< of the first vertex
   std::uint32_t stride = 24;  ///< bytes
   std::uint32_t position_offset = 0;
-  std::uint32_t normal_offset = 12;
+  std::uint32_t normal_offset = 12;  ///< kNotWritten: there are none, and no tangents
   /// Bytes from an instance's first vertex to the next one's; 0: vertex_count() strides.
   VkDeviceSize instance_stride = 0;
   VertexFormat position_format = VertexFormat::Float3;
@@ -145,6 +145,9 @@ struct VertexLayout {
   std::uint32_t tangent_offset = kNotWritten;
   VertexFormat tangent_format = VertexFormat::Float4;
 };
+[[nodiscard]] constexpr bool has_normals(const VertexLayout& layout) {
+  return layout.normal_offset != kNotWritten;
+}
 [[nodiscard]] constexpr bool has_tangents(const VertexLayout& layout) {
   return layout.tangent_offset != kNotWritten;
 }

@@ -162,8 +162,19 @@ namespace {
 
 constexpr std::uint64_t kLevelWordBytes = sizeof(std::uint32_t);
 constexpr std::uint64_t kMostVertices = 0x7fffffff;  // that a draw's vertexOffset can name
+static_assert(sizeof(DrawnInstance) == shared::kDrawnWords * kLevelWordBytes);
 
 }  // namespace
+
+VertexLayout previous_layout(const TessellationOptions& options) {
+  VertexLayout layout = options.vertices;
+  const VertexStream& to = options.previous_positions;
+  layout.buffer = to.buffer, layout.offset = to.offset, layout.stride = to.stride;
+  layout.position_offset = 0;
+  layout.normal_offset = layout.tangent_offset = kNotWritten;
+  layout.attributes = {};
+  return layout;
+}
 
 /// Where in the work's words things stand, and of how many of each the levels have room.
 struct GpuLevels::Words {
@@ -179,7 +190,8 @@ GpuLevels::GpuLevels(const Maker& on, const ChosenParts& parts, const Tessellati
     : context_(on.context()),
       parts_(parts),
       choose_pipeline_(context_.pipelines().specialised(Kernel::ChooseLevels, {})),
-      place_pipeline_(context_.pipelines().specialised(Kernel::PlaceInstances, {})) {
+      place_pipeline_(context_.pipelines().specialised(Kernel::PlaceInstances, {})),
+      numbers_draws_(options.numbers_draws) {
   const std::uint32_t count = parts.instances.count;
   choose_.instance_count = place_.instance_count = count;
   choose_.point_count = static_cast<std::uint32_t>(parts.hull_count);
@@ -190,8 +202,8 @@ GpuLevels::GpuLevels(const Maker& on, const ChosenParts& parts, const Tessellati
     choose_.chords[k] = parts.set.levels[k].chord;
   require_binding(context_, parts.hull.size(), "points around instances", kFewerInstances);
   levels_ = Buffer(on, 2 * count * kLevelWordBytes, MemoryUse::Device, "planish levels");
-  draws_ =
-      Buffer(on, count * shared::kDrawWords * kLevelWordBytes, MemoryUse::Device, "planish draws");
+  draws_ = Buffer(on, (count + choose_.level_count) * shared::kDrawWords * kLevelWordBytes,
+                  MemoryUse::Device, "planish draws");
   make_work(on, options);
   const BoundKernel bound[] = {
       {Kernel::ChooseLevels, {whole(parts.hull), whole(levels_)}},
@@ -203,7 +215,7 @@ void GpuLevels::make_work(const Maker& on, const TessellationOptions& options) {
   const std::deque<LevelTables>& levels = parts_.set.levels;
   Words words;
   words.segment_count =
-      (parts_.step ? parts_.step->round_count() : 0) + (parts_.patches.ring_count > 0 ? 1 : 0);
+      (parts_.steps ? parts_.steps->parts.size() : 0) + (parts_.patches.ring_count > 0 ? 1 : 0);
   std::uint64_t vertices = 0;
   for (std::size_t k = 0; k < levels.size(); ++k) {
     words.levels.push_back({options.places[k], static_cast<std::uint32_t>(vertices), 0,
@@ -222,31 +234,35 @@ void GpuLevels::make_work(const Maker& on, const TessellationOptions& options) {
   words.end = words.seen_list + parts_.instances.count;
   for (Words::Level& level : words.levels) {
     level.list = words.end;
-    words.end += level.places;
+    first_listed_.push_back(words.end * kLevelWordBytes);
+    words.end += level.places * shared::kDrawnWords;
   }
   place_.segment_count = static_cast<std::uint32_t>(words.segment_count);
   first_segment_ = words.first_segment * kLevelWordBytes;
   require_binding(context_, words.end * kLevelWordBytes, "lists of instances", kFewerInstances);
   work_ = Buffer(on, words.end * kLevelWordBytes, MemoryUse::Device, "planish instances");
-  make_surface(on, words);
-  make_patches(on, options, words);
+  make_surface(on, {&parts_.given, parts_.displacement, &parts_.state}, options.vertices, words,
+               surface_);
+  make_template(on, words);
+  if (options.previous_positions.stride > 0) make_kept(on, previous_layout(options), words);
 }
 
-void GpuLevels::make_surface(const Maker& on, const Words& words) {
+void GpuLevels::make_surface(const Maker& on, const Points& points, const VertexLayout& vertices,
+                             const Words& words, Surface& surface) const {
   const InstanceList seen{&work_, words.seen_list};
-  if (parts_.step) step_.emplace(on, parts_.patches, *parts_.steps, *parts_.step, seen);
-  if (parts_.patches.ring_count > 0)
-    sums_.emplace(on, parts_.patches, parts_.given, parts_.state, parts_.vertex_count,
-                  parts_.instances, seen);
-}
-
-void GpuLevels::make_patches(const Maker& on, const TessellationOptions& options,
-                             const Words& words) {
-  std::vector<std::uint32_t> head;
+  const PatchTables& patches = parts_.patches;
+  if (points.displacement)
+    surface.step.emplace(
+        on, patches, *parts_.steps,
+        GpuFirstStep::Points{points.given, points.displacement, parts_.vertex_count, points.state},
+        parts_.instances, seen);
+  if (patches.ring_count > 0)
+    surface.sums.emplace(on, patches, *points.given, *points.state, parts_.vertex_count,
+                         parts_.instances, seen);
   for (std::size_t k = 0; k < words.levels.size(); ++k) {
     const LevelTables& tables = parts_.set.levels[k];
     const Words::Level& level = words.levels[k];
-    VertexLayout layout = options.vertices;
+    VertexLayout layout = vertices;
     layout.offset += VkDeviceSize(level.first_vertex) * layout.stride;
     layout.instance_stride = VkDeviceSize(tables.vertex_count) * layout.stride;
     VertexStream& attributes = layout.attributes;
@@ -259,27 +275,53 @@ void GpuLevels::make_patches(const Maker& on, const TessellationOptions& options
     lists.arguments_step = shared::kChosenWords;
     lists.first_list = level.list;
     lists.places = {level.places};
-    lists.links = &parts_.patches.links;
+    lists.links = &patches.links;
     lists.vertices = formatted("the Tessellation's vertices of level {}", tables.level);
     lists.remedy = formatted(
         "give that level fewer places than {} (TessellationOptions::places), or vertices a smaller "
         "stride",
         level.places);
-    patches_.emplace_back(on, tables.patches, parts_.given, parts_.state, layout,
-                          parts_.vertex_count, parts_.instances, lists);
+    surface.patches.emplace_back(on, tables.patches, *points.given, *points.state, layout,
+                                 parts_.vertex_count, parts_.instances, lists);
+  }
+}
+
+// Only the points are kept: the view before may have had another level, or not have seen an
+// instance.
+void GpuLevels::make_kept(const Maker& on, const VertexLayout& vertices, const Words& words) {
+  kept_.emplace();
+  const auto copy_of = [&](const Buffer& points, const char* name) {
+    return Buffer(on, points.size(), MemoryUse::Device, name);
+  };
+  kept_->given = copy_of(parts_.given, "planish points of the view before");
+  kept_->moving = copy_of(moving(), "planish displacement of the view before");
+  const bool steps = parts_.displacement != nullptr;
+  make_surface(
+      on, {&kept_->given, steps ? &kept_->moving : nullptr, steps ? &parts_.state : &kept_->moving},
+      vertices, words, kept_->surface);
+}
+
+void GpuLevels::make_template(const Maker& on, const Words& words) {
+  std::vector<std::uint32_t> head;
+  std::uint32_t first_row = 0;
+  for (std::size_t k = 0; k < words.levels.size(); ++k) {
+    const LevelTables& tables = parts_.set.levels[k];
+    const Words::Level& level = words.levels[k];
     head.insert(head.end(), {level.places, tables.vertex_count, tables.index_count,
-                             tables.first_index, level.first_vertex, level.list});
+                             tables.first_index, level.first_vertex, level.list, first_row});
+    first_row += tables.vertex_count;
   }
   const auto add_segment = [&](std::uint32_t groups, std::uint32_t level) {
     const auto [x, z] = context_.groups_in_layers(groups);
     head.insert(head.end(), {x, 0, z, level});
   };
-  for (std::size_t i = 0; step_ && i < step_->round_count(); ++i)
-    add_segment(step_->group_count(i), shared::kNone);
-  if (sums_) add_segment(sums_->group_count(), shared::kNone);
-  for (std::uint32_t k = 0; k < patches_.size(); ++k)
-    for (std::size_t i = 0; i < patches_[k].round_count(); ++i)
-      add_segment(patches_[k].group_count(i), k);
+  const auto& [step, sums, patches] = surface_;
+  for (std::size_t i = 0; step && i < step->round_count(); ++i)
+    add_segment(step->group_count(i), shared::kNone);
+  if (sums) add_segment(sums->group_count(), shared::kNone);
+  for (std::uint32_t k = 0; k < patches.size(); ++k)
+    for (std::size_t i = 0; i < patches[k].round_count(); ++i)
+      add_segment(patches[k].group_count(i), k);
   template_ =
       Buffer(on, head.size() * kLevelWordBytes, MemoryUse::Upload, "planish empty instances");
   template_.write(std::as_bytes(std::span(head)));
@@ -287,6 +329,17 @@ void GpuLevels::make_patches(const Maker& on, const TessellationOptions& options
 
 void GpuLevels::record_reset(VkCommandBuffer commands) const noexcept {
   context_.vk().vkCmdFillBuffer(commands, levels_.handle(), 0, VK_WHOLE_SIZE, shared::kNone);
+  if (kept_) record_keep(commands);
+}
+
+// Of the next view the points of the view before.
+void GpuLevels::record_keep(VkCommandBuffer commands) const noexcept {
+  const auto copy = [&](const Buffer& from, const Buffer& to) {
+    const VkBufferCopy all{0, 0, from.size()};
+    context_.vk().vkCmdCopyBuffer(commands, from.handle(), to.handle(), 1, &all);
+  };
+  copy(parts_.given, kept_->given);
+  copy(moving(), kept_->moving);
 }
 
 void GpuLevels::wait(VkCommandBuffer commands) const noexcept {
@@ -312,20 +365,35 @@ void GpuLevels::record(VkCommandBuffer commands, const TessellateParameters& vie
   context_.vk().vkCmdCopyBuffer(commands, template_.handle(), work_.handle(), 1, &heads);
   record_barrier(context_, commands, kEntryScope, kEntryScope);
   record_choice(commands, view);
+  if (kept_) record_surface(commands, kept_->surface);
+  record_surface(commands, surface_);
+  if (kept_) {
+    record_barrier(context_, commands, kEntryScope, kEntryScope);
+    record_keep(commands);
+  }
+  record_barrier(context_, commands, kExitScope, kExitScope);
+}
+
+void GpuLevels::record_surface(VkCommandBuffer commands, const Surface& surface) const noexcept {
+  const auto& [step, sums, patches] = surface;
   std::size_t segment = 0;
-  for (std::size_t i = 0; step_ && i < step_->round_count(); ++i) {
-    (void)step_->record_listed(commands, i, groups_of(segment++));
+  for (std::size_t i = 0; step && i < step->round_count(); ++i) {
+    (void)step->record_listed(commands, i, groups_of(segment++));
     wait(commands);
   }
-  if (sums_) {
-    (void)sums_->record_listed(commands, groups_of(segment++));
+  if (sums) {
+    (void)sums->record_listed(commands, groups_of(segment++));
     wait(commands);
   }
   // Of all levels in lock-step.
-  record_rounds(context_, commands, patches_.size(), [&](std::size_t level, std::uint32_t round) {
-    return patches_[level].record_round(commands, round);
+  record_rounds(context_, commands, patches.size(), [&](std::size_t level, std::uint32_t round) {
+    return patches[level].record_round(commands, round);
   });
-  record_barrier(context_, commands, kExitScope, kExitScope);
+}
+
+LevelDraw GpuLevels::level_draw(std::size_t level) const {
+  return {draws_.handle(), (parts_.instances.count + level) * shared::kDrawWords * kLevelWordBytes,
+          work_.handle(), first_listed_[numbers_draws_ ? 0 : level]};
 }
 
 }  // namespace planish::vulkan

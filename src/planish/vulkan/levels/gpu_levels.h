@@ -82,8 +82,11 @@ struct ChosenParts {
   const Buffer &given, &state;
   std::uint64_t vertex_count;
   Instances instances;
-  const GpuFirstStep* step;  ///< of all instances
+  const Buffer* displacement;  ///< of the progressive method
 };
+
+/// Of positions alone: where TessellationOptions::previous_positions go.
+[[nodiscard]] VertexLayout previous_layout(const TessellationOptions& options);
 
 /// Chooses a level for each instance, and evaluates those that are seen. Externally synchronised;
 /// all that it was made of outlives it.
@@ -93,7 +96,9 @@ class GpuLevels {
   /// limit.
   GpuLevels(const Maker& on, const ChosenParts& parts, const TessellationOptions& options);
 
-  /// Within kEntryScope; a fill, to be waited for.
+  [[nodiscard]] bool writes_previous() const { return kept_.has_value(); }
+  /// Within kEntryScope, behind the displacement that previous positions are then of; fills and
+  /// copies, to be waited for.
   void record_reset(VkCommandBuffer commands) const noexcept;
   /// Within kEntryScope, behind the points of the hull; ends in kExitScope.
   void record(VkCommandBuffer commands, const TessellateParameters& view) const noexcept;
@@ -101,14 +106,37 @@ class GpuLevels {
   /// Words: of each instance the level that the view wants, then those that there was room for.
   [[nodiscard]] VkBuffer levels() const { return levels_.handle(); }
   [[nodiscard]] VkBuffer draws() const { return draws_.handle(); }
+  [[nodiscard]] LevelDraw level_draw(std::size_t level) const;
 
  private:
   enum Set { Choose, PlaceAll };
   struct Words;
+  /// Points that a surface follows from, of all instances.
+  struct Points {
+    const Buffer *given, *displacement, *state;
+  };
+  /// What evaluates the surface of what is seen.
+  struct Surface {
+    std::optional<GpuFirstStep> step;
+    std::optional<GpuRingSums> sums;
+    std::deque<GpuPatches> patches;  // of each level
+  };
+  /// Where the points of the view before are kept.
+  struct Kept {
+    Buffer given, moving;  // the displacement, or the state where there is none
+    Surface surface;
+  };
 
   void make_work(const Maker& on, const TessellationOptions& options);
-  void make_surface(const Maker& on, const Words& words);
-  void make_patches(const Maker& on, const TessellationOptions& options, const Words& words);
+  void make_surface(const Maker& on, const Points& points, const VertexLayout& vertices,
+                    const Words& words, Surface& surface) const;
+  void make_kept(const Maker& on, const VertexLayout& vertices, const Words& words);
+  void make_template(const Maker& on, const Words& words);
+  [[nodiscard]] const Buffer& moving() const {
+    return parts_.displacement ? *parts_.displacement : parts_.state;
+  }
+  void record_surface(VkCommandBuffer commands, const Surface& surface) const noexcept;
+  void record_keep(VkCommandBuffer commands) const noexcept;
   void record_choice(VkCommandBuffer commands, const TessellateParameters& view) const noexcept;
   [[nodiscard]] IndirectGroups groups_of(std::size_t segment) const noexcept {
     return {work_.handle(),
@@ -123,9 +151,10 @@ class GpuLevels {
   Pipeline choose_pipeline_, place_pipeline_;
   VkDeviceSize first_segment_ = 0;  // bytes
   Buffer template_, work_, levels_, draws_;
-  std::optional<GpuFirstStep> step_;
-  std::optional<GpuRingSums> sums_;
-  std::deque<GpuPatches> patches_;  // of each level
+  Surface surface_;
+  std::optional<Kept> kept_;                // where previous positions are written
+  std::vector<VkDeviceSize> first_listed_;  // bytes, of each level's list
+  bool numbers_draws_;
   DescriptorSets sets_;
 };
 
