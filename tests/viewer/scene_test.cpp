@@ -354,5 +354,59 @@ TEST_F(CrowdTest, OfAThousandHasAllLevels) {
   EXPECT_TRUE(std::is_sorted(figures.instances.rbegin(), figures.instances.rend()));
 }
 
+// A textured crowd whose eye walks through it: what temporal anti-aliasing asks of a frame. Where a
+// pixel came from by its motion, the frame before shows the same piece of surface, though instances
+// move and change their levels meanwhile; without motions it shows another one.
+TEST_F(CrowdTest, MotionsLeadToTheSamePieceOfTheFrameBefore) {
+  Scene scene = load_scene(PLANISH_SCENES "/mapped_cube.obj", "", InterpolationMethod::Progressive);
+  scene.system.textured = true;
+  CrowdOptions options = small_crowd(200);
+  options.motions = true;
+  options.chord_pixels = 0.2f;
+  options.walk = 20;
+  Crowd crowd(*device_, std::move(scene), options);
+  crowd.run(1);
+  for (const glm::vec4& pixel : crowd.motions())  // the first frame has none before it
+    ASSERT_LT(glm::length(glm::vec2(pixel)), 0.01f);
+  const auto [width, height] = options.extent;
+  std::vector<glm::vec4> before = crowd.motions();
+  CrowdFigures figures = crowd.figures();
+  std::size_t checked = 0, same = 0, same_without = 0, changes = 0;
+  for (int frame = 1; frame < 6; ++frame) {
+    crowd.run(1);
+    const std::vector<glm::vec4> now = crowd.motions();
+    const CrowdFigures last = std::exchange(figures, crowd.figures());
+    changes += last.instances != figures.instances;
+    for (std::uint32_t y = 0; y < height; ++y)
+      for (std::uint32_t x = 0; x < width; ++x) {
+        const glm::vec4& pixel = now[y * width + x];
+        const glm::vec2 motion(pixel), uv(pixel.z, pixel.w);
+        const glm::vec2 from = glm::vec2(x, y) - motion;
+        if (glm::length(motion) < 1.5f || from.x < 0 || from.y < 0 || from.x > width - 1.0f ||
+            from.y > height - 1.0f)
+          continue;
+        // Within a square of the board, of which there are 16 a side.
+        const auto shows_it = [&](const glm::vec2& place) {
+          const glm::uvec2 nearest(place + 0.5f);
+          const glm::vec4& other = before[nearest.y * width + nearest.x];
+          return glm::distance(uv, glm::vec2(other.z, other.w)) < 1.0f / 32;
+        };
+        ++checked;
+        same += shows_it(from);
+        same_without += shows_it({x, y});
+      }
+    before = now;
+  }
+  EXPECT_GT(checked, 20000u);
+  EXPECT_GT(same, checked * 85 / 100);
+  EXPECT_LT(same_without, checked / 2);
+  EXPECT_GE(changes, 4u);
+  std::size_t colourful = 0;
+  const std::vector<std::uint8_t> picture = crowd.picture();
+  for (std::size_t i = 0; i < picture.size(); i += 3)
+    colourful += std::abs(picture[i] - picture[i + 2]) > 40;
+  EXPECT_GT(colourful, picture.size() / 3 / 50);
+}
+
 }  // namespace
 }  // namespace planish::testing

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <optional>
 #include <vector>
 
 #include "device.h"
@@ -16,6 +18,8 @@ struct CrowdOptions {
   std::vector<int> levels = {1, 2, 3, 4};
   int iterations = 6;  ///< of each frame
   float chord_pixels = 0.5f;
+  bool motions = false;  ///< are drawn, too
+  float walk = 0;        ///< of the eye, ahead, in diagonals of the mesh a second
 };
 
 /// What a view came to.
@@ -26,7 +30,8 @@ struct CrowdFigures {
 };
 
 /// Instances of a scene's mesh in rows from near to far, each moving by itself, each at the level
-/// that its place in the picture needs: planish's Tessellation, off-screen.
+/// that its place in the picture needs: planish's Tessellation, off-screen. With squares by texture
+/// coordinates where the scene's system is textured.
 class Crowd {
  public:
   Crowd(const Device& device, Scene scene, const CrowdOptions& options);
@@ -37,31 +42,45 @@ class Crowd {
   [[nodiscard]] CrowdFigures figures() const;
   /// RGB, top row first.
   [[nodiscard]] std::vector<std::uint8_t> picture() const;
+  /// Of each pixel how far what it shows has moved since the frame before, in pixels, and its
+  /// texture coordinates; zeros where there is no instance. CrowdOptions::motions.
+  [[nodiscard]] std::vector<glm::vec4> motions() const;
 
  private:
+  /// What is drawn into.
+  struct Layer {
+    Layer(const Device& device, VkFormat format, VkExtent2D extent);
+    OwnedRenderPass pass;
+    Image image;
+    Targets targets;
+  };
   [[nodiscard]] glm::vec3 offset_of(std::uint32_t instance) const;
   [[nodiscard]] std::vector<std::uint32_t> places() const;
   /// Throws Error{OutOfMemory} where the device has no bindings for so many.
   [[nodiscard]] VkDeviceSize point_bytes() const;
-  [[nodiscard]] VkDeviceSize vertex_bytes() const;
-  void look();
+  [[nodiscard]] vulkan::TessellationOptions levels() const;
+  [[nodiscard]] Buffer uvs() const;
+  void look(double seconds);
   void pose(double seconds);
-  void draw(VkCommandBuffer commands) const;
+  void bind(VkCommandBuffer commands, VkPipelineLayout layout, VkPipeline pipeline) const;
+  void draw(VkCommandBuffer commands, VkPipeline pipeline) const;
 
   const Device& device_;
   CrowdOptions options_;
-  OwnedRenderPass pass_;
-  Image image_;
-  Targets targets_;
+  Layer colours_;
+  std::optional<Layer> motions_;
   vulkan::Context context_;
   Pipelines pipelines_;
+  CrowdPipelines drawings_;
   Animation animation_;
   glm::vec3 middle_{0};
   float size_ = 1;  // of the mesh's diagonal
   vulkan::System system_;
   vulkan::DeviceSystem tables_;
   std::size_t corner_count_;
-  Buffer points_, vertices_;
+  Buffer points_, vertices_, uvs_, before_;
+  OwnedDescriptorPool pool_;
+  VkDescriptorSet set_;
   vulkan::Solve solve_;
   vulkan::Tessellation levels_;
   shared::DrawParameters view_{};

@@ -270,6 +270,18 @@ struct Pipelines {
   OwnedComputePipeline vertex_error;
 };
 
+/// The shaders of a crowd, with a layout of their own: a set of two storage buffers, vertices and
+/// the matrix of the frame before, and shared::DrawParameters.
+struct CrowdPipelines {
+  /// `motion_pass`: none, where no motions are drawn.
+  CrowdPipelines(const Device& device, VkRenderPass pass, VkRenderPass motion_pass,
+                 bool is_textured);
+
+  OwnedSetLayout set_layout;
+  OwnedPipelineLayout layout;
+  OwnedGraphicsPipeline surface, motion;
+};
+
 /// Who sees the push constants.
 [[nodiscard]] VkShaderStageFlags push_stages(const Device& device);
 
@@ -288,6 +300,8 @@ struct Drawing {
   Blend blend = Blend::None;
   Words control{}, evaluation{};  ///< of tessellation: patches of one point
   bool has_uvs = false;           ///< with has_vertices: in a buffer of their own
+  /// Texture coordinates alone, and a vulkan::DrawnInstance an instance.
+  bool is_crowd = false;
 };
 /// Of storage buffers, from binding 0 on.
 [[nodiscard]] OwnedSetLayout make_set_layout(VkDevice device, std::uint32_t count,

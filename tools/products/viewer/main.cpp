@@ -78,6 +78,7 @@ void run_crowd(const Arguments& arguments, Scene scene, const InstanceOptions& i
                     static_cast<std::uint32_t>(arguments.height)};
   options.count = static_cast<std::uint32_t>(arguments.instances);
   options.iterations = arguments.settings.iterations;
+  scene.system.textured = arguments.settings.texture && !scene.mesh.uvs.empty();
   const Instance instance(instance_options);
   const Device device(instance, {arguments.device});
   const std::string name = scene.name;

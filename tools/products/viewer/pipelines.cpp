@@ -3,9 +3,11 @@
 
 #include "background.frag.spv.h"
 #include "background.vert.spv.h"
+#include "crowd.vert.spv.h"
 #include "device.h"
 #include "edge.frag.spv.h"
 #include "edge.vert.spv.h"
+#include "motion.frag.spv.h"
 #include "patch.tesc.spv.h"
 #include "patch.tese.spv.h"
 #include "patch.vert.spv.h"
@@ -167,14 +169,30 @@ constexpr std::array kAttributes{
     VkVertexInputAttributeDescription{2, 0, VK_FORMAT_R32_SFLOAT, shared::kErrorFloat* kFloat},
     VkVertexInputAttributeDescription{3, 1, VK_FORMAT_R32G32_SFLOAT, 0}};
 
-VkPipelineVertexInputStateCreateInfo vertex_input(bool has_vertices, bool has_uvs) {
+constexpr std::array kCrowdBuffers{
+    VkVertexInputBindingDescription{0, 2 * kFloat, VK_VERTEX_INPUT_RATE_VERTEX},
+    VkVertexInputBindingDescription{1, sizeof(vulkan::DrawnInstance),
+                                    VK_VERTEX_INPUT_RATE_INSTANCE}};
+constexpr std::array kCrowdAttributes{
+    VkVertexInputAttributeDescription{0, 0, VK_FORMAT_R32G32_SFLOAT, 0},
+    VkVertexInputAttributeDescription{1, 1, VK_FORMAT_R32G32_UINT, 0}};
+
+VkPipelineVertexInputStateCreateInfo vertex_input(const Drawing& drawing) {
   VkPipelineVertexInputStateCreateInfo info{
       VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-  if (!has_vertices) return info;
-  info.vertexBindingDescriptionCount = has_uvs ? 2 : 1;
-  info.pVertexBindingDescriptions = kBuffers.data();
-  info.vertexAttributeDescriptionCount = kAttributes.size() - (has_uvs ? 0 : 1);
-  info.pVertexAttributeDescriptions = kAttributes.data();
+  const auto take = [&](std::span<const VkVertexInputBindingDescription> buffers,
+                        std::span<const VkVertexInputAttributeDescription> attributes) {
+    info.vertexBindingDescriptionCount = static_cast<std::uint32_t>(buffers.size());
+    info.pVertexBindingDescriptions = buffers.data();
+    info.vertexAttributeDescriptionCount = static_cast<std::uint32_t>(attributes.size());
+    info.pVertexAttributeDescriptions = attributes.data();
+  };
+  if (drawing.is_crowd)
+    take(kCrowdBuffers, kCrowdAttributes);
+  else if (drawing.has_uvs)
+    take(kBuffers, kAttributes);
+  else if (drawing.has_vertices)
+    take(std::span(kBuffers).first(1), std::span(kAttributes).first(3));
   return info;
 }
 
@@ -272,7 +290,7 @@ OwnedGraphicsPipeline make_drawing(VkDevice device, VkRenderPass pass, VkPipelin
   VkPipelineTessellationStateCreateInfo tessellation{
       VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO};
   tessellation.patchControlPoints = 1;
-  const auto input = vertex_input(drawing.has_vertices, drawing.has_uvs);
+  const auto input = vertex_input(drawing);
   VkPipelineInputAssemblyStateCreateInfo assembly{
       VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
   assembly.topology =
@@ -338,6 +356,19 @@ Pipelines::Pipelines(const Device& device, VkRenderPass pass)
   drawing.control = spirv::patch_tesc;
   drawing.evaluation = spirv::patch_tese;
   patches = make_drawing(device, pass, layout, drawing);
+}
+
+CrowdPipelines::CrowdPipelines(const Device& device, VkRenderPass pass, VkRenderPass motion_pass,
+                               bool is_textured)
+    : set_layout(make_set_layout(device, 2, VK_SHADER_STAGE_VERTEX_BIT)),
+      layout(make_layout(device, std::array<VkDescriptorSetLayout, 1>{set_layout})) {
+  Drawing drawing{spirv::crowd_vert,
+                  is_textured ? Words(spirv::textured_frag) : Words(spirv::surface_frag)};
+  drawing.is_crowd = true;
+  surface = make_drawing(device, pass, layout, drawing);
+  if (!motion_pass) return;
+  drawing.fragment = spirv::motion_frag;
+  motion = make_drawing(device, motion_pass, layout, drawing);
 }
 
 }  // namespace planish::viewer

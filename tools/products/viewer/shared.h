@@ -46,6 +46,10 @@ VIEWER_CONSTANT uint kVertexFloats = 7u;
 VIEWER_CONSTANT uint kNormalFloat = 3u;
 VIEWER_CONSTANT uint kErrorFloat = 6u;
 
+// Of a crowd: position, normal and the position in the frame before.
+VIEWER_CONSTANT uint kCrowdFloats = 9u;
+VIEWER_CONSTANT uint kBeforeFloat = 6u;
+
 VIEWER_CONSTANT uint kErrorGroup = 64u;  // invocations of a work group of vertex_error.comp
 
 VIEWER_CONSTANT float kBoardSquares = 16.0f;  // of textured.frag, from 0 to 1 of u and of v
