@@ -554,9 +554,9 @@ class PreviousPositions : public EmbedLevels {
       alone.push_back(frame_of(topologies.back()));
     }
     std::vector<std::uint32_t> last;
-    for (std::uint32_t frame = 0; frame < 3; ++frame) {
+    for (std::uint32_t frame = 0; frame < 4; ++frame) {
       if (frame > 0) host.pose(frame);
-      // Levels rise and fall, and what was behind the eye comes before it.
+      // Levels rise, and what was behind the eye comes before it.
       const glm::mat4 clip = perspective(0.1f, 5000) * (turns && frame == 2 ? -1.0f : 1.0f);
       const std::vector<std::uint32_t> levels = host.draw(view_of(clip, frame == 0 ? 40.0f : 0.3f));
       const std::vector<VkDrawIndexedIndirectCommand> draws = host.draws();
