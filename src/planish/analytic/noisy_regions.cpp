@@ -113,7 +113,8 @@ class NoisyFinder {
     } else {
       take_more();
       give_back();
-      fill();
+      // Slivers that sharp edges cut off from the surface that they lie on.
+      flood(faces_, kReach * tolerance_);
     }
     if (!(taken() > least)) return false;
     for (AnalyticRegion& region : regions.regions)
@@ -491,13 +492,15 @@ class NoisyFinder {
     for (const std::vector<std::int32_t>& gap : gaps)
       if (lie_on(gap, regions_beside(gap))) flood(gap);
   }
-  // Free faces go to the region beside them that they are nearest to, from the border on.
-  void flood(std::span<const std::int32_t> faces) {
+  // Free faces go to the region beside them that they are nearest to, if they are nearer than
+  // `reach`, from the border on.
+  void flood(std::span<const std::int32_t> faces,
+             double reach = std::numeric_limits<double>::max()) {
     for (bool is_changed = true; is_changed;) {
       is_changed = false;
       for (const std::int32_t f : faces) {
         if (region_of_[f] != kNoRegion) continue;
-        double least = std::numeric_limits<double>::max();
+        double least = reach;
         each_beside(f, [&](std::int32_t other) {
           const std::int32_t there = region_of_[other];
           if (there < 0 || farthest(f, there) >= least) return;
@@ -625,7 +628,7 @@ class NoisyFinder {
       if (is_exact || (rms <= kMost + 3 / std::sqrt(2 * freedom) &&
                        alike <= kMostAlike + 1 / std::sqrt(freedom)))
         continue;
-      for (const std::int32_t f : members[r]) region_of_[f] = kNoRegion;
+      free(members[r]);
     }
   }
 
@@ -705,24 +708,6 @@ class NoisyFinder {
                return is_on(region_of_[topology_.face_of(corner)]);
              });
     });
-  }
-
-  // Faces that sharp edges cut off from the surface that they lie on: slivers.
-  void fill() {
-    for (bool is_changed = true; is_changed;) {
-      is_changed = false;
-      for (const std::int32_t f : faces_) {
-        if (region_of_[f] != kNoRegion) continue;
-        double least = kReach * tolerance_;
-        each_beside(f, [&](std::int32_t other) {
-          const std::int32_t there = region_of_[other];
-          if (there < 0 || farthest(f, there) >= least) return;
-          least = farthest(f, there);
-          region_of_[f] = there;
-          is_changed = true;
-        });
-      }
-    }
   }
 
   // Calls use(face) for each face across an edge that is no group's border, sharp or not.
