@@ -200,49 +200,52 @@ bool wants_parts(const FittedMesh& fitted, const StepFileOptions& options) {
          given_mesh(fitted).hole_faces.empty() && fitted.options.scheme == Scheme::DooSabin;
 }
 
-std::unique_ptr<GivenParts> given_parts(const FittedMesh& fitted, const StepFileOptions& options) {
-  const PolygonMesh& mesh = given_mesh(fitted);
-  auto prepared = fitted.bare ? prepare_mesh(mesh, options.name) : fitted.fit.prepared;
-  auto given = std::make_unique<GivenParts>(GivenParts{.prepared = prepared,
+// What of a mesh lies on surfaces that have a name.
+std::unique_ptr<const GivenParts> parts_of(const PolygonMesh& mesh,
+                                           const std::shared_ptr<const PreparedMesh>& prepared,
+                                           VertexPlaces places, const FittedMesh& fitted,
+                                           const StepFileOptions& options) {
+  auto parts = std::make_unique<GivenParts>(GivenParts{.prepared = prepared,
                                                        .used = used_part(mesh, prepared),
                                                        .groups = groups_in(mesh),
                                                        .diagonal = fitted.fit.placement.diagonal,
+                                                       .places = places,
                                                        .found = {}});
   const MeshTopology& topology = *prepared->topology;
-  // Where features were looked for all of them count, whatever the fit has rounded of them.
   std::vector<char> is_sharp(static_cast<std::size_t>(topology.edge_count()), 0);
-  const std::vector<CreaseEdge> sharp =
-      fitted.finds_features ? find_features(given->used.mesh, topology).sharp_edges()
-                            : given->used.mesh.creases;
+  // Where features were looked for all of them count, whatever the fit has rounded of them; those
+  // of samples are chance.
+  std::vector<CreaseEdge> sharp;
+  if (places == VertexPlaces::OnEdges)
+    sharp = fitted.finds_features ? find_features(parts->used.mesh, topology).sharp_edges()
+                                  : parts->used.mesh.creases;
   for (const CreaseEdge& crease : sharp) {
     const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
     if (edge >= 0) is_sharp[edge] = 1;
   }
-  AnalyticMesh analytic = given->mesh();
+  AnalyticMesh analytic = parts->mesh();
   analytic.is_sharp = is_sharp;
-  given->found =
+  parts->found =
       find_analytic_parts(analytic, options.settings.analytic_tolerance, options.callbacks);
-  return given;
+  return parts;
 }
-// The same of a mesh through samples, of which no vertex has to lie on an edge: of points, or of a
-// part that is noisy and was told in part only.
-std::unique_ptr<GivenParts> scanned_parts(const FittedMesh& fitted,
-                                          const StepFileOptions& options) {
-  const PolygonMesh& mesh = options.scan != nullptr ? *options.scan : given_mesh(fitted);
-  auto prepared = prepare_mesh(mesh, options.name);
-  auto scanned = std::make_unique<GivenParts>(GivenParts{.prepared = prepared,
-                                                         .used = used_part(mesh, prepared),
-                                                         .groups = groups_in(mesh),
-                                                         .diagonal = fitted.fit.placement.diagonal,
-                                                         .places = VertexPlaces::Samples,
-                                                         .found = {}});
-  // Features of samples are chance.
-  const std::vector<char> is_sharp(static_cast<std::size_t>(prepared->topology->edge_count()), 0);
-  AnalyticMesh analytic = scanned->mesh();
-  analytic.is_sharp = is_sharp;
-  scanned->found =
-      find_analytic_parts(analytic, options.settings.analytic_tolerance, options.callbacks);
-  return scanned;
+// Of the mesh as it was given.
+std::unique_ptr<const GivenParts> given_parts(const FittedMesh& fitted,
+                                              const StepFileOptions& options) {
+  const PolygonMesh& mesh = given_mesh(fitted);
+  return parts_of(mesh, fitted.bare ? prepare_mesh(mesh, options.name) : fitted.fit.prepared,
+                  VertexPlaces::OnEdges, fitted, options);
+}
+// Of a mesh through samples, of which no vertex has to lie on an edge: of points, or of the mesh
+// where `given` parts are noisy and were told in part only; else null.
+std::unique_ptr<const GivenParts> scanned_parts(const GivenParts* given, const FittedMesh& fitted,
+                                                const StepFileOptions& options) {
+  if (options.scan != nullptr)
+    return parts_of(*options.scan, prepare_mesh(*options.scan, options.name), VertexPlaces::Samples,
+                    fitted, options);
+  if (std::ranges::none_of(given->found.tolerances, [](double t) { return t > kExactTolerance; }))
+    return nullptr;
+  return parts_of(given_mesh(fitted), given->prepared, VertexPlaces::Samples, fitted, options);
 }
 
 // By vertex of the fitted mesh's topology, where it lies in that of the given one.
@@ -435,9 +438,6 @@ bool take_whole(const GivenParts& given, const StepFileOptions& options, MadeFac
               made.brep);
   return true;
 }
-bool is_noisy(const AnalyticParts& found) {
-  return std::ranges::any_of(found.tolerances, [](double t) { return t > kExactTolerance; });
-}
 
 MadeFaces make_faces(const FittedMesh& fitted, const StepFileOptions& options,
                      const std::function<const LimitSurface&()>& limit,
@@ -445,12 +445,14 @@ MadeFaces make_faces(const FittedMesh& fitted, const StepFileOptions& options,
   constexpr double kFitShare = 0.5;  // of the time, where it is fitted again
   MadeFaces made;
   std::unique_ptr<const GivenParts> given;
-  if (wants_parts(fitted, options) && options.scan == nullptr) {
-    given = given_parts(fitted, options);
-    if (given->is_whole() && take_whole(*given, options, made)) return made;
+  if (wants_parts(fitted, options)) {
+    if (options.scan == nullptr) {
+      given = given_parts(fitted, options);
+      if (given->is_whole() && take_whole(*given, options, made)) return made;
+    }
+    const auto scanned = scanned_parts(given.get(), fitted, options);
+    if (scanned && take_whole(*scanned, options, made)) return made;
   }
-  if (wants_parts(fitted, options) && (options.scan != nullptr || is_noisy(given->found)))
-    if (take_whole(*scanned_parts(fitted, options), options, made)) return made;
   if (given && is_torn(*given, fitted))
     made.again = fitted_as_given(fitted, options, share_of(callbacks, 0, kFitShare));
   const FittedMesh& of = made.again ? *made.again : fitted;
