@@ -219,23 +219,39 @@ struct FoldTest {
   }
 };
 
-// Counts the folded elements and flags their vertices.
-FoldCount find_folds(const FoldTest& test, std::span<std::uint8_t> flags) {
+// One for each edge and face: 1 where it is folded.
+struct FoldedElements {
+  explicit FoldedElements(const FairTopology& topology)
+      : edges(topology.edge_corners.size(), 0),
+        faces(static_cast<std::size_t>(topology.face_count), 0) {}
+
+  std::vector<std::uint8_t> edges, faces;
+};
+
+// Counts the folded elements and flags their vertices. `moved`: one for each vertex, 1 where its
+// polygon has moved since they were found, so that all others are as they were; empty: all have.
+FoldCount find_folds(const FoldTest& test, std::span<const std::uint8_t> moved,
+                     FoldedElements& folded, std::span<std::uint8_t> flags) {
   const FairTopology& topology = test.samples.topology;
+  const auto has_moved = [&](std::int32_t vertex) { return moved.empty() || moved[vertex] != 0; };
   std::atomic<std::int64_t> edges = 0, faces = 0;
-  parallel_each(topology.edge_corners.size(), kRepairGrain, [&](std::size_t e) {
+  parallel_each(folded.edges.size(), kRepairGrain, [&](std::size_t e) {
     const FairTopology::Edge edge = topology.edge(e);
-    if (!test.edge_is_folded(edge)) return;
+    const std::int32_t first = topology.corner_vertices[edge.corners[0]],
+                       second = topology.corner_vertices[edge.corners[1]];
+    if (has_moved(first) || has_moved(second)) folded.edges[e] = test.edge_is_folded(edge) ? 1 : 0;
+    if (folded.edges[e] == 0) return;
     if (owns_face(test.halo, edge.faces[0])) ++edges;
-    flag(flags, topology.corner_vertices[edge.corners[0]]);
-    flag(flags, topology.corner_vertices[edge.corners[1]]);
+    flag(flags, first);
+    flag(flags, second);
   });
-  parallel_each(static_cast<std::size_t>(topology.face_count), kRepairGrain,
-                [&](std::int32_t face) {
-                  if (!test.face_is_folded(face)) return;
-                  if (owns_face(test.halo, face)) ++faces;
-                  for (const std::int32_t v : topology.face(face)) flag(flags, v);
-                });
+  parallel_each(folded.faces.size(), kRepairGrain, [&](std::int32_t face) {
+    if (std::ranges::any_of(topology.face(face), has_moved))
+      folded.faces[face] = test.face_is_folded(face) ? 1 : 0;
+    if (folded.faces[face] == 0) return;
+    if (owns_face(test.halo, face)) ++faces;
+    for (const std::int32_t v : topology.face(face)) flag(flags, v);
+  });
   return sum_of_parts(test.halo, {edges, faces});
 }
 
@@ -259,17 +275,22 @@ void halve_polygons(const FairTopology& topology, std::span<const std::uint8_t> 
 FoldCount count_folds(const FairTopology& topology, std::span<const dvec3> given,
                       std::span<const dvec3> face_normals, std::span<const dvec3> offsets) {
   std::vector<std::uint8_t> flags(given.size(), 0);
-  return find_folds({{topology, given, offsets}, face_normals}, flags);
+  FoldedElements folded(topology);
+  return find_folds({{topology, given, offsets}, face_normals}, {}, folded, flags);
 }
 
 FoldCount repair_folds(const FairTopology& topology, std::span<const dvec3> given,
                        std::span<const dvec3> face_normals, std::span<dvec3> offsets,
                        std::span<std::uint8_t> halvings, FairHalo* halo) {
   const FoldTest test{{topology, given, offsets}, face_normals, halo};
+  FoldedElements folded(topology);
   std::vector<std::uint8_t> round_halvings(halvings.size());
   for (int round = 0;; ++round) {
     std::vector<std::uint8_t> flags(halvings.size(), 0);
-    FoldCount folds = find_folds(test, flags);
+    // What other ranks have halved is not known here.
+    const bool all_may_have_moved = round == 0 || halo != nullptr;
+    FoldCount folds = find_folds(
+        test, all_may_have_moved ? std::span<const std::uint8_t>() : round_halvings, folded, flags);
     folds.rounds = round;
     if (round == kRepairRounds || folds.edges + folds.faces == 0) return folds;
     for (std::size_t v = 0; v < halvings.size(); ++v) {
