@@ -859,10 +859,9 @@ class PlaneKeeper {
 
 std::vector<KeptPlane> find_kept_planes(const PolygonMesh& mesh, const MeshTopology& topology,
                                         std::span<const char> is_sharp, const FeatureRules& rules) {
-  const RegionMap map = make_regions(mesh, topology, rules);
   // Planes are large: where no region is, nothing is to be measured.
-  if (std::ranges::none_of(map.regions, [&](const Region& r) { return r.share >= rules.large; }))
-    return {};
+  const RegionMap map = make_regions(mesh, topology, rules, rules.large);
+  if (map.regions.empty()) return {};
   return PlaneKeeper(mesh, topology, map, is_sharp, rules).find();
 }
 

@@ -32,11 +32,14 @@ class RegionMaker {
   RegionMaker(const PolygonMesh& mesh, const MeshTopology& topology, const FeatureRules& rules)
       : mesh_(mesh), topology_(topology), rules_(rules) {}
 
-  [[nodiscard]] RegionMap make() {
+  [[nodiscard]] RegionMap make(double least_share) {
     measure_faces();
     if (!measure_turns() && mesh_.creases.empty() && mesh_.corners.empty()) return {};
     unite_faces();
     measure_regions();
+    if (std::ranges::none_of(map_.regions,
+                             [&](const Region& region) { return region.share >= least_share; }))
+      return {};
     make_segments();
     map_.outlines = group_by<std::int32_t>(map_.regions.size(), [&](const auto& take) {
       for (std::size_t s = 0; s < map_.segments.size(); ++s)
@@ -326,8 +329,8 @@ glm::dvec3 RegionMap::inward(std::int32_t segment, std::int32_t region) const {
 }
 
 RegionMap make_regions(const PolygonMesh& mesh, const MeshTopology& topology,
-                       const FeatureRules& rules) {
-  return RegionMaker(mesh, topology, rules).make();
+                       const FeatureRules& rules, double least_share) {
+  return RegionMaker(mesh, topology, rules).make(least_share);
 }
 
 namespace {

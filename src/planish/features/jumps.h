@@ -60,9 +60,10 @@ struct RegionMap {
   }
 };
 
-/// Without regions where the mesh is closed, has no tags, and no edge of it turns.
+/// Without regions where the mesh is closed, has no tags, and no edge of it turns; and where none
+/// has at least that share of its part.
 [[nodiscard]] RegionMap make_regions(const PolygonMesh& mesh, const MeshTopology& topology,
-                                     const FeatureRules& rules);
+                                     const FeatureRules& rules, double least_share = 0);
 
 /// What the smooth surface on one side of a turn leads one to expect there, in degrees.
 struct Explained {
