@@ -141,7 +141,7 @@ class Scales {
   }
 
   void weigh(TriedJob& made, CandidateFaces faces) const {
-    const std::vector<FittedMesh>& fits = made.result.fitted;
+    std::vector<FittedMesh>& fits = made.result.fitted;
     TriedSurface& tried = made.tried;
     // One mesh of several may have a surface by some ways alone.
     tried.is_measured = fits.size() == meshes_.size();

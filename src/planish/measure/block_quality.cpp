@@ -279,12 +279,12 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
   return quality.result();
 }
 
-std::vector<PartSums> quality_of_parts(const SurfaceBlocks& surface, const PolygonMesh& input,
-                                       std::span<const std::uint8_t> is_beside_folds,
-                                       const PartOfFaces& parts, const Callbacks& callbacks) {
+PartQuality quality_of_parts(const SurfaceBlocks& surface, const PolygonMesh& input,
+                             std::span<const std::uint8_t> is_beside_folds,
+                             const PartOfFaces& parts, const Callbacks& callbacks) {
   BlockQuality quality(surface, input, is_beside_folds, parts);
   sweep(surface, quality, callbacks);
-  return quality.parts();
+  return {quality.result(), quality.parts()};
 }
 
 namespace {

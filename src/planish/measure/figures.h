@@ -35,6 +35,12 @@ struct PartSums {
   double area = 0, folded_elsewhere = 0, bending = 0;
 };
 
+/// Of a whole surface, and of each of its parts.
+struct PartQuality {
+  SurfaceQuality whole;
+  std::vector<PartSums> parts;
+};
+
 /// Which part a face of the input belongs to, 0 to `count` less one; none: it is one part.
 struct PartOfFaces {
   std::span<const std::int32_t> of_face;
@@ -88,12 +94,10 @@ class BlockQuality {
 [[nodiscard]] SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
                                              std::span<const std::uint8_t> is_beside_folds,
                                              const Callbacks& callbacks);
-/// The same of each part.
-[[nodiscard]] std::vector<PartSums> quality_of_parts(const SurfaceBlocks& surface,
-                                                     const PolygonMesh& input,
-                                                     std::span<const std::uint8_t> is_beside_folds,
-                                                     const PartOfFaces& parts,
-                                                     const Callbacks& callbacks);
+/// The same, and of each part.
+[[nodiscard]] PartQuality quality_of_parts(const SurfaceBlocks& surface, const PolygonMesh& input,
+                                           std::span<const std::uint8_t> is_beside_folds,
+                                           const PartOfFaces& parts, const Callbacks& callbacks);
 
 /// How far sheets that repair() separated along edges of three or more faces are from each other
 /// there: of every such edge the boundary curves over it, one of each sheet, the largest distance

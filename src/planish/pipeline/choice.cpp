@@ -259,10 +259,6 @@ FittedMesh fit_one(MeshToFit input, const std::string& name, Backend& backend,
   return made;
 }
 
-SurfaceQuality quality_of(const FittedMesh& fitted, int level, const Callbacks& callbacks) {
-  return SurfaceMeter(fitted.mesh, fitted.fit, fitted.evaluate_options()).at(level, callbacks);
-}
-
 // Folds beside what is sharp hide between the places of coarser levels. The fair method looks for
 // them by itself, see DeepLook; those of a dense mesh are not to be seen.
 bool may_hide_folds(const FittedMesh& fitted) {
@@ -270,23 +266,8 @@ bool may_hide_folds(const FittedMesh& fitted) {
          !fitted.density.is_dense();
 }
 
-// Where level 1 neither misses the tolerance nor folds.
-bool is_sound(FittedMesh& fitted, const Callbacks& callbacks) {
-  if (!fitted.fit.interpolation.converged) return false;
-  if (!fitted.level_one_quality) fitted.level_one_quality = quality_of(fitted, 1, callbacks);
-  return fitted.level_one_quality->folded_area_elsewhere < kSoundFoldedArea;
-}
-
-// Whether no other surface can be much nearer to the shape.
-bool is_close(FittedMesh& fitted, const Callbacks& callbacks) {
-  if (!is_sound(fitted, share_of(callbacks, 0, 0.5)) ||
-      fitted.level_one_quality->rms_normal_deviation >= kChoiceWeights.close_degrees)
-    return false;
-  // Level 2 tells needles and hubs that look whole between the places of level 1. Those of a dense
-  // mesh are near enough to each other.
-  return fitted.density.is_dense() ||
-         quality_of(fitted, may_hide_folds(fitted) ? 3 : 2, share_of(callbacks, 0.5, 1))
-                 .folded_area_elsewhere < kSoundFoldedArea;
+SurfaceMeter meter_of(const FittedMesh& fitted) {
+  return {fitted.mesh, fitted.fit, fitted.evaluate_options()};
 }
 
 // Of the area.
@@ -301,34 +282,56 @@ CandidateMeter::CandidateMeter(const MeshParts& parts, const PolygonMesh& given,
   is_by_lot_.resize(given_counts_.size(), false);
 }
 
+void CandidateMeter::measure_level_one(FittedMesh& fitted, const Callbacks& callbacks) const {
+  if (fitted.level_one_quality && !fitted.level_one_parts.empty()) return;
+  PartQuality measured = meter_of(fitted).parts_at(1, {parts_of(fitted), parts_.count}, callbacks);
+  fitted.level_one_quality = std::move(measured.whole);
+  fitted.level_one_parts = std::move(measured.parts);
+}
+
+bool CandidateMeter::is_sound(FittedMesh& fitted, const Callbacks& callbacks) const {
+  if (!fitted.fit.interpolation.converged) return false;
+  measure_level_one(fitted, callbacks);
+  return fitted.level_one_quality->folded_area_elsewhere < kSoundFoldedArea;
+}
+
+bool CandidateMeter::is_close(FittedMesh& fitted, const Callbacks& callbacks) const {
+  if (!is_sound(fitted, share_of(callbacks, 0, 0.5)) ||
+      fitted.level_one_quality->rms_normal_deviation >= kChoiceWeights.close_degrees)
+    return false;
+  // Level 2 tells needles and hubs that look whole between the places of level 1. Those of a dense
+  // mesh are near enough to each other.
+  return fitted.density.is_dense() ||
+         meter_of(fitted)
+                 .at(may_hide_folds(fitted) ? 3 : 2, share_of(callbacks, 0.5, 1))
+                 .folded_area_elsewhere < kSoundFoldedArea;
+}
+
 void CandidateMeter::measure(Candidate& candidate, const std::vector<CandidateFaces>& faces,
-                             const FittedMesh& fitted, const Callbacks& callbacks) const {
+                             FittedMesh& fitted, const Callbacks& callbacks) const {
   const std::vector<std::int32_t> of_face = parts_of(fitted);
   const std::vector<CandidateFaces> own =
       faces.size() > 1 ? faces : faces_of_parts(fitted, of_face, faces.front());
-  const SurfaceMeter meter(fitted.mesh, fitted.fit, fitted.evaluate_options());
+  // With added vertices level 1 is as fine as level 2 is without, and it is fine enough where faces
+  // are.
+  const auto is_fine = [&](CandidateFaces part) {
+    return part == CandidateFaces::Refined || fitted.density.is_dense();
+  };
   const PartOfFaces in_parts{of_face, parts_.count};
-  // With added vertices level 1 is as fine as level 2 is without.
-  std::array<std::vector<PartSums>, 2> at_level;
-  for (const int level : {1, 2}) {
-    const auto is_of_level = [&](CandidateFaces part) {
-      return (part == CandidateFaces::Refined) == (level == 1);
-    };
-    if (std::ranges::any_of(own, is_of_level))
-      at_level[level - 1] =
-          meter.parts_at(level, in_parts, share_of(callbacks, 0.5 * (level - 1), 0.5 * level));
-  }
+  std::vector<PartSums> finer, hidden;
+  if (std::ranges::any_of(own, is_fine)) measure_level_one(fitted, share_of(callbacks, 0, 0.5));
+  if (!std::ranges::all_of(own, is_fine))
+    finer = meter_of(fitted).parts_at(2, in_parts, share_of(callbacks, 0.5, 1)).parts;
+  if (may_hide_folds(fitted)) hidden = meter_of(fitted).parts_at(3, in_parts, {}).parts;
   std::vector<double> doubts(own.size(), 0.0), added_counts(own.size(), 0.0);
   for (const AddedVertex& added : fitted.added_vertices) {
     const std::int32_t part = parts_.of_vertex[added.vertices[0]];
     doubts[part] += added.doubt;
     ++added_counts[part];
   }
-  std::vector<PartSums> hidden;
-  if (may_hide_folds(fitted)) hidden = meter.parts_at(3, in_parts, {});
   PartSums all;
   for (std::size_t p = 0; p < own.size(); ++p) {
-    PartSums part = at_level[own[p] == CandidateFaces::Refined ? 0 : 1][p];
+    PartSums part = (is_fine(own[p]) ? fitted.level_one_parts : finer)[p];
     if (!hidden.empty())
       part.folded_elsewhere = std::max(part.folded_elsewhere, share(hidden[p]) * part.area);
     candidate.parts.push_back({.faces = own[p],
@@ -406,6 +409,7 @@ class Contest {
     if (enter(choice_, candidate)) best_ = std::move(fitted);
   }
 
+  [[nodiscard]] const CandidateMeter& meter() const { return meter_; }
   [[nodiscard]] FittedMesh& best() { return *best_; }
   [[nodiscard]] const Choice& choice() const { return choice_; }
   // Why no other faces were tried.
@@ -494,7 +498,7 @@ void enter_surfaces(Contest& contest, ReadyFit ready, CandidateFaces faces, bool
     return contest.add(std::move(made), {faces}, shares.next(kMeasure));
   }
   const auto is_enough = [&](FittedMesh& first) {
-    if (!is_close(first, shares.next(kMeasure))) return false;
+    if (!contest.meter().is_close(first, shares.next(kMeasure))) return false;
     contest.add(std::move(first), {faces}, shares.next(kMeasure),
                 "it does not fold, and its normals are near the faces'");
     return true;
@@ -614,7 +618,8 @@ FittedMesh choose_fit(ReadyFit ready, Backend& backend) {
     paired.input.warnings = ready.input.warnings;
     enter_surfaces(contest, std::move(paired), CandidateFaces::Quads, false, backend,
                    share_of(silent, 0, begun));
-    is_done = ready.is_plainly_halved && is_sound(contest.best(), {.cancelled = caller.cancelled});
+    is_done = ready.is_plainly_halved &&
+              contest.meter().is_sound(contest.best(), {.cancelled = caller.cancelled});
     if (is_done)
       contest.note_faces(
           "triangles joined to quads, whose halves they are (--quads off leaves them)");

@@ -31,8 +31,8 @@ struct CostTerms {
 };
 
 /// What a surface is like over a part of the mesh that shares no vertex with others, and what it is
-/// taken by: of level 2, and with added vertices, which make it as fine, of level 1. See
-/// SurfaceQuality: what the input does not fold, of the part's area, and the integral of both
+/// taken by: of level 2, and of level 1 where the mesh is dense or added vertices make it as fine.
+/// See SurfaceQuality: what the input does not fold, of the part's area, and the integral of both
 /// squared curvatures.
 struct PartFigures {
   CandidateFaces faces = CandidateFaces::Given;

@@ -448,8 +448,8 @@ SurfaceQuality SurfaceMeter::at(int level, const Callbacks& callbacks) const {
   return surface_quality(evaluate(mesh_, fit_, *make_cpu_backend(), options), mesh_);
 }
 
-std::vector<PartSums> SurfaceMeter::parts_at(int level, const PartOfFaces& parts,
-                                             const Callbacks& callbacks) const {
+PartQuality SurfaceMeter::parts_at(int level, const PartOfFaces& parts,
+                                   const Callbacks& callbacks) const {
   return quality_of_parts(*surface_->level(level), mesh_, is_beside_folds_, parts, callbacks);
 }
 

@@ -136,9 +136,9 @@ class SurfaceMeter {
 
   /// See surface_quality(). Throws Error{Cancelled}.
   [[nodiscard]] SurfaceQuality at(int level, const Callbacks& callbacks = {}) const;
-  /// The same of each part of a Doo-Sabin surface.
-  [[nodiscard]] std::vector<PartSums> parts_at(int level, const PartOfFaces& parts,
-                                               const Callbacks& callbacks) const;
+  /// The same of a Doo-Sabin surface, and of each part.
+  [[nodiscard]] PartQuality parts_at(int level, const PartOfFaces& parts,
+                                     const Callbacks& callbacks) const;
 
  private:
   const PolygonMesh& mesh_;

@@ -160,6 +160,7 @@ struct FittedMesh : MeshToFit {
   std::optional<Choice> choice;  ///< where something was left open
   /// Of the surface at level 1, where it was measured to choose it.
   std::optional<SurfaceQuality> level_one_quality;
+  std::vector<PartSums> level_one_parts;  ///< the same of each part of the mesh
   double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
   std::int64_t rounded_count = 0;  ///< edges that were, for they fold a fair surface
   /// Of a mesh whose vertices have moved since (edit/editor.h): where they were, for its rules stay

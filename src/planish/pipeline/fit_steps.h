@@ -101,11 +101,17 @@ class CandidateMeter {
   /// `looks`: see ReadyFit.
   CandidateMeter(const MeshParts& parts, const PolygonMesh& given, std::span<const Halves> looks);
 
-  /// `faces`: of each part, or those that were wanted of all.
-  void measure(Candidate& candidate, const std::vector<CandidateFaces>& faces,
-               const FittedMesh& fitted, const Callbacks& callbacks = {}) const;
+  /// `faces`: of each part, or those that were wanted of all. Level 1 is measured once.
+  void measure(Candidate& candidate, const std::vector<CandidateFaces>& faces, FittedMesh& fitted,
+               const Callbacks& callbacks = {}) const;
+
+  /// Whether level 1 neither misses the tolerance nor folds.
+  [[nodiscard]] bool is_sound(FittedMesh& fitted, const Callbacks& callbacks) const;
+  /// Whether no other surface can be much nearer to the shape.
+  [[nodiscard]] bool is_close(FittedMesh& fitted, const Callbacks& callbacks) const;
 
  private:
+  void measure_level_one(FittedMesh& fitted, const Callbacks& callbacks) const;
   [[nodiscard]] std::vector<std::int32_t> parts_of(const FittedMesh& fitted) const;
   [[nodiscard]] std::vector<CandidateFaces> faces_of_parts(const FittedMesh& fitted,
                                                            std::span<const std::int32_t> of_face,
