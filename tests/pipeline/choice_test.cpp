@@ -564,6 +564,30 @@ TEST(Choice, ItsFiguresAreThoseOfBothSurfaces) {
   }
 }
 
+// Where the file has level 1 the choice is measured there, and the report's figures with it.
+TEST(Choice, OfADenseMeshIsMeasuredAtLevelOne) {
+  const auto backend = make_cpu_backend();
+  PolygonMesh mesh = cut_quads(torus(200, 110, 1, 0.4));
+  // So uneven that progressive folds.
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    glm::dvec3& p = mesh.positions[v];
+    const double k = static_cast<double>(v),
+                 along = std::atan2(p.y, p.x) + 0.008 * std::sin(37.7 * k * k),
+                 around =
+                     std::atan2(p.z, std::hypot(p.x, p.y) - 1) + 0.016 * std::sin(91.3 * k * k);
+    const double radius = 1 + 0.4 * std::cos(around);
+    p = {radius * std::cos(along), radius * std::sin(along), 0.4 * std::sin(around)};
+  }
+  const FittedMesh best = best_method(mesh, *backend);
+  ASSERT_TRUE(best.density.is_dense());
+  ASSERT_EQ(best.options.method, InterpolationMethod::Fair);
+  const SurfaceQuality of_level_one =
+      surface_quality(evaluate(best.mesh, best.fit, *backend, best.evaluate_options(1)), best.mesh);
+  EXPECT_NEAR(made(best, InterpolationMethod::Fair)->bending, of_level_one.bending, 1e-4);
+  ASSERT_NE(best.chosen_quality(), nullptr);
+  EXPECT_EQ(best.chosen_quality()->bending, made(best, InterpolationMethod::Fair)->bending);
+}
+
 PolygonMesh shifted(PolygonMesh mesh, double by) {
   for (glm::dvec3& p : mesh.positions) p.x += by;
   return mesh;
