@@ -66,8 +66,9 @@ apt_install() {
   [ "$(id -u)" = 0 ] || as_root="sudo"
   $as_root apt-get update
   names=$(known_packages "$@") || return
+  # Another may be installing something, as Ubuntu does by itself after it has started.
   # shellcheck disable=SC2086
-  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $names
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y --no-install-recommends $names
 }
 
 # require_packages PACKAGE...: installs what is missing, or names it and leaves.
