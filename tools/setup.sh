@@ -71,6 +71,41 @@ apt_install() {
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y --no-install-recommends $names
 }
 
+# apt_apart FOLDER COMMAND...: apt-get by the package lists that FOLDER/sources.list names, apart from the system's.
+apt_apart() {
+  mkdir -p "$1/lists/partial" "$1/archives/partial"
+  apt-get -o Dir::Etc::SourceList="$1/sources.list" -o Dir::Etc::SourceParts=- -o Dir::State::Lists="$1/lists" \
+    -o Dir::Cache="$1" -o APT::Sandbox::User=root -o Acquire::Languages=none "${@:2}"
+}
+
+# debian_line TYPE SUITE: a line of sources.list. PLANISH_DEBIAN and PLANISH_DEBIAN_SECURITY name other mirrors.
+debian_line() {
+  local mirror=${PLANISH_DEBIAN:-http://deb.debian.org/debian}
+  [ "${2%-security}" = "$2" ] || mirror=${PLANISH_DEBIAN_SECURITY:-http://deb.debian.org/debian-security}
+  echo "$1 [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $2 main"
+}
+
+# fetch_sources FOLDER PACKAGE...: unpacks there the sources of these packages of Debian 12, in the versions that are
+# installed, each in a folder of its source's name. Updates that mend what was unsafe are in lists of their own, and not
+# every mirror has their sources: then the release's do, which have the same headers.
+fetch_sources() (
+  local lists=$1/apt package source version
+  rm -rf "$1"
+  mkdir -p "$lists"
+  { debian_line deb-src bookworm; debian_line deb-src bookworm-security; } >"$lists/sources.list"
+  cd "$1" || return
+  apt_apart "$lists" update || return
+  for package in "${@:2}"; do
+    package=$package:$(dpkg --print-architecture)
+    source=$(dpkg-query -W -f='${source:Package}' "$package") || return
+    version=$(dpkg-query -W -f='${source:Version}' "$package")
+    apt_apart "$lists" source --download-only "$source=$version" ||
+      apt_apart "$lists" source --download-only -t bookworm "$source" || return
+    dpkg-source --no-check -x "$source"_*.dsc "$source" || return
+  done
+  rm -rf ./*.tar.* ./*.dsc "$lists"
+)
+
 # require_packages PACKAGE...: installs what is missing, or names it and leaves.
 require_packages() {
   local missing

@@ -2,7 +2,7 @@
 # tools/toolchains/setup.sh windows|libcxx: builds what planish and its tests link there, once, into $PLANISH_WINDOWS or
 # $PLANISH_LIBCXX (~/.cache/planish-windows, ~/.cache/planish-libcxx where unset): oneTBB, OpenSubdiv, meshoptimizer and
 # zlib from the sources of Debian 12's packages, with the installed headers of the others. Installs the compiler, and Wine
-# for Windows. PLANISH_DEBIAN names another mirror.
+# for Windows. PLANISH_DEBIAN and PLANISH_DEBIAN_SECURITY name other mirrors.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 case "${1:-}" in
@@ -16,7 +16,7 @@ case "${1:-}" in
     sed -n '2,5s/^# //p' "$0"
     exit 0 ;;
 esac
-mkdir -p "$home/lists/partial"
+mkdir -p "$home"
 script=$root/tools/toolchains/setup.sh
 home=$(cd "$home" && pwd)
 log=$home/setup.log
@@ -28,26 +28,6 @@ compiler_packages=${1}_packages
 # shellcheck disable=SC2086
 require_packages ${!compiler_packages} $toolchain_packages
 
-# The versions of the installed headers, so that all builds have the same libraries.
-fetch_sources() {
-  local sources=() package
-  rm -rf "$home/sources"
-  mkdir -p "$home/sources"
-  cd "$home/sources"
-  echo "deb-src ${PLANISH_DEBIAN:-http://deb.debian.org/debian} bookworm main" >"$home/sources.list"
-  for package in $toolchain_sources; do
-    sources+=("$(dpkg-query -W -f='${source:Package}=${source:Version}' "$package:$(dpkg --print-architecture)")")
-  done
-  local apt=(apt-get -o Dir::Etc::SourceList="$home/sources.list" -o Dir::Etc::SourceParts=- -o Dir::State::Lists="$home/lists"
-    -o APT::Sandbox::User=root -o Acquire::Languages=none)
-  "${apt[@]}" update
-  "${apt[@]}" source --download-only "${sources[@]}"
-  for package in *.dsc; do
-    dpkg-source --no-check -x "$package" "${package%%_*}"
-  done
-  rm -f ./*.tar.* ./*.dsc
-}
-
 build_libraries() {
   rm -rf "$home/libraries" "$home/prefix"
   cmake -S "$root/tools/toolchains/libraries" -B "$home/libraries" -G Ninja -DCMAKE_BUILD_TYPE=Release \
@@ -55,7 +35,9 @@ build_libraries() {
   cmake --build "$home/libraries" --target install
 }
 
-fetch_and_build() { fetch_sources && build_libraries; }
+# The versions of the installed headers, so that all builds have the same libraries.
+# shellcheck disable=SC2086
+fetch_and_build() { fetch_sources "$home/sources" $toolchain_sources && build_libraries; }
 # Unless it was done with the same sources.
 # shellcheck disable=SC2086
 stamp=$({ cat "$script" "$root"/tools/toolchains/libraries/* "$root"/tools/wasm/libraries/* "$toolchain"

@@ -2,7 +2,7 @@
 # tools/wasm/setup.sh: fetches and builds what compiles planish to WebAssembly, once, into $PLANISH_WASM
 # (~/.cache/planish-wasm where unset): Debian 13's Emscripten and Binaryen, beside Debian 12's clang-19, and the
 # libraries that planish uses, from the sources of Debian 12's packages. Nothing of Debian 13 is installed.
-# PLANISH_DEBIAN names another mirror.
+# PLANISH_DEBIAN and PLANISH_DEBIAN_SECURITY name other mirrors.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 case "${1:-}" in
@@ -19,29 +19,17 @@ log=$home/setup.log
 : >"$log"
 . "$root/tools/packages.sh"
 . "$root/tools/setup.sh"
-mirror=${PLANISH_DEBIAN:-http://deb.debian.org/debian}
 
 # shellcheck disable=SC2086
 require_packages $wasm_packages
-
-# debian SUITE TYPE COMMAND...: apt-get with the package lists of that suite alone, apart from the system's.
-debian() {
-  local lists=$home/apt/$1-$2
-  mkdir -p "$lists/lists/partial" "$lists/cache/archives/partial" "$lists/sources"
-  printf 'Types: %s\nURIs: %s\nSuites: %s\nComponents: main\nSigned-By: %s\n' "$2" "$mirror" "$1" \
-    /usr/share/keyrings/debian-archive-keyring.gpg >"$lists/sources/only.sources"
-  shift 2
-  apt-get -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$lists/sources" \
-    -o Dir::State::Lists="$lists/lists" -o Dir::Cache="$lists/cache" -o APT::Sandbox::User=root \
-    -o Acquire::Languages=none "$@"
-}
 
 # What decides the bytes that are made is named by its hash; the others only run it.
 fetch_toolchain() {
   mkdir -p "$home/packages"
   cd "$home/packages"
-  debian trixie deb update
-  debian trixie deb download emscripten=3.1.69+dfsg-3 binaryen=120-4 node-acorn libc6 libstdc++6 libgcc-s1
+  debian_line deb trixie >sources.list
+  apt_apart "$PWD" update
+  apt_apart "$PWD" download emscripten=3.1.69+dfsg-3 binaryen=120-4 node-acorn libc6 libstdc++6 libgcc-s1
   sha256sum -c - <<'SUMS'
 d2ac788b952c56ab6736b4db2ac0825aa63cfb4c08b8abaefe19e324779d1b2d  emscripten_3.1.69+dfsg-3_all.deb
 47be56009e56170f4338a0154fbff2028bd607bc3c8b6a5414658a985bef6470  binaryen_120-4_amd64.deb
@@ -89,23 +77,6 @@ unpack_toolchain() {
   rm -rf "$home/acorn" "$home/packages"
 }
 
-# The versions of the installed headers, so that both builds have the same library.
-fetch_sources() {
-  rm -rf "$home/sources"
-  mkdir -p "$home/sources"
-  cd "$home/sources"
-  debian bookworm deb-src update
-  local sources=() package
-  for package in $wasm_sources; do
-    sources+=("$(dpkg-query -W -f='${source:Package}=${source:Version}' "$package:$(dpkg --print-architecture)")")
-  done
-  debian bookworm deb-src source --download-only "${sources[@]}"
-  for package in *.dsc; do
-    dpkg-source --no-check -x "$package" "${package%%_*}"
-  done
-  rm -f ./*.tar.* ./*.dsc
-}
-
 # Anew: another checkout may have made what is there, from its own folder.
 build_libraries() {
   rm -rf "$home/libraries"
@@ -116,7 +87,9 @@ build_libraries() {
 }
 
 fetch_and_unpack() { fetch_toolchain && unpack_toolchain; }
-fetch_and_build() { fetch_sources && build_libraries; }
+# The versions of the installed headers, so that both builds have the same library.
+# shellcheck disable=SC2086
+fetch_and_build() { fetch_sources "$home/sources" $wasm_sources && build_libraries; }
 # step NAME STAMP COMMAND: unless it was done with the same stamp, of what it depends on.
 step() {
   [ "$(cat "$home/$1.done" 2>/dev/null)" != "$2" ] || return 0
