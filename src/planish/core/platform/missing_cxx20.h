@@ -1,7 +1,8 @@
 #pragma once
 
 // What planish uses of C++20 and LLVM's C++ library lacks: std::atomic_ref before 19, numbers of
-// std::from_chars() before 20. The root's CMakeLists.txt has it included before everything else.
+// std::from_chars() and std::jthread before 20 (from 18 on it is there for those who ask). The
+// root's CMakeLists.txt has it included before everything else.
 
 #ifdef __cplusplus
 #include <atomic>
@@ -11,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <type_traits>
 #if defined(__APPLE__)
 #include <xlocale.h>
@@ -52,6 +54,19 @@ class atomic_ref {
 };
 template <class T>
 atomic_ref(T&) -> atomic_ref<T>;
+#endif
+
+#if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 200000
+// Waited for at its end; nobody asks one to stop.
+class jthread : public thread {
+ public:
+  using thread::thread;
+  jthread(jthread&&) noexcept = default;
+  jthread& operator=(jthread&&) = delete;
+  ~jthread() {
+    if (joinable()) join();
+  }
+};
 #endif
 
 #if !defined(__cpp_lib_to_chars) && _LIBCPP_VERSION < 200000
