@@ -17,6 +17,7 @@ using testing::AllOf;
 using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 class RunCommand : public FolderTest {
  protected:
@@ -179,6 +180,10 @@ TEST_F(ManyFiles, OneThatFailsDoesNotStopTheOthers) {
   expect_values(report, {{"/exit_code", 8}, {"/jobs/0/exit_code", 3}});
   EXPECT_THAT(report["jobs"][0]["error"].get<std::string>(), HasSubstr("bad.obj:2"));
   EXPECT_EQ(report["jobs"][1]["exit_code"], 0);
+  EXPECT_THAT(report_problems(report, "batch"), IsEmpty());
+  EXPECT_EQ(report["worst_first"], json({"bad", "cube"}));
+  run("fit cube.obj bad.obj -o out --report all.json -f", 8);
+  EXPECT_EQ(read_json("all.json")["worst_first"], json({"bad", "cube"}));
 }
 
 TEST_F(ManyFiles, TheTableTellsTheBadOnes) {

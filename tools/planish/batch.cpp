@@ -254,6 +254,23 @@ std::string files_table(const std::vector<PlannedJob>& jobs,
          "the worst\n";
 }
 
+namespace {
+
+// All but pages and pictures.
+std::vector<SheetRow> sheet_rows(const std::vector<PlannedJob>& jobs,
+                                 const std::vector<JobOutcome>& outcomes) {
+  std::vector<SheetRow> rows;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const JobOutcome& outcome = outcomes[i];
+    SheetRow& row = rows.emplace_back(outcome.report ? sheet_row(*outcome.report) : SheetRow());
+    row.name = jobs[i].job.name;
+    row.failure = relative_to(std::filesystem::current_path(), outcome.message);
+  }
+  return rows;
+}
+
+}  // namespace
+
 std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes) {
   const auto failed = std::ranges::count_if(
       outcomes, [](const JobOutcome& outcome) { return outcome.exit_code != ExitCode::Done; });
@@ -288,12 +305,10 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
 void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& jobs,
                        std::vector<JobOutcome>& outcomes, const PageOptions& options,
                        Console& console, bool overwrites, std::string_view kind) {
-  std::vector<SheetRow> rows;
+  std::vector<SheetRow> rows = sheet_rows(jobs, outcomes);
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     JobOutcome& outcome = outcomes[i];
-    SheetRow& row = rows.emplace_back(outcome.report ? sheet_row(*outcome.report) : SheetRow());
-    row.name = jobs[i].job.name;
-    row.failure = relative_to(std::filesystem::current_path(), outcome.message);
+    SheetRow& row = rows[i];
     row.page =
         utf8(absolute(path_of(jobs[i].job.page))
                  .lexically_normal()
@@ -302,7 +317,7 @@ void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& j
     row.surface = std::move(outcome.pictures.surface);
   }
   const std::string all = counted(std::ssize(rows), kind);
-  const std::string text = make_sheet(std::move(rows), options.times, kind);
+  const std::string text = make_sheet(rows, options.times, kind);
   StagedFiles staged(overwrites);
   staged.write(path_of(path), text);
   staged.commit();
@@ -329,6 +344,9 @@ nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,
                               {"error", outcomes[i].message}});
     }
   }
+  json["worst_first"] = nlohmann::ordered_json::array();
+  for (const std::size_t i : worst_first(sheet_rows(jobs, outcomes)))
+    json["worst_first"].push_back(jobs[i].job.name);
   return json;
 }
 

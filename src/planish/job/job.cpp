@@ -433,7 +433,7 @@ std::vector<std::string> fit_files(std::span<const std::filesystem::path> inputs
   }
   if (!options.pages.empty()) {
     StagedFiles staged(true);
-    staged.write(options.pages / "index.html", make_sheet(std::move(rows), options.page_times));
+    staged.write(options.pages / "index.html", make_sheet(rows, options.page_times));
     staged.commit();
   }
   options.callbacks.report("write", 1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <string_view>
 #include <tuple>
 
@@ -121,13 +122,20 @@ SheetRow sheet_row(const JobReport& report) {
   return row;
 }
 
-std::string make_sheet(std::vector<SheetRow> rows, bool times, std::string_view kind) {
-  std::ranges::stable_sort(rows, std::ranges::greater(), badness);
+std::vector<std::size_t> worst_first(const std::vector<SheetRow>& rows) {
+  std::vector<std::size_t> order(rows.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, std::ranges::greater(),
+                           [&](std::size_t i) { return badness(rows[i]); });
+  return order;
+}
+
+std::string make_sheet(const std::vector<SheetRow>& rows, bool times, std::string_view kind) {
   const auto bad = std::ranges::count_if(
       rows, [](const SheetRow& row) { return !row.failure.empty() || !row.converged; });
   const std::string style = std::string(page_style()) + std::string(kSheetStyle);
   std::string body;
-  for (const SheetRow& row : rows) body += row_html(row, times) + "\n";
+  for (const std::size_t i : worst_first(rows)) body += row_html(rows[i], times) + "\n";
   return filled_form(
       kSheetForm,
       {{"security", content_security(kSheetScript, style)},

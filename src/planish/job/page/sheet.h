@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -30,11 +31,13 @@ struct SheetRow {
 /// All but name, page and pictures.
 [[nodiscard]] SheetRow sheet_row(const JobReport& report);
 
-/// A contact sheet: one HTML file that needs nothing else, a line and two pictures a file, the
-/// worst first: those that failed, that missed the tolerance, that are folded most, that have the
-/// most warnings, whose normals are farthest off. `times`: also how long each took. `kind`: what
-/// they are.
-[[nodiscard]] std::string make_sheet(std::vector<SheetRow> rows, bool times,
+/// Indices of rows, the worst first: those that failed, that missed the tolerance, that are folded
+/// most, that have the most warnings, whose normals are farthest off.
+[[nodiscard]] std::vector<std::size_t> worst_first(const std::vector<SheetRow>& rows);
+
+/// A contact sheet: one HTML file that needs nothing else, a line and two pictures a file, as
+/// worst_first() has them. `times`: also how long each took. `kind`: what they are.
+[[nodiscard]] std::string make_sheet(const std::vector<SheetRow>& rows, bool times,
                                      std::string_view kind = "file");
 
 }  // namespace planish
