@@ -14,10 +14,13 @@
 namespace planish::test {
 namespace {
 
+using nlohmann::json;
+
 using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::IsSupersetOf;
 using testing::Not;
 
@@ -117,6 +120,29 @@ TEST_F(Try, WritesAPageAloneOrATable) {
   run("try torus.obj --page q.html --page-limit 1K --page-no-times -f -q");
   EXPECT_EQ(read("q.html"), first);
   EXPECT_EQ(run("try torus.obj --page - --page-limit 1K -q").out.substr(0, 15), "<!doctype html>");
+}
+
+TEST_F(Try, AReportSaysWhatMakesEach) {
+  run("try torus.obj --report tried.json -o tried/ --page-limit 1K -q");
+  const json report = read_json("tried.json");
+  const auto written = surfaces("tried/");
+  EXPECT_THAT(report_problems(report, "try"), IsEmpty());
+  ASSERT_EQ(report["surfaces"].size(), written.size());
+  for (const json& one : report["surfaces"]) {
+    SCOPED_TRACE(one.dump());
+    std::string flags;
+    for (const auto& [name, value] : one["settings"].items())
+      flags += " --" + name + " " + value.get<std::string>();
+    run("fit torus.obj -o torus.glb -f -q" + flags);
+    EXPECT_EQ(read("torus.glb"), read(one["file"].get<std::string>()));
+    EXPECT_EQ(one["taken"], one == report["surfaces"][0]);
+  }
+  const std::string out = run("try torus.obj --report - -q").out;
+  const json alone = json::parse(out);
+  EXPECT_EQ(alone["surfaces"][0]["file"], json());
+  EXPECT_EQ(alone["surfaces"][0]["cost"], report["surfaces"][0]["cost"]);
+  run("try torus.obj --report - --page - -q", 2);
+  run("try torus.obj --report tried.json -q", 7);
 }
 
 TEST_F(Try, FlagsNarrowWhatIsTried) {

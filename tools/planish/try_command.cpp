@@ -12,7 +12,9 @@
 #include "planish/core/error.h"
 #include "planish/core/guards.h"
 #include "planish/core/json.h"
+#include "planish/core/version.h"
 #include "planish/core/words.h"
+#include "planish/job/build_info.h"
 #include "planish/job/input.h"
 #include "planish/job/job_text.h"
 #include "planish/job/page/sheet.h"
@@ -27,7 +29,7 @@ namespace planish::command {
 namespace {
 
 struct TryFlags {
-  std::string input, folder;
+  std::string input, folder, report;
   FitFlags fit;  // what a surface is like, page and messages
 };
 
@@ -50,6 +52,11 @@ std::string surface_beside(const std::string& input) {
   const std::string stem = utf8(path_of(input).stem());
   const std::string name = stem + ".glb";
   return path_of(input).lexically_normal() == path_of(name) ? stem + "_surface.glb" : name;
+}
+
+std::string surface_path(const TryFlags& flags, const std::string& stem) {
+  const std::string name = utf8(path_of(flags.input).stem()) + "_" + stem + ".glb";
+  return utf8(path_of(flags.folder) / path_of(name));
 }
 
 // The line to which a surface's own flags are added.
@@ -118,6 +125,41 @@ std::string table_of(const Trial& trial) {
          "input's faces\n";
 }
 
+// What the table says, and which settings make each.
+nlohmann::ordered_json report_of(const TryFlags& flags, const Trial& trial,
+                                 const std::vector<std::string>& arguments) {
+  nlohmann::ordered_json json;
+  json["schema"] = "planish.try/1";
+  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", git_revision()}};
+  json["argv"] = arguments;
+  json["exit_code"] = static_cast<int>(exit_code_of(trial.surfaces.front().report));
+  json["input"] = {{"path", flags.input}};
+  json["reason"] = trial.reason;
+  json["surfaces"] = nlohmann::ordered_json::array();
+  for (const TriedSurface& tried : trial.surfaces) {
+    nlohmann::ordered_json& one = json["surfaces"].emplace_back();
+    one["title"] = tried.title;
+    one["settings"] = nlohmann::ordered_json::object();
+    for (const auto& [name, value] : tried.settings) one["settings"][name] = value;
+    one["taken"] = tried.is_taken;
+    if (!tried.failure.empty()) {
+      one["error"] = tried.failure;
+      continue;
+    }
+    const SheetRow row = sheet_row(tried.report);
+    const auto known = [](bool is_known, double number) {
+      return is_known ? nlohmann::ordered_json(number) : nlohmann::ordered_json();
+    };
+    one["cost"] = known(tried.is_measured, tried.cost.sum());
+    one["bending"] = known(tried.is_measured, tried.bending);
+    one["folded"] = known(tried.is_measured, tried.folded);
+    one["normals"] = known(row.is_measured, row.normals);
+    one["file"] = nullptr;
+    if (!flags.folder.empty()) one["file"] = surface_path(flags, tried.stem);
+  }
+  return json;
+}
+
 std::string mesh_extensions() {
   std::string text;
   for (const FormatInfo& info : formats())
@@ -130,11 +172,6 @@ std::string mesh_extensions() {
 std::string page_path(const TryFlags& flags) {
   if (!flags.fit.page.empty() || flags.folder.empty()) return flags.fit.page;
   return utf8(path_of(flags.folder) / "index.html");
-}
-
-std::string surface_path(const TryFlags& flags, const std::string& stem) {
-  const std::string name = utf8(path_of(flags.input).stem()) + "_" + stem + ".glb";
-  return utf8(path_of(flags.folder) / path_of(name));
 }
 
 void require_folder(const std::string& path) {
@@ -176,6 +213,8 @@ TryPlan plan_try(const TryFlags& flags) {
   const std::string page = page_path(flags);
   if (!page.empty())
     faults.note([&] { claims.add_page(path_of(page), flags.fit.page.empty() ? "-o" : "--page"); });
+  if (!flags.report.empty())
+    faults.note([&] { claims.add_report(path_of(flags.report), "--report"); });
   faults.note([&] { plan.page = page_options(flags.fit.page_limit, flags.fit.page_no_times); });
   faults.note([&] { plan.devices = settle_devices(plan.jobs); });
   faults.throw_if_any();
@@ -199,7 +238,7 @@ std::string trial_page_of(const TryFlags& flags, Trial& trial, const PageOptions
                          job_name_of(flags.input), trial.reason);
 }
 
-ExitCode run_try(const TryFlags& flags) {
+ExitCode run_try(const TryFlags& flags, const std::vector<std::string>& arguments) {
   const MessageFlags& messages = flags.fit.messages;
   Console console(messages.level(), messages.color_mode(), messages.form());
   const TryPlan plan = plan_try(flags);
@@ -217,11 +256,14 @@ ExitCode run_try(const TryFlags& flags) {
   progress.finish();
   const ExitCode exit_code = exit_code_of(trial.surfaces.front().report);
   const std::string table = table_of(trial);
+  const std::string report = json_text(report_of(flags, trial, arguments));
   const auto count = std::ssize(trial.surfaces);
   const std::string text = page.empty() ? "" : trial_page_of(flags, trial, plan.page);
   if (!page.empty() && page != "-") staged.write(path_of(page), text);
+  if (!flags.report.empty() && flags.report != "-") staged.write(path_of(flags.report), report);
   staged.commit();
   if (page == "-") write_stdout(text);
+  if (flags.report == "-") write_stdout(report);
   console.info(table);
   if (!page.empty() && page != "-")
     console.info(formatted("{}: {}, page of {}", visible(page), byte_size(text.size()),
@@ -245,6 +287,7 @@ void add_try_command(CLI::App& app, Invocation& invocation) {
       ->required();
   option("-o,--output", flags->folder, "write each surface as a GLB, and the page as index.html",
          "FOLDER");
+  option("--report", flags->report, "JSON report; - for stdout", "FILE");
   option("--input-format", flags->fit.input_format,
          "format, where the extension is wrong [told by the content]",
          names_of(FormatUse::Read, "|"));
@@ -257,14 +300,15 @@ void add_try_command(CLI::App& app, Invocation& invocation) {
   invocation.texts["try"] = {
       .examples = {"planish try part.stl --page part_tried.html", "planish try part.stl -o tried/",
                    "planish try part.stl --interpolation fair"},
-      .first_flags = {"--output", "--page", "--force", "--quads", "--creases", "--interpolation",
-                      "--refine", "--levels", "-h", "--help"},
+      .first_flags = {"--output", "--page", "--report", "--force", "--quads", "--creases",
+                      "--interpolation", "--refine", "--levels", "-h", "--help"},
       .notes =
           "Tried are faces as they are, joined to quads and with vertices added, both methods, "
           "edges sharp and round, as far as no flag names them. What is taken is the surface of "
           "planish fit without flags, byte for byte. Exit codes are those of planish fit."};
-  command->callback(
-      [flags, &invocation] { invocation.action = [flags] { return run_try(*flags); }; });
+  command->callback([flags, &invocation] {
+    invocation.action = [flags, &invocation] { return run_try(*flags, invocation.arguments); };
+  });
 }
 
 }  // namespace planish::command
