@@ -1,6 +1,7 @@
 // Freeform faces beside faces on surfaces: how they are moved onto these, and parts that have both.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -12,6 +13,8 @@
 #include "brep/step_checks.h"
 #include "planish/brep/moved_faces.h"
 #include "planish/c/handles.h"
+#include "planish/files/mesh_file.h"
+#include "planish/job/fit_file.h"
 #include "planish/pipeline/write_fitted_step.h"
 
 namespace planish::test {
@@ -144,6 +147,20 @@ TEST(MixedParts, AreTakenOneByOne) {
   EXPECT_EQ(figures.analytic, shape.kinds);
   EXPECT_EQ(figures.solids, 2);
   EXPECT_TRUE(figures.check.is_valid());
+}
+
+// What ends at a surface moves onto it, by more than a fine tolerance; the file's digits keep all.
+TEST(MixedParts, AreSaidToBeRoundedByNoFile) {
+  const MixedShape shape = mixed_shapes().front();
+  write_mesh(scratch("mixed.obj"), FileFormat::Obj, shape.mesh);
+  FitFileOptions options;
+  options.settings.tolerance = 1e-12;
+  const FileFit done = fit_file(scratch("mixed.obj"), scratch("mixed_fit.step"), options);
+  ASSERT_TRUE(done.step);
+  ASSERT_EQ(done.step->mixed_parts, 1);
+  EXPECT_GT(done.step->largest_distance, 1e-12 * done.fitted.fit.placement.diagonal);
+  EXPECT_EQ(std::ranges::find(done.fitted.warnings, "rounded-output", &Warning::code),
+            done.fitted.warnings.end());
 }
 
 }  // namespace

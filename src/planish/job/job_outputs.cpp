@@ -478,8 +478,8 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
   });
   const StepFigures& step = *written.step;
   if (!step.is_as_asked()) work.report.falls_short = true;
-  // Surfaces that leave their vertices by noise do so whatever the digits.
-  if (step.largest_distance > step.analytic_distance)
+  // Surfaces that have a name leave their vertices whatever the digits, and what ends at them, too.
+  if (step.analytic_parts + step.mixed_parts == 0)
     warn_of_rounding(work.report, work.context, written);
 }
 
