@@ -13,6 +13,7 @@
 #include "make_scenes/shapes.h"
 #include "planish/edit/editor.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/face_geometry.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
 #include "planish/refine/guess_surface.h"
@@ -110,6 +111,101 @@ TEST(VertexJets, AreExactOnABall) {
   EXPECT_NEAR(std::abs(jet.normal.z), 1, 1e-6);
   for (const glm::dvec2& at : {glm::dvec2(5.5, 4), glm::dvec2(3.2, 5), glm::dvec2(4.3, 2.7)})
     EXPECT_NEAR(jet.on_jet({at, 0}).z, height(at - glm::dvec2(4)), 1e-6);
+}
+
+// Thin ellipsoids and tubes, in few and uneven triangles, against their formulas.
+
+PolygonMesh ellipsoid(const glm::dvec3& axes, std::uint32_t seed) {
+  PolygonMesh mesh = delaunay_sphere(800, seed);
+  for (glm::dvec3& p : mesh.positions) p *= axes;
+  return mesh;
+}
+
+// Around z: 48 x 7 places, moved by lot along the tube and around it.
+PolygonMesh uneven_ring(double tube_radius, std::uint32_t seed) {
+  constexpr int kAlong = 48, kAround = 7;
+  constexpr double kRound = 2 * std::numbers::pi;
+  PolygonMesh mesh;
+  std::mt19937 lot(seed);
+  const auto moved = [&](int i, int count) {
+    return kRound * (i + 0.5 * (static_cast<double>(lot()) / 4294967296.0 - 0.5)) / count;
+  };
+  for (int i = 0; i < kAlong; ++i) {
+    for (int j = 0; j < kAround; ++j) {
+      const double u = moved(i, kAlong), v = moved(j, kAround), r = 1 + tube_radius * std::cos(v);
+      mesh.positions.emplace_back(r * std::cos(u), r * std::sin(u), tube_radius * std::sin(v));
+      const auto at = [&](int di, int dj) {
+        return (i + di) % kAlong * kAround + (j + dj) % kAround;
+      };
+      mesh.add_face(std::array{at(0, 0), at(1, 0), at(1, 1)});
+      mesh.add_face(std::array{at(0, 0), at(1, 1), at(0, 1)});
+    }
+  }
+  return mesh;
+}
+
+TEST(VertexJets, HaveTheNormalsOfEllipsoidsHoweverThin) {
+  struct Row {
+    glm::dvec3 axes;
+    double degrees;  // rms over the vertices, at most
+  };
+  for (const auto& [axes, degrees] :
+       {Row{{2, 1, 1}, 0.08}, Row{{3, 1, 1}, 0.15}, Row{{5, 1, 1}, 0.3}, Row{{8, 1, 1}, 0.5},
+        Row{{1, 1, 0.5}, 0.1}, Row{{1, 1, 1 / 3.0}, 0.5}, Row{{1, 1, 0.2}, 2}}) {
+    SCOPED_TRACE(testing::Message() << axes.x << " : " << axes.y << " : " << axes.z);
+    for (const std::uint32_t seed : {1u, 2u, 3u}) {
+      const PolygonMesh mesh = ellipsoid(axes, seed);
+      const MeshTopology topology(mesh);
+      const VertexJets jets =
+          fit_vertex_jets(mesh.positions, topology, std::vector<char>(topology.edge_count(), 0));
+      double sum = 0;
+      for (const VertexJet& jet : jets.jets)
+        sum += std::pow(angle_between(jet.normal, jet.origin / axes / axes), 2);
+      EXPECT_LT(std::sqrt(sum / static_cast<double>(jets.jets.size())) * 180 / std::numbers::pi,
+                degrees);
+    }
+  }
+}
+
+struct Ridges {
+  int steep = 0, marked = 0;  // edges by which faces turn by more than 60 degrees, and those marked
+};
+
+Ridges ridges_of(const PolygonMesh& mesh) {
+  const MeshTopology topology(mesh);
+  std::vector<char> is_sharp(topology.edge_count(), 0);
+  mark_ridges(mesh.positions, topology, is_sharp);
+  const auto normal = [&](std::int32_t corner) {
+    const auto v = topology.face(topology.face_of(corner));
+    const glm::dvec3& a = mesh.positions[v[0]];
+    return glm::cross(mesh.positions[v[1]] - a, mesh.positions[v[2]] - a);
+  };
+  Ridges ridges;
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    const std::int32_t corner = topology.corner_of(e);
+    ridges.marked += is_sharp[e];
+    ridges.steep += angle_between(normal(corner), normal(topology.twin(corner))) > 1.0472;
+  }
+  return ridges;
+}
+
+// A tube of seven sides turns by as much as the side of a spike does.
+TEST(MarkRidges, PartsWhatJetsDoNotForetell) {
+  Ridges tube, spiked;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const Ridges own = ridges_of(uneven_ring(0.1, seed));
+    tube.steep += own.steep;
+    tube.marked += own.marked;
+    PolygonMesh ball = delaunay_sphere(400, seed);
+    for (const std::size_t v : {7u, 100u, 200u, 300u}) ball.positions[v] *= seed % 2 ? 1.4 : 0.6;
+    const Ridges other = ridges_of(ball);
+    spiked.steep += other.steep;
+    spiked.marked += other.marked;
+  }
+  EXPECT_GT(tube.steep, 100);
+  EXPECT_LT(tube.marked, 0.05 * tube.steep);
+  EXPECT_GT(spiked.steep, 100);
+  EXPECT_EQ(spiked.marked, spiked.steep);
 }
 
 // Heights by lot are no surface: nothing is put between them that bends more than they do.

@@ -17,7 +17,7 @@
 namespace planish {
 namespace {
 
-constexpr int kQuadric = 5, kCubic = 9;
+constexpr int kQuadric = 5, kImplicit = 8, kCubic = 9;
 // Directions that the places leave open, relative to the best known one, are left at 0.
 constexpr double kRidge = 1e-8;
 // Tangent of half the angle by which faces turn at most where they sample a smooth surface.
@@ -28,6 +28,9 @@ constexpr double kMostStretched = 2;
 // Share of the fit at a place that others decide, at least.
 constexpr double kLeastOthers = 0.05;
 constexpr int kStretchRounds = 4;
+// What jets leave in doubt at most that are believed against the faces, and the cosine of the angle
+// within which they foretell one another's normals: 15 degrees.
+constexpr double kToldDoubt = 0.1, kToldCosine = 0.966;
 // Corners that are looked at beside a neighbour's, each way: linear time at hubs.
 constexpr int kWalk = 16;
 
@@ -75,6 +78,37 @@ class Normal {
   int first_, last_;
 };
 
+// Of what heights are sums of, see VertexJet; tilts are of the place's foot.
+struct Sum {
+  double value;
+  glm::dvec3 gradient;
+};
+
+// `at`: over a jet's axes.
+Sum sum_at(const Coefficients& k, bool is_implicit, const glm::dvec3& at) {
+  const auto [x, y, z] = std::array{at.x, at.y, at.z};
+  const double q = k[2] * x * x / 2 + k[3] * x * y + k[4] * y * y / 2;
+  const glm::dvec3 tilt(k[0], k[1], 0), of_q(k[2] * x + k[3] * y, k[3] * x + k[4] * y, 0);
+  const double tilted = k[0] * x + k[1] * y;
+  if (is_implicit) {
+    const glm::dvec3 bend(k[6] * z, k[7] * z, k[5] * z + k[6] * x + k[7] * y);
+    return {tilted + q + z * (k[5] * z / 2 + k[6] * x + k[7] * y), tilt + of_q + bend};
+  }
+  const double flat = x * x + y * y;
+  if (!(flat > 0)) return {0, tilt};
+  // (x, y) times a stretch s: s^2 q + s^3 c.
+  const double c = x * x * (k[5] * x + k[6] * y) + y * y * (k[7] * x + k[8] * y);
+  const glm::dvec3 of_c(3 * k[5] * x * x + 2 * k[6] * x * y + k[7] * y * y,
+                        k[6] * x * x + 2 * k[7] * x * y + 3 * k[8] * y * y, 0);
+  const double square = 1 + z * z / flat;
+  const bool is_far = square > kMostStretched * kMostStretched;
+  const double s2 = is_far ? kMostStretched * kMostStretched : square, s = std::sqrt(s2);
+  const glm::dvec3 of_s2 =
+      is_far ? glm::dvec3(0) : 2 / flat * glm::dvec3((1 - s2) * x, (1 - s2) * y, z);
+  return {tilted + s2 * q + s * s2 * c,
+          tilt + s2 * of_q + s * s2 * of_c + (q + 1.5 * s * c) * of_s2};
+}
+
 void set_axes(VertexJet& jet) {
   const glm::dvec3 n = jet.normal;
   jet.e1 = glm::normalize(
@@ -86,7 +120,16 @@ class JetFitter {
  public:
   JetFitter(std::span<const glm::dvec3> positions, const MeshTopology& topology,
             std::span<const char> is_sharp)
-      : positions_(positions), topology_(topology), is_sharp_(is_sharp) {}
+      : positions_(positions),
+        topology_(topology),
+        is_sharp_(is_sharp),
+        normals_(positions.size(), glm::dvec3(0)) {
+    parallel_each(normals_.size(), 256, [&](std::size_t v) {
+      const glm::dvec3 sum = by_angles(topology.corners_at(static_cast<std::int32_t>(v)));
+      const double length = glm::length(sum);
+      if (length > 0) normals_[v] = sum / length;
+    });
+  }
 
   // `sector`: corners at a vertex, counter-clockwise.
   [[nodiscard]] VertexJet fit(std::span<const std::int32_t> sector) const {
@@ -94,17 +137,11 @@ class JetFitter {
     VertexJet jet{};
     jet.origin = positions_[vertex];
     double size = 0;
-    int edges = 0;
-    for (const std::int32_t corner : sector) {
-      const glm::dvec3 a = positions_[topology_.vertex_of(topology_.next(corner))] - jet.origin;
-      const glm::dvec3 b = positions_[topology_.vertex_of(topology_.prev(corner))] - jet.origin;
-      const glm::dvec3 cross = glm::cross(a, b);
-      const double length = glm::length(cross);
-      if (length > 0) jet.normal += cross / length * angle_between(a, b);
-      size += glm::length(a) + glm::length(b);
-      edges += 2;
-    }
-    size /= edges;
+    for (const std::int32_t corner : sector)
+      size += glm::length(edge_to(topology_.next(corner), vertex)) +
+              glm::length(edge_to(topology_.prev(corner), vertex));
+    size /= 2 * static_cast<double>(sector.size());
+    jet.normal = by_angles(sector);
     const double length = glm::length(jet.normal);
     jet.normal = length > 0 ? jet.normal / length : glm::dvec3(0, 0, 1);
     set_axes(jet);
@@ -112,7 +149,7 @@ class JetFitter {
     const std::vector<std::int32_t> ring = two_rings(sector, vertex);
     const glm::dvec3 by_angle = jet.normal;
     std::vector<Place> places = places_over(jet, ring, size);
-    const double untilted = least_squares(places, {2, kQuadric}).left;
+    const double untilted = least_squares(places, kQuadrics, 2).left;
     for (int turn = 0; turn < kTurns; ++turn) {
       const Coefficients s = best_of(places, 0).coefficients;
       jet.normal = glm::normalize(jet.normal - s[0] * jet.e1 - s[1] * jet.e2);
@@ -126,10 +163,15 @@ class JetFitter {
     places = places_over(jet, ring, size);
     const LeastSquares fit = best_of(places, 2);
     const Coefficients& s = fit.coefficients;
-    const double share = believed(fit.left, least_squares(places, {0, 2}).left);
+    const double share = believed(fit.left, least_squares(places, kPlanes, 0).left);
     jet.doubt = 1 - share;
     for (int i = 0; i < 3; ++i) jet.quadric[i] = share * s[2 + i] / size;
-    for (int i = 0; i < 4; ++i) jet.cubic[i] = share * s[5 + i] / (size * size);
+    if (fit.is_implicit) {
+      jet.implicit.emplace();
+      for (int i = 0; i < 3; ++i) (*jet.implicit)[i] = share * s[5 + i] / size;
+    } else {
+      for (int i = 0; i < 4; ++i) jet.cubic[i] = share * s[5 + i] / (size * size);
+    }
     return jet;
   }
 
@@ -137,6 +179,25 @@ class JetFitter {
   std::span<const glm::dvec3> positions_;
   const MeshTopology& topology_;
   std::span<const char> is_sharp_;
+  std::vector<glm::dvec3> normals_;  // by angles, of vertices, over all their faces
+
+  [[nodiscard]] glm::dvec3 edge_to(std::int32_t corner, std::int32_t vertex) const {
+    return positions_[topology_.vertex_of(corner)] - positions_[vertex];
+  }
+
+  // Sum of the faces' normals by their angles at the vertex.
+  [[nodiscard]] glm::dvec3 by_angles(std::span<const std::int32_t> corners) const {
+    glm::dvec3 sum(0);
+    for (const std::int32_t corner : corners) {
+      const std::int32_t vertex = topology_.vertex_of(corner);
+      const glm::dvec3 a = edge_to(topology_.next(corner), vertex);
+      const glm::dvec3 b = edge_to(topology_.prev(corner), vertex);
+      const glm::dvec3 cross = glm::cross(a, b);
+      const double length = glm::length(cross);
+      if (length > 0) sum += cross / length * angle_between(a, b);
+    }
+    return sum;
+  }
 
   [[nodiscard]] std::int32_t across(std::int32_t corner, bool ccw) const {
     const std::int32_t edge = topology_.edge_of(ccw ? topology_.prev(corner) : corner);
@@ -171,13 +232,18 @@ class JetFitter {
 
   // A neighbour, over the jet's plane in units of the mean edge.
   struct Place {
-    Coefficients row;
-    double height, square;  // of the weight
+    glm::dvec3 at;                 // over the jet's axes; z: its height
+    Coefficients chord, implicit;  // what heights are sums of: see VertexJet
+    double square;                 // of the weight
+    glm::dvec3 facing;             // its normal by angles, over the jet's axes
   };
-  // Those coefficients that are not 0, the first two of which tilt.
-  struct Unknowns {
-    int first, last;
+  // What heights are sums of; the first two coefficients tilt.
+  struct Model {
+    Coefficients Place::*row;
+    int last;
   };
+  static constexpr Model kPlanes{&Place::chord, 2}, kQuadrics{&Place::chord, kQuadric},
+      kCubics{&Place::chord, kCubic}, kImplicits{&Place::implicit, kImplicit};
 
   [[nodiscard]] std::vector<Place> places_over(const VertexJet& jet,
                                                std::span<const std::int32_t> ring,
@@ -185,55 +251,88 @@ class JetFitter {
     std::vector<Place> places;
     places.reserve(ring.size());
     for (const std::int32_t other : ring)
-      places.push_back(place_of((positions_[other] - jet.origin) / size, jet));
+      places.push_back(place_of((positions_[other] - jet.origin) / size, normals_[other], jet));
     return places;
   }
 
-  [[nodiscard]] static Place place_of(const glm::dvec3& to, const VertexJet& jet) {
-    const double tilt1 = glm::dot(to, jet.e1), tilt2 = glm::dot(to, jet.e2);
-    const double flat = tilt1 * tilt1 + tilt2 * tilt2, square = glm::dot(to, to);
+  [[nodiscard]] static Place place_of(const glm::dvec3& to, const glm::dvec3& facing,
+                                      const VertexJet& jet) {
+    const auto over_axes = [&](const glm::dvec3& d) {
+      return glm::dvec3(glm::dot(d, jet.e1), glm::dot(d, jet.e2), glm::dot(d, jet.normal));
+    };
+    const glm::dvec3 at = over_axes(to);
+    const double flat = at.x * at.x + at.y * at.y, square = glm::dot(to, to);
     const double stretch = flat > 0 ? std::min(std::sqrt(square / flat), kMostStretched) : 1;
-    const double x = stretch * tilt1, y = stretch * tilt2;
+    const double x = stretch * at.x, y = stretch * at.y;
     const double weight = 1 / (1 + square);
-    return {{tilt1, tilt2, x * x / 2, x * y, y * y / 2, x * x * x, x * x * y, x * y * y, y * y * y},
-            glm::dot(to, jet.normal),
-            weight * weight};
+    return {at,
+            {at.x, at.y, x * x / 2, x * y, y * y / 2, x * x * x, x * x * y, x * y * y, y * y * y},
+            {at.x, at.y, at.x * at.x / 2, at.x * at.y, at.y * at.y / 2, at.z * at.z / 2,
+             at.x * at.z, at.y * at.z},
+            weight * weight,
+            over_axes(facing)};
   }
 
   struct LeastSquares {
     Coefficients coefficients{};
     double left = 0;  // what is left of each height by the fit to all others, squares
+    bool is_implicit = false;
   };
 
-  [[nodiscard]] static LeastSquares least_squares(std::span<const Place> places,
-                                                  Unknowns unknowns) {
+  // Coefficients below `first` are 0.
+  [[nodiscard]] static LeastSquares least_squares(std::span<const Place> places, const Model& model,
+                                                  int first) {
     std::array<Coefficients, kCubic> matrix{};
     Coefficients right{};
-    for (const auto& [row, height, square] : places) {
-      for (int i = unknowns.first; i < unknowns.last; ++i) {
-        for (int j = i; j < unknowns.last; ++j) matrix[i][j] += square * row[i] * row[j];
-        right[i] += square * row[i] * height;
+    for (const Place& place : places) {
+      const Coefficients& row = place.*model.row;
+      for (int i = first; i < model.last; ++i) {
+        for (int j = i; j < model.last; ++j) matrix[i][j] += place.square * row[i] * row[j];
+        right[i] += place.square * row[i] * place.at.z;
       }
     }
-    const Normal normal(matrix, unknowns.first, unknowns.last);
-    LeastSquares fit{normal.solve(right)};
+    const Normal normal(matrix, first, model.last);
+    LeastSquares fit{normal.solve(right), 0, model.row == &Place::implicit};
     // So few places are met by any heights.
-    const bool is_open = std::ssize(places) <= unknowns.last - unknowns.first;
-    for (const auto& [row, height, square] : places) {
-      double value = 0;
-      for (int i = unknowns.first; i < unknowns.last; ++i) value += fit.coefficients[i] * row[i];
-      const double others = 1 - square * normal.leverage(row);
-      const double left = is_open ? height : (height - value) / std::max(others, kLeastOthers);
-      fit.left += square * left * left;
+    const bool is_open = std::ssize(places) <= model.last - first;
+    for (const Place& place : places) {
+      const Coefficients& row = place.*model.row;
+      const double others = 1 - place.square * normal.leverage(row);
+      double left = place.at.z;
+      if (fit.is_implicit) {
+        left = left_of_implicit(place, fit.coefficients, is_open ? 0 : others);
+      } else if (!is_open) {
+        double value = 0;
+        for (int i = first; i < model.last; ++i) value += fit.coefficients[i] * row[i];
+        left = (place.at.z - value) / std::max(others, kLeastOthers);
+      }
+      fit.left += place.square * left * left;
     }
     return fit;
   }
 
-  // A cubic where it leaves less than a quadric.
+  // More than the height where the equation rises by less: a little of it is far on the surface.
+  // Where others do not decide it tells nothing of a place, nor where it does not foretell how its
+  // faces lie: such quadrics have other sides and sheets.
+  [[nodiscard]] static double left_of_implicit(const Place& place, const Coefficients& coefficients,
+                                               double others) {
+    const Sum sum = sum_at(coefficients, true, place.at);
+    const glm::dvec3 up = glm::dvec3(0, 0, 1) - sum.gradient;
+    const double rise = glm::length(up), distance = glm::length(place.at);
+    if (others <= kLeastOthers ||
+        !(glm::dot(up, place.facing) > kLeastSmoothCosine * rise * glm::length(place.facing)))
+      return distance;
+    return std::min(std::abs(place.at.z - sum.value) / (others * std::min(rise, 1.0)), distance);
+  }
+
+  // What leaves least, the simpler one of two that leave as much.
   [[nodiscard]] static LeastSquares best_of(std::span<const Place> places, int first) {
-    const LeastSquares quadric = least_squares(places, {first, kQuadric});
-    const LeastSquares cubic = least_squares(places, {first, kCubic});
-    return cubic.left < quadric.left ? cubic : quadric;
+    LeastSquares best = least_squares(places, kQuadrics, first);
+    for (const Model& model : {kCubics, kImplicits}) {
+      const LeastSquares other = least_squares(places, model, first);
+      if (other.left < best.left) best = other;
+    }
+    return best;
   }
 
   // How far what leaves so much is believed against what leaves more.
@@ -249,6 +348,15 @@ glm::dvec3 VertexJet::on_jet(const glm::dvec3& place) const {
   const double px = glm::dot(to, e1), py = glm::dot(to, e2);
   const double flat = px * px + py * py, most = kSteepest * std::sqrt(flat);
   double z = 0;
+  if (implicit) {
+    // The root that is 0 at the vertex.
+    const auto& [c, d, e] = *implicit;
+    const double q = quadric[0] * px * px / 2 + quadric[1] * px * py + quadric[2] * py * py / 2;
+    const double b = 1 - d * px - e * py;
+    const double below = b + std::sqrt(std::max(b * b - 2 * c * q, 0.0));
+    z = below > 0 ? std::clamp(2 * q / below, -most, most) : std::copysign(most, q);
+    return place + (z - glm::dot(to, normal)) * normal;
+  }
   for (int round = 0; round < kStretchRounds && flat > 0; ++round) {
     const double stretch = std::sqrt(1 + z * z / flat), x = stretch * px, y = stretch * py;
     z = quadric[0] * x * x / 2 + quadric[1] * x * y + quadric[2] * y * y / 2 +
@@ -258,14 +366,32 @@ glm::dvec3 VertexJet::on_jet(const glm::dvec3& place) const {
   return place + (z - glm::dot(to, normal)) * normal;
 }
 
-VertexJets fit_vertex_jets(std::span<const glm::dvec3> positions, const MeshTopology& topology,
-                           std::span<const char> is_sharp) {
+glm::dvec3 VertexJet::normal_at(const glm::dvec3& place) const {
+  const glm::dvec3 to = place - origin;
+  Coefficients all{0, 0, quadric[0], quadric[1], quadric[2]};
+  if (implicit) {
+    std::ranges::copy(*implicit, all.begin() + kQuadric);
+  } else {
+    std::ranges::copy(cubic, all.begin() + kQuadric);
+  }
+  const glm::dvec3 at(glm::dot(to, e1), glm::dot(to, e2), glm::dot(to, normal));
+  const glm::dvec3 rise = sum_at(all, implicit.has_value(), at).gradient;
+  const glm::dvec3 up = normal - rise.x * e1 - rise.y * e2 - rise.z * normal;
+  const double length = glm::length(up);
+  return length > 0 ? up / length : normal;
+}
+
+namespace {
+
+// The jets of those vertices alone.
+VertexJets fit_jets(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+                    std::span<const char> is_sharp, std::span<const char> is_wanted) {
   VertexJets result;
-  result.jet_of_corner.resize(topology.corner_count());
+  result.jet_of_corner.assign(topology.corner_count(), -1);
   // A sector starts behind a sharp edge; of a vertex without one anywhere.
   std::vector<std::int32_t> sector_begin{0}, sector_corners;
-  sector_corners.reserve(topology.corner_count());
   for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
+    if (!is_wanted[v]) continue;
     const std::span<const std::int32_t> corners = topology.corners_at(v);
     const std::size_t count = corners.size();
     if (count == 0) continue;
@@ -291,6 +417,62 @@ VertexJets fit_vertex_jets(std::span<const glm::dvec3> positions, const MeshTopo
   return result;
 }
 
+glm::dvec3 normal_of_face(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+                          std::int32_t face) {
+  const std::span<const std::int32_t> v = topology.face(face);
+  const glm::dvec3& a = positions[v[0]];
+  return glm::cross(positions[v[1]] - a, positions[v[2]] - a);
+}
+
+// Whether the jets of a face's corners leave little in doubt and foretell one another's normals.
+bool are_told(const VertexJets& jets, const MeshTopology& topology, std::int32_t face) {
+  const std::int32_t first = topology.first_corner(face);
+  std::array<const VertexJet*, 3> own;
+  for (int i = 0; i < 3; ++i) own[i] = &jets.jets[jets.jet_of_corner[first + i]];
+  return std::ranges::all_of(own, [&](const VertexJet* jet) {
+    return jet->doubt <= kToldDoubt && std::ranges::all_of(own, [&](const VertexJet* other) {
+             return glm::dot(jet->normal_at(other->origin), other->normal) >= kToldCosine;
+           });
+  });
+}
+
+}  // namespace
+
+VertexJets fit_vertex_jets(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+                           std::span<const char> is_sharp) {
+  return fit_jets(positions, topology, is_sharp, std::vector<char>(positions.size(), 1));
+}
+
+void mark_ridges(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+                 std::span<char> is_sharp) {
+  std::vector<char> is_ridge(is_sharp.size(), 0);
+  parallel_each(is_ridge.size(), 1024, [&](std::size_t e) {
+    const std::int32_t corner = topology.corner_of(static_cast<std::int32_t>(e));
+    const std::int32_t twin = topology.twin(corner);
+    if (twin < 0 || is_sharp[e]) return;
+    const glm::dvec3 m = normal_of_face(positions, topology, topology.face_of(corner));
+    const glm::dvec3 n = normal_of_face(positions, topology, topology.face_of(twin));
+    is_ridge[e] = glm::dot(m, n) < kLeastSmoothCosine * glm::length(m) * glm::length(n);
+  });
+  std::vector<std::int32_t> ridges;
+  std::vector<char> is_wanted(positions.size(), 0);
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    if (!is_ridge[e]) continue;
+    ridges.push_back(e);
+    const std::int32_t corner = topology.corner_of(e);
+    for (const std::int32_t side : {corner, topology.twin(corner)})
+      for (const std::int32_t v : topology.face(topology.face_of(side))) is_wanted[v] = 1;
+  }
+  if (ridges.empty()) return;
+  const VertexJets jets = fit_jets(positions, topology, is_sharp, is_wanted);
+  for (const std::int32_t e : ridges) {
+    const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
+    if (!are_told(jets, topology, topology.face_of(corner)) ||
+        !are_told(jets, topology, topology.face_of(twin)))
+      is_sharp[e] = 1;
+  }
+}
+
 namespace {
 
 constexpr int kBlends = 2;
@@ -314,10 +496,13 @@ GuessSurface::GuessSurface(std::span<const glm::dvec3> positions, const MeshTopo
     const std::int32_t twin = topology.twin(corner);
     if (twin < 0 || is_sharp[e] || !is_ridge(corner, twin)) return;
     for (const std::int32_t side : {corner, twin})
-      std::atomic_ref(is_flat[topology.face_of(side)]).store(1, std::memory_order_relaxed);
+      if (!is_told(topology.face_of(side)))
+        std::atomic_ref(is_flat[topology.face_of(side)]).store(1, std::memory_order_relaxed);
   });
   is_flat_ = std::move(is_flat);
 }
+
+bool GuessSurface::is_told(std::int32_t face) const { return are_told(jets_, topology_, face); }
 
 // Whether the guess turns by more than faces may where two of them meet. Where these turn by little
 // it may between slivers, which is no ridge.
@@ -346,6 +531,7 @@ bool GuessSurface::is_ridge(std::int32_t corner, std::int32_t twin) const {
 }
 
 bool GuessSurface::turns_too_far(std::int32_t face) const {
+  if (is_told(face)) return false;
   std::array<glm::dvec3, (kLooks + 1) * (kLooks + 2) / 2> points;
   const auto number = [](int i, int j) { return (i + j) * (i + j + 1) / 2 + j; };
   for (int i = 0; i <= kLooks; ++i)
@@ -431,9 +617,7 @@ glm::dvec3 GuessSurface::curve_point(std::int32_t corner, double t) const {
 }
 
 glm::dvec3 GuessSurface::face_normal(std::int32_t face) const {
-  const std::span<const std::int32_t> v = topology_.face(face);
-  const glm::dvec3& a = positions_[v[0]];
-  return glm::cross(positions_[v[1]] - a, positions_[v[2]] - a);
+  return normal_of_face(positions_, topology_, face);
 }
 
 glm::dvec3 GuessSurface::flat_point(const FacePlace& place) const {

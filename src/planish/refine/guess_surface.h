@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,12 +25,17 @@ struct VertexJet {
   glm::dvec3 origin, normal, e1, e2;
   std::array<double, 3> quadric{};  ///< of x^2 / 2, x y, y^2 / 2
   std::array<double, 4> cubic{};    ///< of x^3, x^2 y, x y^2, y^3; 0 where neighbours are few
+  /// Of z^2 / 2, x z and y z where it is a quadric that bends with its height, as ellipsoids and
+  /// tubes are, whatever affine map made them thin; (x, y) is the place's foot then.
+  std::optional<std::array<double, 3>> implicit;
   /// The share of the heights around that it does not tell of one neighbour from the others, 0 to
   /// 1; its curvature is less by this.
   double doubt = 1;
 
   /// Where the jet is, along its normal, from a place nearby.
   [[nodiscard]] glm::dvec3 on_jet(const glm::dvec3& place) const;
+  /// The unit normal that it foretells at a place of the surface nearby.
+  [[nodiscard]] glm::dvec3 normal_at(const glm::dvec3& place) const;
 };
 
 /// One jet a smooth sector of each vertex: sharp edges part what is looked at (see Cazals and
@@ -45,6 +51,12 @@ struct VertexJets {
                                          const MeshTopology& topology,
                                          std::span<const char> is_sharp);
 
+/// Marks edges across which no smooth surface can be guessed: faces turn there by more than 60
+/// degrees, and the jets of their corners, fitted across, do not foretell one another's normals.
+/// `is_sharp`: one per edge; those that are marked already part the jets. A mesh of triangles.
+void mark_ridges(std::span<const glm::dvec3> positions, const MeshTopology& topology,
+                 std::span<char> is_sharp);
+
 /// A surface through the vertices of a mesh of triangles, continuous, smooth but for small kinks:
 /// over each face the blend of its corners' jets, corrected to the curves along sharp edges.
 class GuessSurface {
@@ -54,6 +66,9 @@ class GuessSurface {
   [[nodiscard]] glm::dvec3 at(const FacePlace& place) const;
   /// Leaves a face flat from now on.
   void flatten(std::int32_t face) { is_flat_[face] = 1; }
+  /// Whether its three jets leave little in doubt and foretell one another's normals: then they
+  /// are believed, however far the guess turns from the face.
+  [[nodiscard]] bool is_told(std::int32_t face) const;
   [[nodiscard]] bool is_flat(std::int32_t face) const { return is_flat_[face] != 0; }
   /// Of the jet at a vertex that bends most: a way d along the surface turns its normal by
   /// sqrt(d . turning d) radians.

@@ -356,6 +356,7 @@ class EvenNet {
         if (glm::dot(m, n) >= kLeastSmoothCosine * glm::length(m) * glm::length(n)) continue;
         for (const std::int32_t v : {start_[h], start_[t], opposite(h), opposite(t)}) {
           if (v < given_count_ || guess_.is_flat(places_[v - given_count_].face)) continue;
+          if (guess_.is_told(places_[v - given_count_].face)) continue;
           guess_.flatten(places_[v - given_count_].face);
           is_any = true;
         }
@@ -493,8 +494,6 @@ EvenTriangles make_even_triangles(std::span<const glm::dvec3> positions,
 namespace {
 
 constexpr std::size_t kSumPiece = 4096;
-// Faces that turn by more do not sample a smooth surface: each side is looked at by itself.
-constexpr double kTurnsNoMore = glm::radians(60.0);
 
 bool is_hole(std::span<const std::int32_t> holes, std::int32_t face) {
   return std::ranges::binary_search(holes, face);
@@ -521,14 +520,11 @@ class Riders {
   [[nodiscard]] bool is_crease(std::int32_t edge) const {
     return sharpness_[edge] >= kInfiniteSharpness;
   }
-  // Across which no smooth surface can be guessed.
-  [[nodiscard]] std::vector<char> sharp_edges() const {
-    std::vector<char> is_sharp(sharpness_.size());
-    parallel_each(is_sharp.size(), [&](std::size_t e) {
-      const auto edge = static_cast<std::int32_t>(e);
-      is_sharp[e] = is_crease(edge) || turn(edge) > kTurnsNoMore;
-    });
-    return is_sharp;
+  [[nodiscard]] std::vector<char> creases() const {
+    std::vector<char> creases(sharpness_.size());
+    parallel_each(creases.size(),
+                  [&](std::size_t e) { creases[e] = is_crease(static_cast<std::int32_t>(e)); });
+    return creases;
   }
   // By which the faces turn at an edge, in radians; 0 at a boundary.
   [[nodiscard]] double turn(std::int32_t edge) const {
@@ -731,8 +727,10 @@ std::optional<RefinedMesh> refine_triangles(const PolygonMesh& mesh, const Prepa
   std::vector<glm::dvec3> used(prepared.vertices.size());
   for (std::size_t i = 0; i < used.size(); ++i) used[i] = mesh.positions[prepared.vertices[i]];
   const Riders riders(mesh, prepared);
-  EvenTriangles even =
-      make_even_triangles(used, *prepared.topology, riders.lines(), riders.sharp_edges());
+  // Each side of an edge by which no smooth surface goes is looked at by itself.
+  std::vector<char> is_sharp = riders.creases();
+  mark_ridges(used, *prepared.topology, is_sharp);
+  EvenTriangles even = make_even_triangles(used, *prepared.topology, riders.lines(), is_sharp);
   if (even.places.empty()) return std::nullopt;
   order_by_hosts(even);
   RefinedMesh made;
