@@ -66,6 +66,7 @@ class GuessSurface {
   [[nodiscard]] glm::dvec3 at(const FacePlace& place) const;
   /// Leaves a face flat from now on.
   void flatten(std::int32_t face) { is_flat_[face] = 1; }
+  void bend_again(std::int32_t face) { is_flat_[face] = 0; }
   /// Whether its three jets leave little in doubt and foretell one another's normals: then they
   /// are believed, however far the guess turns from the face.
   [[nodiscard]] bool is_told(std::int32_t face) const;

@@ -345,6 +345,36 @@ class EvenNet {
     take_back(places_before, before);
   }
 
+  // The given faces on which triangles beside an edge lie, if that edge then turns less. False, and
+  // nothing is done, else.
+  bool lay_flat_around(std::int32_t h) {
+    const std::int32_t t = twin_[h];
+    const std::array<std::int32_t, 4> vertices{start_[h], start_[t], opposite(h), opposite(t)};
+    const auto cosine = [&](const std::array<glm::dvec3, 4>& at) {
+      const glm::dvec3 m = glm::cross(at[1] - at[0], at[2] - at[0]),
+                       n = glm::cross(at[0] - at[1], at[3] - at[1]);
+      const double lengths = glm::length(m) * glm::length(n);
+      return lengths > 0 ? glm::dot(m, n) / lengths : -1;
+    };
+    std::array<glm::dvec3, 4> before, after;
+    for (std::size_t i = 0; i < 4; ++i) before[i] = positions_[vertices[i]];
+    std::vector<std::int32_t> laid;
+    for (const std::int32_t v : vertices) {
+      if (v < given_count_) continue;
+      const std::int32_t face = places_[v - given_count_].face;
+      if (guess_.is_flat(face) || guess_.is_told(face)) continue;
+      guess_.flatten(face);
+      laid.push_back(face);
+    }
+    if (laid.empty()) return false;
+    for (std::size_t i = 0; i < 4; ++i)
+      after[i] =
+          vertices[i] < given_count_ ? before[i] : guess_.at(places_[vertices[i] - given_count_]);
+    if (cosine(after) > cosine(before)) return true;
+    for (const std::int32_t face : laid) guess_.bend_again(face);
+    return false;
+  }
+
   // Where triangles turn by more than the given faces do, the guess is not believed.
   void flatten_ridges() {
     for (bool is_any = true; is_any;) {
@@ -354,12 +384,7 @@ class EvenNet {
         if (t < h || wall_[h] >= 0) continue;
         const glm::dvec3 m = normal_of(h / 3, positions_), n = normal_of(t / 3, positions_);
         if (glm::dot(m, n) >= kLeastSmoothCosine * glm::length(m) * glm::length(n)) continue;
-        for (const std::int32_t v : {start_[h], start_[t], opposite(h), opposite(t)}) {
-          if (v < given_count_ || guess_.is_flat(places_[v - given_count_].face)) continue;
-          if (guess_.is_told(places_[v - given_count_].face)) continue;
-          guess_.flatten(places_[v - given_count_].face);
-          is_any = true;
-        }
+        is_any |= lay_flat_around(h);
       }
       for (std::size_t i = 0; is_any && i < places_.size(); ++i)
         if (guess_.is_flat(places_[i].face)) positions_[given_count_ + i] = guess_.at(places_[i]);
