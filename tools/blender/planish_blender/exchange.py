@@ -3,21 +3,32 @@
 import json
 import struct
 
-import bpy
 import numpy as np
 
 INFINITE_SHARPNESS = 10
 
 
+def read_all(items, name, width, kind):
+    """One property of all items of a collection: (items, width), or (items,) where `width` is 0."""
+    values = np.empty(len(items) * max(width, 1), kind)
+    items.foreach_get(name, values)
+    return values.reshape(-1, width) if width else values
+
+
+def vertex_positions(mesh):
+    return read_all(mesh.vertices, "co", 3, np.float32)
+
+
+def corner_vertices(mesh):
+    return read_all(mesh.loops, "vertex_index", 0, np.int32)
+
+
 def vertex_colors(mesh, layer):
     """Red, green, blue of each vertex by a layer of colours, linear; the mean of its corners' own."""
-    values = np.empty(4 * len(layer.data), np.float32)
-    layer.data.foreach_get("color", values)
-    values = values.reshape(-1, 4)[:, :3]
+    values = read_all(layer.data, "color", 4, np.float32)[:, :3]
     if layer.domain == "POINT":
         return values
-    vertices = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", vertices)
+    vertices = corner_vertices(mesh)
     sums = np.zeros((len(mesh.vertices), 3))
     np.add.at(sums, vertices, values)
     return sums / np.maximum(1, np.bincount(vertices, minlength=len(sums)))[:, None]
@@ -40,12 +51,6 @@ def srgb(linear):
     return np.where(linear <= 0.0031308, 12.92 * linear, above)
 
 
-def vertex_positions(mesh):
-    positions = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", positions)
-    return positions.reshape(-1, 3)
-
-
 class Riders:
     """What of a mesh rides on its surface: OBJ holds one set of texture coordinates and three numbers a
     vertex, so that what is more comes in further files of the same mesh."""
@@ -53,21 +58,19 @@ class Riders:
     def __init__(self, mesh, group_names):
         active = mesh.uv_layers.active
         layers = sorted(mesh.uv_layers, key=lambda layer: layer != active)
-        self.uvs = []  # (name, u and v of each corner)
-        for layer in layers:
-            values = np.empty(2 * len(mesh.loops), np.float32)
-            layer.data.foreach_get("uv", values)
-            self.uvs.append((layer.name, values.reshape(-1, 2)))
+        self.uvs = [(layer.name, read_all(layer.data, "uv", 2, np.float32))  # u and v of each corner
+                    for layer in layers]
         active = mesh.color_attributes.active_color
         layers = sorted(mesh.color_attributes, key=lambda layer: layer != active)
         self.colors = [(layer.name, vertex_colors(mesh, layer)) for layer in layers]
         weights = group_weights(mesh, len(group_names))
-        self.groups = [group_names[i : i + 3] for i in range(0, len(group_names), 3)]
-        self.triples = [values for _, values in self.colors]
-        for first in range(0, len(group_names), 3):
+        used = np.flatnonzero(weights.any(axis=0))  # a rig has many more bones than one mesh has groups
+        self.groups, self.triples = [], [values for _, values in self.colors]
+        for first in range(0, len(used), 3):
+            part = used[first : first + 3]
+            self.groups.append([group_names[group] for group in part])
             triple = np.zeros((len(weights), 3))
-            part = weights[:, first : first + 3]
-            triple[:, : part.shape[1]] = part
+            triple[:, : len(part)] = weights[:, part]
             self.triples.append(triple)
 
     @property
@@ -85,43 +88,54 @@ def sharpness_of(crease):
     return INFINITE_SHARPNESS * crease * crease
 
 
-def tags(mesh):
-    """Lines of OBJ, by OpenSubdiv's convention."""
-    lines = []
-    for edge in mesh.edges:
-        sharpness = INFINITE_SHARPNESS if edge.use_edge_sharp else sharpness_of(edge.crease)
-        if sharpness > 0:
-            v0, v1 = edge.vertices
-            lines.append(f"t crease 2/1/0 {v0} {v1} {sharpness:.9g}")
-    for layer in mesh.vertex_creases:
-        for vertex, element in enumerate(layer.data):
-            if element.value > 0:
-                lines.append(f"t corner 1/1/0 {vertex} {sharpness_of(element.value):.9g}")
-    return lines
+class Given:
+    """Faces and sharp edges of a Blender mesh, as OBJ has them."""
+
+    def __init__(self, mesh):
+        self.corners = corner_vertices(mesh)
+        self.sizes = read_all(mesh.polygons, "loop_total", 0, np.int32)
+        self.slots = read_all(mesh.polygons, "material_index", 0, np.int32)
+        self.tags = []
+        sharpness = sharpness_of(read_all(mesh.edges, "crease", 0, np.float32).astype(float))
+        sharpness[read_all(mesh.edges, "use_edge_sharp", 0, bool)] = INFINITE_SHARPNESS
+        ends = read_all(mesh.edges, "vertices", 2, np.int32)
+        for edge in np.flatnonzero(sharpness):
+            self.tags.append("t crease 2/1/0 %d %d %.9g\n" % (*ends[edge], sharpness[edge]))
+        for layer in mesh.vertex_creases:
+            sharpness = sharpness_of(read_all(layer.data, "value", 0, np.float32).astype(float))
+            for vertex in np.flatnonzero(sharpness):
+                self.tags.append("t corner 1/1/0 %d %.9g\n" % (vertex, sharpness[vertex]))
+
+    def obj_text(self, positions, uvs=None, triples=None):
+        """As OBJ with OpenSubdiv's tags. Materials are called after their slots. positions: (n, 3);
+        uvs: of each corner, (corners, 2); triples: linear numbers of 0 to 1, (n, 3)."""
+        rows = positions if triples is None else np.hstack([positions, srgb(triples)])
+        text = rows_text("v" + " %.9g" * rows.shape[1] + "\n", rows)
+        numbers, corner = self.corners[:, None] + 1, " %d"
+        if uvs is not None:
+            # Corners that share a vertex and a coordinate share its number, or seams would be everywhere.
+            firsts, places = unique_rows(uvs)
+            text += rows_text("vt %.9g %.9g\n", uvs[firsts])
+            numbers, corner = np.hstack([numbers, places[:, None] + 1]), " %d/%d"
+        forms = {size: "f" + corner * size + "\n" for size in np.unique(self.sizes).tolist()}
+        lines = [forms[size] for size in self.sizes.tolist()]
+        for face in np.flatnonzero(np.diff(self.slots, prepend=-1)):
+            lines[face] = f"usemtl slot{self.slots[face]}\n" + lines[face]
+        return text + "".join(lines) % tuple(numbers.ravel().tolist()) + "".join(self.tags)
 
 
-def obj_text(mesh, positions, uvs=None, triples=None):
-    """A Blender mesh as OBJ with OpenSubdiv's tags. Materials are called after their slots.
-    positions: (n, 3); uvs: of each corner, (corners, 2); triples: linear numbers of 0 to 1, (n, 3)."""
-    rows = positions if triples is None else np.hstack([positions, srgb(triples)])
-    form = "v" + " %.9g" * rows.shape[1]
-    lines = [form % tuple(row) for row in rows]
-    if uvs is not None:
-        # Corners that share a vertex and a coordinate share its number, or seams would be everywhere.
-        unique, numbers = np.unique(uvs, axis=0, return_inverse=True)
-        lines += ["vt %.9g %.9g" % tuple(uv) for uv in unique]
-        numbers = numbers.ravel()
-    slot = None
-    for polygon in mesh.polygons:
-        if polygon.material_index != slot:
-            slot = polygon.material_index
-            lines.append(f"usemtl slot{slot}")
-        corners = []
-        for loop in polygon.loop_indices:
-            vertex = mesh.loops[loop].vertex_index + 1
-            corners.append(str(vertex) if uvs is None else f"{vertex}/{numbers[loop] + 1}")
-        lines.append("f " + " ".join(corners))
-    return "\n".join(lines + tags(mesh)) + "\n"
+def rows_text(form, rows):
+    return (form * len(rows)) % tuple(rows.ravel().tolist())
+
+
+def unique_rows(rows):
+    """The first of each of the different rows, and which of these each row is."""
+    order = np.lexsort(rows.T)
+    is_new = np.ones(len(rows), bool)
+    is_new[1:] = (rows[order[1:]] != rows[order[:-1]]).any(axis=1)
+    numbers = np.empty(len(rows), np.int64)
+    numbers[order] = np.cumsum(is_new) - 1
+    return order[is_new], numbers
 
 
 COMPONENTS = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
@@ -129,7 +143,7 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
 def read_glb(data):
-    """Positions, normals, texture coordinates and colours or None, triangles and their materials' names."""
+    """Positions, normals, texture coordinates and colours or None, triangles and their materials' slots."""
     if data[:4] != b"glTF":
         raise RuntimeError("the command gave no GLB")
     length = struct.unpack_from("<I", data, 12)[0]
@@ -153,9 +167,10 @@ def read_glb(data):
         triangles = values(primitive["indices"]).reshape(-1, 3).astype(np.int64) + first
         uvs = values(attributes["TEXCOORD_0"]) if "TEXCOORD_0" in attributes else None
         name = names[primitive["material"]] if "material" in primitive else ""
+        slot = int(name[4:]) if name.startswith("slot") else 0
         colors = values(attributes["COLOR_0"]) if "COLOR_0" in attributes else None
         parts.append((positions, values(attributes["NORMAL"]), uvs, triangles,
-                      [name] * len(triangles), colors))
+                      np.full(len(triangles), slot, np.int32), colors))
         first += len(positions)
     offset = document["nodes"][0].get("translation", (0, 0, 0))
     all_uvs = None
@@ -168,7 +183,7 @@ def read_glb(data):
         "colors": np.concatenate([part[5][:, :3] for part in parts])
                   if all(part[5] is not None for part in parts) else None,
         "triangles": np.concatenate([part[3] for part in parts]),
-        "materials": sum((part[4] for part in parts), []),
+        "slots": np.concatenate([part[4] for part in parts]),
         "extras": document["asset"].get("extras", {}),
     }
 
@@ -203,13 +218,15 @@ class Surface:
         if faces is None:
             faces, step = given["triangles"], 1
         self.faces = faces
-        self.slots = [int(text[4:]) if text.startswith("slot") else 0
-                      for text in given["materials"][::step]]
+        self.slots = given["slots"][::step]
+        self.triangles = given["triangles"]
         self.uvs, self.colors, self.groups, self.keys = [], [], [], []
 
     def corners_of(self, given):
         """The rows of another of its files at this one's corners; None where faces differ."""
-        if given["triangles"].shape != (len(self.faces) * (self.faces.shape[1] - 2), 3):
+        if np.array_equal(given["triangles"], self.triangles):
+            return self.faces.ravel()
+        if given["triangles"].shape != self.triangles.shape:
             return None
         faces = joined_quads(given["triangles"]) if self.faces.shape[1] == 4 else given["triangles"]
         return None if faces is None or faces.shape != self.faces.shape else faces.ravel()
@@ -238,17 +255,37 @@ class Surface:
             raise RuntimeError(f"the surface of shape key {name} has other faces; it is left out")
         self.keys.append((name, given["positions"][corners]))
 
+    def merge(self):
+        """Finds the vertices of a mesh: the first corner at each, `firsts`, and that of each corner, `vertices`.
+        Those on seams and creases come once for each side; in Blender corners hold what differs."""
+        corners = self.faces.ravel()
+        rows = np.empty((len(self.positions), 3 + 3 * len(self.keys)), np.float32)
+        rows[:, :3] = self.positions
+        for number, (_, places) in enumerate(self.keys):
+            rows[corners, 3 + 3 * number : 6 + 3 * number] = places
+        used = np.unique(corners)
+        numbers = np.empty(len(rows), np.int64)
+        _, numbers[used] = unique_rows(rows[used])
+        self.vertices = numbers[corners]
+        self.firsts = np.empty(self.vertices.max() + 1, np.int64)
+        self.firsts[self.vertices[::-1]] = np.arange(len(corners))[::-1]
 
-def build_mesh(name, surface):
-    """A Blender mesh of a Surface, with its exact normals; and the first corner at each vertex."""
-    # Vertices on seams and creases come once for each side; in Blender corners hold what differs.
+
+def fill_mesh(mesh, surface):
+    """Makes an empty Blender mesh a Surface, with its exact normals."""
+    firsts, vertices = surface.firsts, surface.vertices
+    count, size = surface.faces.shape
     corners = surface.faces.ravel()
-    places = np.hstack([surface.positions[corners]] + [places for _, places in surface.keys])
-    _, firsts, numbers = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(places[firsts, :3].tolist(), [], numbers.reshape(surface.faces.shape).tolist())
-    mesh.polygons.foreach_set("material_index", surface.slots)
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(surface.faces), bool))
+    mesh.vertices.add(len(firsts))
+    mesh.loops.add(len(vertices))
+    mesh.polygons.add(count)
+    mesh.vertices.foreach_set("co", surface.positions[corners[firsts]].astype(np.float32).ravel())
+    mesh.loops.foreach_set("vertex_index", vertices.astype(np.int32))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, count * size, size, dtype=np.int32))
+    mesh.polygons.foreach_set("loop_total", np.full(count, size, np.int32))
+    mesh.polygons.foreach_set("material_index", np.ascontiguousarray(surface.slots))
+    mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
+    mesh.update(calc_edges=True)
     for layer_name, values in surface.uvs:
         layer = mesh.uv_layers.new(name=layer_name)
         layer.data.foreach_set("uv", values.astype(np.float32).ravel())
@@ -261,29 +298,5 @@ def build_mesh(name, surface):
         mesh.uv_layers.active_index = 0
     if surface.colors:
         mesh.color_attributes.active_color_index = 0
-    mesh.update()
     mesh.use_auto_smooth = True  # or Blender leaves custom normals out
     mesh.normals_split_custom_set(surface.normals[corners].tolist())
-    return mesh, firsts
-
-
-def add_groups(thing, surface, firsts):
-    """Vertex groups of an object with what build_mesh() returned."""
-    for name, weights in surface.groups:
-        group = thing.vertex_groups.new(name=name)
-        for vertex, weight in enumerate(weights[firsts].tolist()):
-            if weight > 1e-6:
-                group.add([vertex], min(weight, 1.0), "REPLACE")
-
-
-def add_keys(thing, surface, firsts, source_keys):
-    """Shape keys of an object, with the values and limits of those that they come from."""
-    if not surface.keys:
-        return
-    thing.shape_key_add(name=source_keys.reference_key.name, from_mix=False)
-    for name, places in surface.keys:
-        key = thing.shape_key_add(name=name, from_mix=False)
-        key.data.foreach_set("co", places[firsts].astype(np.float32).ravel())
-        given = source_keys.key_blocks[name]
-        key.slider_min, key.slider_max = given.slider_min, given.slider_max
-        key.value, key.mute = given.value, given.mute

@@ -1,63 +1,56 @@
 """The command at work."""
 
 import json
-import os
 import queue
-import shutil
 import signal
 import subprocess
 import threading
 
-import bpy
-import numpy as np
-
-from .exchange import Riders, Surface, obj_text, read_glb, vertex_positions
-
-
-def command_line(settings, interpolation=None):
-    """The command that fits a mesh on stdin and gives a GLB on stdout."""
-    program = bpy.path.abspath(settings.program) if settings.program else shutil.which("planish")
-    if not program or not os.access(program, os.X_OK):
-        raise RuntimeError(
-            f"the command planish is not at {settings.program}" if settings.program
-            else "the command planish is not on PATH; name it in the panel")
-    creases = settings.creases
-    if creases == "auto":
-        creases = f"auto:{np.degrees(settings.crease_angle):.6g}"
-    return [program, "fit", "-", "--input-format", "obj", "-o", "-", "--progress", "json",
-            "--levels", str(settings.level), "--scheme", settings.scheme,
-            "--interpolation", interpolation or settings.interpolation,
-            "--tolerance", f"{settings.tolerance:.9g}", "--within", f"{settings.within:.9g}",
-            "--creases", creases, "--quads", settings.quads, "--device", settings.device]
+from .exchange import Surface, read_glb
+from .settings import flags_of
 
 
 class Job:
-    """The command at work on a mesh. Threads feed and empty its pipes, so that none can fill up."""
+    """The command at work. Threads feed and empty its pipes, so that none can fill up, and do the work on what
+    goes through them, so that Blender does not wait for it."""
 
-    def __init__(self, arguments, text):
+    def __init__(self, arguments, text=str, take=bytes, good=(0, 5)):
+        """text(): what the command gets; take(bytes): the result, of what it gives. `good`: exit codes of
+        results; 5: not converged, and written all the same."""
+        self.text, self.take, self.good = text, take, good
         self.process = subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE)
-        self.output, self.errors = b"", []
+        self.made, self.failure, self.errors = None, None, []
         self.lines = queue.SimpleQueue()
         self.share = 0.0
         self.threads = [threading.Thread(target=work, daemon=True)
-                        for work in (lambda: self._feed(text.encode()), self._read, self._listen)]
+                        for work in (self._feed, self._read, self._listen)]
         for thread in self.threads:
             thread.start()
 
-    def _feed(self, data):
+    def _feed(self):
         try:
-            self.process.stdin.write(data)
-            self.process.stdin.close()
+            with self.process.stdin as pipe:
+                pipe.write(self.text().encode())
         except BrokenPipeError:
             pass  # it ended before; its own message says why
 
     def _read(self):
-        self.output = self.process.stdout.read()
+        output = self.process.stdout.read()
+        try:
+            if self.process.wait() in self.good:
+                self.made = self.take(output)
+        except RuntimeError as error:
+            self.failure = error
+        except Exception as error:  # or nobody would learn of it
+            self.failure = RuntimeError(f"what planish gave was not understood: {error!r}")
 
     def _listen(self):
         for line in self.process.stderr:
             self.lines.put(line)
+
+    def wait(self, seconds):
+        self.threads[1].join(seconds)
 
     def poll(self):
         """Takes messages in. True while the command works."""
@@ -81,75 +74,88 @@ class Job:
         self.process.wait()
 
     def result(self):
-        """What the command made, as read_glb() has it. Raises RuntimeError with its message."""
+        """What was made of what the command gave. Raises RuntimeError with its message."""
+        if self.failure is not None:
+            raise self.failure
         status = self.process.wait()
-        if status not in (0, 5):  # 5: not converged, and written all the same
+        if status not in self.good:
             raise RuntimeError("; ".join(self.errors) or f"planish ended with exit code {status}")
-        return read_glb(self.output)
+        return self.made
+
+
+def fit_line(program, device, options):
+    """The command that fits a mesh on stdin and gives a GLB on stdout."""
+    return [program, "fit", "-", "--input-format", "obj", "-o", "-", "--progress", "json", "--device", device,
+            *flags_of(options)]
 
 
 class Work:
     """A mesh, what rides on it and its shape keys, one job after another; as a Job has them, `share`, `errors`,
-    poll() and cancel()."""
+    wait(), poll() and cancel()."""
 
-    def __init__(self, settings, mesh, group_names, keys):
-        """keys: (name, positions of the mesh's vertices). What is needed of the mesh is taken here."""
-        self.settings, self.errors = settings, []
-        self.riders = Riders(mesh, group_names)
-        positions = vertex_positions(mesh)
-        self.texts = [obj_text(mesh, positions, *self.riders.of_file(number))
-                      for number in range(self.riders.file_count)]
-        self.key_names = [name for name, _ in keys]
-        self.texts += [obj_text(mesh, places) for _, places in keys]
+    def __init__(self, program, device, options, taken):
+        """`taken`: what source.py took of the mesh."""
+        self.program, self.device, self.options, self.taken = program, device, options, taken
+        self.errors, self.failure = [], RuntimeError("planish was stopped")
         self.number, self.made = 0, None
-        self.job = Job(command_line(settings), self.texts[0])
+        self.job = self._job()
+
+    def _job(self, **more):
+        line = fit_line(self.program, self.device, {**self.options, **more})
+        number = self.number
+        return Job(line, lambda: self.taken.text(number), self._take)
 
     @property
     def share(self):
-        return (self.number + self.job.share) / len(self.texts)
+        return (self.number + self.job.share) / self.taken.count
 
     def wait(self, seconds):
-        self.job.threads[1].join(seconds)
+        self.job.wait(seconds)
 
     def poll(self):
         """Takes messages in, and what is ready. True while there is work."""
+        if self.number == self.taken.count:
+            return False
         if self.job.poll():
             return True
-        if self.number == len(self.texts):
-            return False
-        self._take()
-        if self.number == len(self.texts):
-            return False
-        method = self.made.extras.get("method") if self.made else None
-        self.job = Job(command_line(self.settings, method), self.texts[self.number])
-        return True
-
-    def _take(self):
+        try:
+            self.job.result()
+        except RuntimeError as error:
+            if self.number == 0:
+                self.number, self.failure = self.taken.count, error
+                return False
+            self.errors.append(str(error))
         if self.number == 0:
             self.errors += self.job.errors  # of the others they are the same
-        number, self.number = self.number, self.number + 1
-        try:
-            given = self.job.result()
-            if number == 0:
-                self.made = Surface(given)
-            if number < self.riders.file_count:
-                self.made.take(given, self.riders, number)
-            else:
-                self.made.take_key(given, self.key_names[number - self.riders.file_count])
-        except RuntimeError as error:
-            if number == 0:
-                self.number = len(self.texts)
-                self.failure = error
-            else:
-                self.errors.append(str(error))
+        self.number += 1
+        if self.number == self.taken.count:
+            return False
+        # Of the same mesh the same is chosen; a shape key gets the method of the first.
+        method = self.made.extras.get("method")
+        is_key = self.number >= self.taken.riders.file_count
+        self.job = self._job(**({"interpolation": method} if method and is_key else {}))
+        return True
+
+    def _take(self, output):
+        """In the thread of file `number`, while nobody else looks."""
+        made, riders, number = read_glb(output), self.taken.riders, self.number
+        if number == 0:
+            self.made = Surface(made)
+        if number < riders.file_count:
+            self.made.take(made, riders, number)
+        else:
+            self.made.take_key(made, self.taken.key_names[number - riders.file_count])
+        if number + 1 == self.taken.count:
+            self.made.merge()
 
     def cancel(self):
         """Stops the command; it leaves nothing behind."""
-        self.texts = self.texts[: self.number + 1]
+        self.number = self.taken.count
         self.job.cancel()
+        self.made = None
 
     def surface(self):
         """What the command made. Raises RuntimeError with its message."""
         if self.made is None:
-            raise getattr(self, "failure", RuntimeError("planish was stopped"))
+            raise self.failure
         return self.made
