@@ -7,6 +7,7 @@ import importlib.util
 import sys
 import time
 
+import bmesh
 import bpy
 import numpy as np
 
@@ -287,6 +288,140 @@ def test_settings():
     settings.level, settings.interpolation, settings.quads = 2, "auto", "auto"
 
 
+def test_edit_mode():
+    """The meshes that are edited, as they are at the moment; what is selected of one is no matter."""
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(cube.data)
+    edited.verts.ensure_lookup_table()
+    edited.verts[0].co = (-2, -2, -2)
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bmesh.update_edit_mesh(cube.data)
+    before = set(bpy.data.objects)
+    assert bpy.ops.mesh.planish_fit() == {"FINISHED"}
+    assert bpy.context.mode == "EDIT_MESH" and bpy.context.object == cube
+    bpy.ops.object.mode_set(mode="OBJECT")
+    (result,) = set(bpy.data.objects) - before
+    at_vertices(result, coordinates(cube.data))
+    # The key that is edited is what is seen.
+    cube, given = riding_cube()
+    cube.active_shape_key_index = 1
+    bpy.ops.object.mode_set(mode="EDIT")
+    before = set(bpy.data.objects)
+    assert bpy.ops.mesh.planish_fit() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    (result,) = set(bpy.data.objects) - before
+    assert result.data.shape_keys is None and cube.active_shape_key_index == 1
+    at_vertices(result, given * (1, 1, 2))
+
+
+def rig(bones=2):
+    """An armature of bones of length 1 one above the other."""
+    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.collection.objects.link(armature)
+    select_only(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for number in range(bones):
+        bone = armature.data.edit_bones.new(f"bone{number}")
+        bone.head, bone.tail = (0, 0, number), (0, 0, number + 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return armature
+
+
+def rigged_column(armature, bind):
+    """A column of 2 along two bones, with a shape key and a group that no bone has."""
+    mesh = bpy.data.meshes.new("Column")
+    ring = [(0.4 * np.cos(angle), 0.4 * np.sin(angle)) for angle in np.arange(8) * np.pi / 4]
+    mesh.from_pydata([(x, y, z) for z in np.linspace(0, 2, 7) for x, y in ring], [],
+                     [(8 * row + i, 8 * row + (i + 1) % 8, 8 * row + 8 + (i + 1) % 8, 8 * row + 8 + i)
+                      for row in range(6) for i in range(8)])
+    column = bpy.data.objects.new("Column", mesh)
+    bpy.context.collection.objects.link(column)
+    for number in range(2):
+        group = column.vertex_groups.new(name=f"bone{number}")
+        for vertex in mesh.vertices:
+            up = min(max(vertex.co.z - 0.5, 0), 1)
+            group.add([vertex.index], up if number else 1 - up, "REPLACE")
+    column.vertex_groups.new(name="none")
+    column.shape_key_add(name="rest")
+    key = column.shape_key_add(name="thick", from_mix=False)
+    for vertex, item in enumerate(key.data):
+        item.co = mesh.vertices[vertex].co * 1.25
+    bind(column, armature)
+    return column
+
+
+def by_modifier(column, armature):
+    column.parent = armature
+    modifier = column.modifiers.new("Skeleton", "ARMATURE")
+    modifier.object, modifier.use_deform_preserve_volume = armature, True
+
+
+def by_parent(column, armature):
+    column.parent, column.parent_type = armature, "ARMATURE"
+
+
+def shown(thing):
+    """Where the vertices are that the view shows."""
+    bpy.context.view_layer.update()
+    evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return coordinates(evaluated.data) @ np.array(thing.matrix_world.to_3x3()).T + thing.matrix_world.translation
+
+
+def test_armatures():
+    """A posed mesh is fitted at rest, and its surface follows the bones as it does."""
+    for bind in (by_modifier, by_parent):
+        armature = rig()
+        armature.location = (1, 2, 3)
+        column = rigged_column(armature, bind)
+        rest = coordinates(column.data).copy()
+        smooth = column.modifiers.new("finer", "SUBSURF")
+        smooth.subdivision_type, smooth.show_viewport = "SIMPLE", False
+        bone = armature.pose.bones["bone1"]
+        bone.rotation_mode, bone.rotation_euler = "XYZ", (0.9, 0, 0)
+        posed = shown(column)
+        assert np.abs(posed - rest - np.array((1, 2, 3))).max() > 0.5
+        result = fit_of(column)
+        places = at_vertices(result, rest)
+        assert result.parent == armature
+        (modifier,) = result.modifiers
+        assert modifier.type == "ARMATURE" and modifier.object == armature
+        assert modifier.use_deform_preserve_volume == (bind is by_modifier)
+        assert [group.name for group in result.vertex_groups] == ["bone0", "bone1", "none"]
+        for angle in (0.9, -0.4):
+            bone.rotation_euler[0] = angle
+            assert np.abs(shown(result)[places] - shown(column)).max() < 1e-4, (bind, angle)
+        result.data.shape_keys.key_blocks["thick"].value = 1
+        column.data.shape_keys.key_blocks["thick"].value = 1
+        assert np.abs(shown(result)[places] - shown(column)).max() < 1e-4
+        # The source is as it was, and other modifiers are applied.
+        assert column.parent_type == ("OBJECT" if bind is by_modifier else "ARMATURE")
+        assert all(modifier.show_viewport for modifier in column.modifiers if modifier.type == "ARMATURE")
+        smooth.show_viewport = True
+        assert len(fit_of(column).data.polygons) == 4 * len(result.data.polygons)
+
+
+def test_what_moves_shape_keys():
+    cube, _ = riding_cube()
+    keys = cube.data.shape_keys
+    for frame, value in ((1, 0), (11, 1)):
+        keys.key_blocks["wide"].value = value
+        keys.key_blocks["wide"].keyframe_insert("value", frame=frame)
+    driver = keys.key_blocks["tall"].driver_add("value").driver
+    driver.type, driver.expression = "SCRIPTED", "frame / 22"
+    result = fit_of(cube)
+    # Whatever was chosen, the further files are of the same surface.
+    assert len(result.data.uv_layers) == len(result.data.color_attributes) == 2
+    assert weights_of(result, range(8)).max(axis=0).min() >= 0 and len(result.data.shape_keys.key_blocks) == 3
+    for frame in (6, 11):
+        bpy.context.scene.frame_set(frame)
+        made = result.data.shape_keys.key_blocks
+        assert abs(made["wide"].value - keys.key_blocks["wide"].value) < 1e-6
+        assert abs(made["tall"].value - frame / 22) < 1e-6, (frame, made["tall"].value)
+    bpy.context.scene.frame_set(1)
+
+
 def test_errors(addon):
     settings = bpy.context.scene.planish
     bpy.ops.mesh.primitive_cube_add()
@@ -348,6 +483,9 @@ def main():
     test_semi_sharp_creases()
     test_names_do_not_grow()
     test_settings()
+    test_edit_mode()
+    test_armatures()
+    test_what_moves_shape_keys()
     test_errors(addon)
     test_progress_and_cancel(addon)
     addon.unregister()

@@ -2,7 +2,7 @@
 
 import bpy
 
-from .result import add_result, place_at, select
+from .result import add_result, follow_pose, place_at, select
 from .source import sources_of, start_job
 
 
@@ -59,7 +59,7 @@ class PlanishFit(Waiting, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return context.mode == "OBJECT" and bool(sources_of(context))
+        return context.mode in ("OBJECT", "EDIT_MESH") and bool(sources_of(context))
 
     def begin(self, context):
         self.waiting, self.made = sources_of(context), []
@@ -96,6 +96,7 @@ class PlanishFit(Waiting, bpy.types.Operator):
         results = []
         for source, surface, warnings in self.made:
             result = add_result(context, source, surface)
+            follow_pose(result, source)
             place_at(result, source)
             results.append((source, result))
             several = f"{source.name}: " if self.count > 1 else ""

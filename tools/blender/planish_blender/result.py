@@ -1,4 +1,4 @@
-"""Surfaces as objects: beside their source, with its materials, groups and shape keys."""
+"""Surfaces as objects: beside their source, with its materials, groups, shape keys, pose and parent."""
 
 import re
 
@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from .exchange import fill_mesh
+from .source import armatures_of
 
 
 def result_name(source):
@@ -29,7 +30,7 @@ def set_groups(thing, source, surface):
 
 
 def add_keys(thing, surface, source_keys):
-    """Shape keys with the values and limits of those that they come from."""
+    """Shape keys with the values and limits of those that they come from, and what moves these."""
     if not surface.keys:
         return
     thing.shape_key_add(name=source_keys.reference_key.name, from_mix=False)
@@ -40,11 +41,37 @@ def add_keys(thing, surface, source_keys):
     for name, _ in surface.keys:
         key, given = blocks[name], source_keys.key_blocks[name]
         key.slider_min, key.slider_max = given.slider_min, given.slider_max
-        key.value, key.mute = given.value, given.mute
+        key.value, key.mute, key.vertex_group = given.value, given.mute, given.vertex_group
+        if given.relative_key.name in blocks:
+            key.relative_key = blocks[given.relative_key.name]
+    moved_by = source_keys.animation_data
+    if moved_by is not None:
+        animation = thing.data.shape_keys.animation_data_create()
+        animation.action = moved_by.action  # its curves name keys, which are called the same
+        for driver in moved_by.drivers:
+            animation.drivers.from_existing(src_driver=driver)
+
+
+def follow_pose(thing, source):
+    """Gives a surface the armatures of its source."""
+    if source.parent_type == "ARMATURE":
+        thing.modifiers.new("Armature", "ARMATURE").object = source.parent
+    for given in armatures_of(source):
+        modifier = thing.modifiers.new(given.name, "ARMATURE")
+        for name, known in given.bl_rna.properties.items():
+            if not known.is_readonly and name not in ("name", "type"):
+                setattr(modifier, name, getattr(given, name))
 
 
 def place_at(thing, source):
-    """Where the source is."""
+    """Where the source is, with its parent."""
+    if source.parent is not None:
+        is_bound = source.parent_type == "ARMATURE"  # which is a modifier at the surface
+        thing.parent, thing.parent_type = source.parent, "OBJECT" if is_bound else source.parent_type
+        thing.parent_bone = source.parent_bone
+        if source.parent_type.startswith("VERTEX"):
+            thing.parent_vertices = source.parent_vertices
+        thing.matrix_parent_inverse = source.matrix_parent_inverse
     thing.matrix_world = source.matrix_world
 
 
@@ -73,7 +100,10 @@ def add_result(context, source, surface, name=None):
 
 
 def select(context, results, active):
-    """Selects what was made and nothing else; of the active source its surface becomes active."""
+    """Selects what was made and nothing else; of the active source its surface becomes active. In edit mode
+    the meshes that are edited stay selected."""
+    if context.mode != "OBJECT":
+        return
     for other in context.selected_objects:
         other.select_set(False)
     for source, result in results:
