@@ -422,6 +422,27 @@ def test_what_moves_shape_keys():
     bpy.context.scene.frame_set(1)
 
 
+def test_own_settings():
+    """An object's own settings begin as the scene's, and hold for it alone."""
+    scene = bpy.context.scene.planish
+    scene.level = 1
+    cubes = []
+    for place in range(2):
+        bpy.ops.mesh.primitive_cube_add(location=(4 * place, -9, 0))
+        cubes.append(bpy.context.object)
+    cubes[0].planish.own = True
+    assert cubes[0].planish.level == 1
+    scene.level, cubes[0].planish.level = 2, 3
+    for cube in cubes:
+        cube.select_set(True)
+    assert bpy.ops.mesh.planish_fit() == {"FINISHED"}
+    for cube, level in zip(cubes, (3, 2)):
+        (made,) = [thing for thing in bpy.context.selected_objects if thing.matrix_world == cube.matrix_world]
+        assert len(made.data.polygons) == 6 * 4**level
+    cubes[0].planish.own = False
+    assert len(fit_of(cubes[0]).data.polygons) == 6 * 16
+
+
 def test_errors(addon):
     settings = bpy.context.scene.planish
     bpy.ops.mesh.primitive_cube_add()
@@ -486,6 +507,7 @@ def main():
     test_edit_mode()
     test_armatures()
     test_what_moves_shape_keys()
+    test_own_settings()
     test_errors(addon)
     test_progress_and_cancel(addon)
     addon.unregister()

@@ -12,7 +12,7 @@ import bpy
 
 from .operators import OPERATORS
 from .panel import PlanishPanel
-from .settings import PlanishScene
+from .settings import PlanishObject, PlanishScene
 from .source import start_job
 
 bl_info = {
@@ -25,16 +25,18 @@ bl_info = {
     "category": "Mesh",
 }
 
-CLASSES = (PlanishScene, *OPERATORS, PlanishPanel)
+CLASSES = (PlanishScene, PlanishObject, *OPERATORS, PlanishPanel)
 
 
 def register():
     for kind in CLASSES:
         bpy.utils.register_class(kind)
     bpy.types.Scene.planish = bpy.props.PointerProperty(type=PlanishScene)
+    bpy.types.Object.planish = bpy.props.PointerProperty(type=PlanishObject)
 
 
 def unregister():
+    del bpy.types.Object.planish
     del bpy.types.Scene.planish
     for kind in reversed(CLASSES):
         bpy.utils.unregister_class(kind)

@@ -3,6 +3,7 @@
 import bpy
 
 from .operators import PlanishFit
+from .settings import settings_of
 
 
 class PlanishPanel(bpy.types.Panel):
@@ -16,10 +17,18 @@ class PlanishPanel(bpy.types.Panel):
         layout, scene = self.layout, context.scene
         layout.use_property_split = True
         layout.use_property_decorate = False
-        self._settings(layout, scene.planish)
+        active = context.object if context.object is not None and context.object.type == "MESH" else None
+        if active is not None:
+            self._wide(layout, active.planish, "own", text=f"Own Settings of {active.name}")
+        self._settings(layout, settings_of(scene, active))
         layout.prop(scene.planish, "device")
         layout.prop(scene.planish, "program")
         layout.operator(PlanishFit.bl_idname)
+
+    def _wide(self, layout, *known, **more):
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(*known, **more)
 
     def _settings(self, layout, settings):
         layout.prop(settings, "level")

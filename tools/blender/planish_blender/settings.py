@@ -1,4 +1,4 @@
-"""What the panel sets, as the command's options."""
+"""What the panel sets, of a scene or of one object, as the command's options."""
 
 import os
 import shutil
@@ -50,10 +50,11 @@ class SurfaceSettings:
                ("off", "Off", "Adds no vertices")])
 
 
+SURFACE = tuple(SurfaceSettings.__annotations__)
 
 
 class PlanishScene(SurfaceSettings, bpy.types.PropertyGroup):
-    """Settings of all objects."""
+    """Settings of all objects that have none of their own."""
 
     device: bpy.props.EnumProperty(
         name="Device", default="auto",
@@ -63,9 +64,30 @@ class PlanishScene(SurfaceSettings, bpy.types.PropertyGroup):
         name="Command", subtype="FILE_PATH", description="Where planish is; empty: on PATH")
 
 
-def options_of(scene):
+def take_own(self, context):
+    """An object's own settings begin as those that it had."""
+    if self.own:
+        for name in SURFACE:
+            if not self.is_property_set(name):
+                setattr(self, name, getattr(context.scene.planish, name))
+
+
+class PlanishObject(SurfaceSettings, bpy.types.PropertyGroup):
+    """What the add-on knows of an object."""
+
+    own: bpy.props.BoolProperty(
+        name="Own Settings", update=take_own,
+        description="This object has settings of its own, not the scene's")
+
+
+def settings_of(scene, thing):
+    """Those that hold for an object."""
+    return thing.planish if thing is not None and thing.planish.own else scene.planish
+
+
+def options_of(scene, thing):
     """The command's options by name, as scene files have them."""
-    settings = scene.planish
+    settings = settings_of(scene, thing)
     creases = settings.creases
     if creases == "angle":
         creases = f"auto:{np.degrees(settings.crease_angle):.6g}"

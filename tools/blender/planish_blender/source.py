@@ -111,7 +111,7 @@ def take_source(context, source, with_keys=True):
 def start_job(context, source, taken=None, **options):
     """Starts the command on an object. `options`: in place of the object's own."""
     return Work(program_of(context.scene), context.scene.planish.device,
-                {**options_of(context.scene), **options}, taken or take_source(context, source))
+                {**options_of(context.scene, source), **options}, taken or take_source(context, source))
 
 
 def sources_of(context):
