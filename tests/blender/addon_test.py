@@ -4,6 +4,7 @@ blender --background --factory-startup --python-exit-code 1 --python addon_test.
 """
 
 import importlib.util
+import json
 import sys
 import time
 
@@ -443,6 +444,56 @@ def test_own_settings():
     assert len(fit_of(cubes[0]).data.polygons) == 6 * 16
 
 
+def test_try():
+    """The surfaces of the choice stand side by side; the one that is kept takes the place of a fit."""
+    bpy.ops.mesh.primitive_torus_add(major_segments=12, minor_segments=6, location=(1, 2, 3))
+    torus = bpy.context.object
+    torus.data.materials.append(bpy.data.materials.new("skin"))
+    torus.vertex_groups.new(name="all").add(range(len(torus.data.vertices)), 1, "REPLACE")
+    taken = fit_of(torus)
+    select_only(torus)
+    assert bpy.ops.mesh.planish_try() == {"FINISHED"}
+    tried = sorted((thing for thing in bpy.data.objects if thing.planish.tried == torus),
+                   key=lambda thing: thing.planish.order)
+    assert len(tried) >= 2 and [thing.planish.taken for thing in tried] == [True] + [False] * (len(tried) - 1)
+    assert np.array_equal(coordinates(tried[0].data), coordinates(taken.data))
+    assert len({thing.planish.choice for thing in tried}) == len(tried)
+    places = [thing.matrix_world.translation.x for thing in tried]
+    assert all(second - first > torus.dimensions.x for first, second in zip([1, *places], places))
+    for thing in tried:
+        assert thing.planish.title in thing.name and "cost" in thing.planish.figures
+        assert [slot.name for slot in thing.material_slots] == ["skin"]
+        at_vertices(thing, coordinates(torus.data))
+    # Once more, of one of them, is the same, not twice as many.
+    select_only(tried[1])
+    assert bpy.ops.mesh.planish_try() == {"FINISHED"}
+    tried = sorted((thing for thing in bpy.data.objects if thing.planish.tried == torus),
+                   key=lambda thing: thing.planish.order)
+    (kept,) = [thing for thing in tried if json.loads(thing.planish.choice) == json.loads(tried[-1].planish.choice)]
+    others, choice = [thing.name for thing in tried if thing != kept], json.loads(kept.planish.choice)
+    wanted = coordinates(kept.data).copy()
+    select_only(torus)
+    assert bpy.ops.mesh.planish_keep(name=kept.name) == {"FINISHED"}
+    assert not any(name in bpy.data.objects for name in others)
+    assert kept.name.startswith(f"{torus.name}.planish") and kept.matrix_world == torus.matrix_world
+    assert not kept.show_name and kept.planish.tried is None and bpy.context.object == kept
+    # Its settings are the mesh's own, and make it again.
+    assert choice and torus.planish.own and not bpy.context.scene.planish.is_property_set("refine")
+    for name, value in choice.items():
+        assert getattr(torus.planish, name) == value
+    assert np.array_equal(coordinates(fit_of(torus).data), wanted)
+    # Nothing is left to try where all is named, and none may be kept.
+    for name, value in (("interpolation", "fair"), ("creases", "use"), ("quads", "off"), ("refine", "off")):
+        setattr(torus.planish, name, value)
+    select_only(torus)
+    assert not bpy.ops.mesh.planish_try.poll()
+    torus.planish.interpolation = "auto"
+    assert bpy.ops.mesh.planish_try() == {"FINISHED"}
+    assert bpy.ops.mesh.planish_drop_tried() == {"FINISHED"}
+    assert not any(thing.planish.tried for thing in bpy.data.objects) and torus.name in bpy.data.objects
+    assert not bpy.ops.mesh.planish_keep.poll()
+
+
 def test_errors(addon):
     settings = bpy.context.scene.planish
     bpy.ops.mesh.primitive_cube_add()
@@ -508,6 +559,7 @@ def main():
     test_armatures()
     test_what_moves_shape_keys()
     test_own_settings()
+    test_try()
     test_errors(addon)
     test_progress_and_cancel(addon)
     addon.unregister()

@@ -1,9 +1,18 @@
 """What the panel's buttons do."""
 
-import bpy
+import json
+import os
+import pathlib
+import shutil
+import tempfile
 
-from .result import add_result, follow_pose, place_at, select
-from .source import sources_of, start_job
+import bpy
+from mathutils import Matrix, Vector
+
+from .job import Job
+from .result import add_result, follow_pose, place_at, remove_object, result_name, select
+from .settings import CHOICES, flags_of, options_of, program_of, settings_of
+from .source import sources_of, start_job, take_source
 
 
 class Waiting:
@@ -33,6 +42,7 @@ class Waiting:
     def modal(self, context, event):
         if event.type == "ESC":
             self.job.cancel()
+            self.clean()
             self._end(context)
             self.report({"INFO"}, "planish was stopped")
             return {"CANCELLED"}
@@ -49,6 +59,9 @@ class Waiting:
         context.window_manager.event_timer_remove(self.timer)
         context.window_manager.progress_end()
         context.workspace.status_text_set(None)
+
+    def clean(self):
+        """Removes files between."""
 
 
 class PlanishFit(Waiting, bpy.types.Operator):
@@ -111,4 +124,173 @@ class PlanishFit(Waiting, bpy.types.Operator):
         return {"FINISHED"}
 
 
-OPERATORS = (PlanishFit,)
+def mesh_in(folder, name, taken):
+    """A mesh as a file for the command; its path."""
+    path = os.path.join(folder, name + ".obj")
+    pathlib.Path(path).write_text(taken.text(0), encoding="utf-8")
+    return path
+
+
+def is_open(settings):
+    """Whether settings leave something to the command's choice."""
+    initial = [settings.bl_rna.properties[name].default for name in CHOICES]
+    return settings.scheme == "doo-sabin" and any(
+        getattr(settings, name) == value for name, value in zip(CHOICES, initial))
+
+
+def source_of(thing):
+    """The mesh of a surface that was tried; an object itself."""
+    return thing.planish.tried or thing
+
+
+def tried_of(thing):
+    """The surfaces of an object of which one may be kept."""
+    return [other for other in bpy.data.objects if other.planish.tried == source_of(thing)]
+
+
+def figures_of(tried):
+    """What a surface that was tried is weighed by, in a line."""
+    words = [] if tried["cost"] is None else [f"cost {tried['cost']:.2f}"]
+    if tried["folded"]:
+        words.append(f"folded {tried['folded']:.1%}")
+    if tried["normals"] is not None:
+        words.append(f"normals {tried['normals']:.1f}°")
+    return ", ".join(words)
+
+
+class PlanishTry(Waiting, bpy.types.Operator):
+    """Makes each surface that a fit of the active mesh chooses from, side by side, to keep one"""
+
+    bl_idname = "mesh.planish_try"
+    bl_label = "Try"
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode != "OBJECT" or context.object is None or context.object.type != "MESH":
+            return False
+        if is_open(settings_of(context.scene, source_of(context.object))):
+            return True
+        cls.poll_message_set("Nothing is left to try: leave method, creases, quads or refine of a Doo-Sabin "
+                             "surface to the choice")
+        return False
+
+    def begin(self, context):
+        """Asks the command what there is."""
+        self.source, self.made = source_of(context.object), []
+        self.waiting, self.tried, self.failure = None, [], None
+        self.folder = tempfile.mkdtemp(prefix="planish")
+        try:
+            program = program_of(context.scene)
+            self.taken = take_source(context, self.source)
+            path = mesh_in(self.folder, "tried", self.taken)
+            options = options_of(context.scene, self.source)
+            self.job = Job([program, "try", path, "--report", "-", "--progress", "json",
+                            "--device", context.scene.planish.device, *flags_of(options)], take=json.loads)
+        except (OSError, RuntimeError) as error:
+            self.failure = error
+
+    @property
+    def share(self):
+        if self.waiting is None:
+            return self.job.share / 2
+        count = len(self.tried)
+        return 0.5 + (count - len(self.waiting) - 1 + self.job.share) / (2 * count)
+
+    def goes_on(self, context):
+        if self.failure is not None:
+            return False
+        if self.job.poll():
+            return True
+        try:
+            if self.waiting is None:
+                self.tried = [one for one in self.job.result()["surfaces"] if "error" not in one]
+                self.waiting = list(self.tried)
+            else:
+                self.made.append(self.job.surface())
+            if not self.waiting:
+                return False
+            self.job = start_job(context, self.source, self.taken, **self.waiting.pop(0)["settings"])
+            return True
+        except (OSError, RuntimeError) as error:
+            self.failure = error
+            return False
+
+    def clean(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def finish(self, context):
+        self.clean()
+        if self.failure is not None:
+            self.report({"ERROR"}, str(self.failure))
+            return {"CANCELLED"}
+        for other in tried_of(self.source):
+            remove_object(other)
+        width = 1.2 * max((self.source.matrix_world @ Vector(corner)).x for corner in self.source.bound_box)
+        width -= 1.2 * min((self.source.matrix_world @ Vector(corner)).x for corner in self.source.bound_box)
+        for number, (tried, surface) in enumerate(zip(self.tried, self.made)):
+            name = tried["title"] + (", taken" if tried["taken"] else "")
+            result = add_result(context, self.source, surface, name)
+            result.matrix_world = Matrix.Translation(((number + 1) * width, 0, 0)) @ self.source.matrix_world
+            result.show_name = True
+            known = result.planish
+            known.tried, known.order = self.source, number
+            known.taken, known.title = tried["taken"], tried["title"]
+            known.figures, known.choice = figures_of(tried), json.dumps(tried["settings"])
+        self.report({"INFO"}, f"{len(self.made)} surfaces of {self.source.name}; keep one in the panel")
+        return {"FINISHED"}
+
+
+class PlanishKeep(bpy.types.Operator):
+    """Keeps this surface in the mesh's place, with its settings as the mesh's own; removes the others"""
+
+    bl_idname = "mesh.planish_keep"
+    bl_label = "Keep"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: bpy.props.StringProperty(name="Surface", description="Its object; empty: the active one")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT" and context.object is not None and bool(tried_of(context.object))
+
+    def execute(self, context):
+        kept = bpy.data.objects.get(self.name) if self.name else context.object
+        source = kept.planish.tried if kept is not None else None
+        if source is None:
+            self.report({"ERROR"}, "this is no surface that was tried")
+            return {"CANCELLED"}
+        for other in tried_of(source):
+            if other != kept:
+                remove_object(other)
+        choice = json.loads(kept.planish.choice)
+        if choice:  # else parts have what no settings name
+            source.planish.own = True
+        for name, value in choice.items():
+            setattr(source.planish, name, value)
+        kept.planish.tried = None
+        kept.show_name = False
+        kept.name = kept.data.name = result_name(source.name)
+        follow_pose(kept, source)
+        place_at(kept, source)
+        select(context, [(source, kept)], source)
+        return {"FINISHED"}
+
+
+class PlanishDropTried(bpy.types.Operator):
+    """Removes all surfaces that were tried"""
+
+    bl_idname = "mesh.planish_drop_tried"
+    bl_label = "Keep None"
+    bl_options = {"REGISTER", "UNDO"}
+
+    poll = PlanishKeep.poll
+
+    def execute(self, context):
+        source = source_of(context.object)
+        for other in tried_of(source):
+            remove_object(other)
+        context.view_layer.objects.active = source
+        return {"FINISHED"}
+
+
+OPERATORS = (PlanishFit, PlanishTry, PlanishKeep, PlanishDropTried)

@@ -2,7 +2,7 @@
 
 import bpy
 
-from .operators import PlanishFit
+from .operators import (PlanishDropTried, PlanishFit, PlanishKeep, PlanishTry, tried_of)
 from .settings import settings_of
 
 
@@ -24,6 +24,9 @@ class PlanishPanel(bpy.types.Panel):
         layout.prop(scene.planish, "device")
         layout.prop(scene.planish, "program")
         layout.operator(PlanishFit.bl_idname)
+        if active is not None:
+            layout.operator(PlanishTry.bl_idname)
+            self._tried(layout, active)
 
     def _wide(self, layout, *known, **more):
         row = layout.row()
@@ -44,3 +47,14 @@ class PlanishPanel(bpy.types.Panel):
         row.prop(settings, "crease_angle")
         layout.prop(settings, "quads")
         layout.prop(settings, "refine")
+
+    def _tried(self, layout, active):
+        """What may be kept, as the command has it: what it takes first, then by cost."""
+        tried = sorted(tried_of(active), key=lambda thing: thing.planish.order)
+        for thing in tried:
+            box = layout.box().column(align=True)
+            box.label(text=thing.planish.title, icon="CHECKMARK" if thing.planish.taken else "BLANK1")
+            box.label(text=thing.planish.figures, icon="BLANK1")
+            box.operator(PlanishKeep.bl_idname).name = thing.name
+        if tried:
+            layout.operator(PlanishDropTried.bl_idname)

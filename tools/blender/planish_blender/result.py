@@ -99,6 +99,14 @@ def add_result(context, source, surface, name=None):
     return result
 
 
+def remove_object(thing):
+    """An object and the mesh that was its alone."""
+    mesh = thing.data
+    bpy.data.objects.remove(thing)
+    if mesh is not None and mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+
+
 def select(context, results, active):
     """Selects what was made and nothing else; of the active source its surface becomes active. In edit mode
     the meshes that are edited stay selected."""

@@ -51,6 +51,8 @@ class SurfaceSettings:
 
 
 SURFACE = tuple(SurfaceSettings.__annotations__)
+CHOICES = ("interpolation", "creases", "quads", "refine")
+"""What the command chooses by measurement where nothing is named, and `planish try` shows."""
 
 
 class PlanishScene(SurfaceSettings, bpy.types.PropertyGroup):
@@ -78,6 +80,13 @@ class PlanishObject(SurfaceSettings, bpy.types.PropertyGroup):
     own: bpy.props.BoolProperty(
         name="Own Settings", update=take_own,
         description="This object has settings of its own, not the scene's")
+    tried: bpy.props.PointerProperty(
+        type=bpy.types.Object, description="The mesh of which this surface may be kept")
+    order: bpy.props.IntProperty(description="Of a tried surface: its place among them")
+    title: bpy.props.StringProperty(description="Of a tried surface")
+    figures: bpy.props.StringProperty(description="Of a tried surface")
+    choice: bpy.props.StringProperty(description="Of a tried surface: its settings, as JSON")
+    taken: bpy.props.BoolProperty(description="Of a tried surface: what a fit takes by itself")
 
 
 def settings_of(scene, thing):
