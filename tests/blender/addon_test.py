@@ -5,7 +5,9 @@ blender --background --factory-startup --python-exit-code 1 --python addon_test.
 
 import importlib.util
 import json
+import pathlib
 import sys
+import tempfile
 import time
 
 import bmesh
@@ -494,6 +496,42 @@ def test_try():
     assert not bpy.ops.mesh.planish_keep.poll()
 
 
+def test_sheet():
+    """A page of the selected meshes, each with its settings, the worst first; one error stops no other."""
+    scene = bpy.context.scene
+    bpy.ops.mesh.primitive_cube_add()
+    first = bpy.context.object
+    first.name = "A/b"
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
+    second = bpy.context.object
+    second.name = "A_b"
+    second.planish.own = True
+    second.planish.interpolation = "progressive"
+    bpy.ops.mesh.primitive_cube_add()
+    third = bpy.context.object
+    third.name = "flat"
+    third.data.clear_geometry()
+    with tempfile.TemporaryDirectory() as folder:
+        scene.planish.sheet = folder
+        for thing in (first, second, third):
+            thing.select_set(True)
+        assert bpy.ops.mesh.planish_sheet() == {"FINISHED"}
+        rows = {row.name: row.figures for row in bpy.context.window_manager.planish_sheet}
+        assert list(rows)[0] == "flat" and rows["flat"] == "has no faces"
+        assert set(rows) == {"A/b", "A_b", "flat"}
+        assert rows["A_b"].startswith("progressive") and rows["A/b"].startswith("fair"), rows
+        page = pathlib.Path(folder, "index.html").read_text(encoding="utf-8")
+        # The panel has the page's order; both are of one name on some systems.
+        names = {"A/b": "A_b", "A_b": "A_b_2"}
+        on_page = [page.index(f">{names[name]}<") for name in list(rows)[1:]]
+        assert on_page == sorted(on_page)
+        assert len(list(pathlib.Path(folder).glob("*.html"))) == 3
+    scene.planish.sheet = ""
+    assert bpy.ops.object.planish_show(name="A_b") == {"FINISHED"} and bpy.context.object == second
+    assert bpy.ops.mesh.planish_sheet() == {"FINISHED"}
+    assert pathlib.Path(bpy.app.tempdir, "planish_sheet", "index.html").exists()
+
+
 def test_errors(addon):
     settings = bpy.context.scene.planish
     bpy.ops.mesh.primitive_cube_add()
@@ -560,6 +598,7 @@ def main():
     test_what_moves_shape_keys()
     test_own_settings()
     test_try()
+    test_sheet()
     test_errors(addon)
     test_progress_and_cancel(addon)
     addon.unregister()

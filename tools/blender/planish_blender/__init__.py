@@ -10,7 +10,7 @@ bytes, job.py runs the command, result.py makes objects; operators.py and panel.
 
 import bpy
 
-from .operators import OPERATORS
+from .operators import OPERATORS, PlanishSheetRow
 from .panel import PlanishPanel
 from .settings import PlanishObject, PlanishScene
 from .source import start_job
@@ -25,7 +25,7 @@ bl_info = {
     "category": "Mesh",
 }
 
-CLASSES = (PlanishScene, PlanishObject, *OPERATORS, PlanishPanel)
+CLASSES = (PlanishScene, PlanishObject, PlanishSheetRow, *OPERATORS, PlanishPanel)
 
 
 def register():
@@ -33,9 +33,11 @@ def register():
         bpy.utils.register_class(kind)
     bpy.types.Scene.planish = bpy.props.PointerProperty(type=PlanishScene)
     bpy.types.Object.planish = bpy.props.PointerProperty(type=PlanishObject)
+    bpy.types.WindowManager.planish_sheet = bpy.props.CollectionProperty(type=PlanishSheetRow)
 
 
 def unregister():
+    del bpy.types.WindowManager.planish_sheet
     del bpy.types.Object.planish
     del bpy.types.Scene.planish
     for kind in reversed(CLASSES):

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import shutil
 import tempfile
 
@@ -293,4 +294,126 @@ class PlanishDropTried(bpy.types.Operator):
         return {"FINISHED"}
 
 
-OPERATORS = (PlanishFit, PlanishTry, PlanishKeep, PlanishDropTried)
+class PlanishSheetRow(bpy.types.PropertyGroup):
+    """A line of the contact sheet."""
+
+    figures: bpy.props.StringProperty()
+
+
+def unique_names(sources):
+    """A file name for each object, none twice on any system."""
+    names = {}
+    for source in sources:
+        plain = re.sub(r"[^\w.-]", "_", source.name)
+        name, number = plain, 1
+        while name.lower() in (taken.lower() for taken in names):
+            number += 1
+            name = f"{plain}_{number}"
+        names[name] = source
+    return names
+
+
+def sheet_figures(job):
+    """What a job of a batch report comes to, in a line."""
+    if "error" in job:
+        return "failed: " + job["error"]
+    surface = job["surface"]
+    words = [job["solve"]["method"]]
+    if surface["folded_area"]:
+        words.append(f"folded {surface['folded_area']:.1%}")
+    if job["warnings"]:
+        words.append(f"{len(job['warnings'])} warnings")
+    words.append(f"normals {surface['rms_normal_deviation']:.1f}°")
+    return ", ".join(words)
+
+
+class PlanishSheet(Waiting, bpy.types.Operator):
+    """Makes a page with a picture and figures of each selected mesh and its surface, the worst first"""
+
+    bl_idname = "mesh.planish_sheet"
+    bl_label = "Contact Sheet"
+    bl_options = {"REGISTER"}
+
+    poll = PlanishFit.poll
+
+    def begin(self, context):
+        self.names, self.refused, self.failure = unique_names(sources_of(context)), [], None
+        named = bpy.path.abspath(context.scene.planish.sheet)
+        self.pages = named or os.path.join(bpy.app.tempdir, "planish_sheet")
+        self.folder = tempfile.mkdtemp(prefix="planish")
+        jobs = []
+        try:
+            program = program_of(context.scene)
+            for name, source in self.names.items():
+                try:
+                    path = mesh_in(self.folder, name, take_source(context, source, with_keys=False))
+                except RuntimeError as error:
+                    self.refused.append((source.name, str(error).removeprefix(source.name + " ")))
+                    continue
+                jobs.append({"name": name, "input": path, **options_of(context.scene, source)})
+            scene = os.path.join(self.folder, "scene.json")
+            pathlib.Path(scene).write_text(json.dumps({"version": 1, "jobs": jobs}), encoding="utf-8")
+            self.job = Job([program, "run", scene, "--page", os.path.join(self.pages, ""), "--report", "-",
+                            "--force", "--progress", "json", "--device", context.scene.planish.device],
+                           take=json.loads, good=(0, 5, 8))
+        except (OSError, RuntimeError) as error:
+            self.failure = error
+
+    @property
+    def share(self):
+        return self.job.share
+
+    def goes_on(self, context):
+        return self.failure is None and self.job.poll()
+
+    def clean(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def finish(self, context):
+        self.clean()
+        try:
+            if self.failure is not None:
+                raise self.failure
+            report = self.job.result()
+        except (OSError, RuntimeError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        rows = context.window_manager.planish_sheet
+        rows.clear()
+        jobs = {job["job"]: sheet_figures(job) for job in report["jobs"]}
+        for name, figures in [*self.refused, *((self.names[job].name, jobs[job]) for job in report["worst_first"])]:
+            row = rows.add()
+            row.name, row.figures = name, figures
+        page = pathlib.Path(self.pages, "index.html")
+        self.report({"INFO"}, f"the worst is {rows[0].name}: {rows[0].figures}; all are in {page}")
+        if not bpy.app.background:
+            bpy.ops.wm.url_open(url=page.as_uri())
+        return {"FINISHED"}
+
+
+class PlanishShow(bpy.types.Operator):
+    """Makes this object the active one"""
+
+    bl_idname = "object.planish_show"
+    bl_label = "Show"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: bpy.props.StringProperty(name="Object")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT"
+
+    def execute(self, context):
+        thing = context.view_layer.objects.get(self.name)
+        if thing is None:
+            self.report({"ERROR"}, f"{self.name} is not there any more")
+            return {"CANCELLED"}
+        for other in context.selected_objects:
+            other.select_set(False)
+        thing.select_set(True)
+        context.view_layer.objects.active = thing
+        return {"FINISHED"}
+
+
+OPERATORS = (PlanishFit, PlanishTry, PlanishKeep, PlanishDropTried, PlanishSheet, PlanishShow)

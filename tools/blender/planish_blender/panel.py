@@ -2,7 +2,8 @@
 
 import bpy
 
-from .operators import (PlanishDropTried, PlanishFit, PlanishKeep, PlanishTry, tried_of)
+from .operators import (PlanishDropTried, PlanishFit, PlanishKeep, PlanishSheet, PlanishShow, PlanishTry,
+                        tried_of)
 from .settings import settings_of
 
 
@@ -27,6 +28,12 @@ class PlanishPanel(bpy.types.Panel):
         if active is not None:
             layout.operator(PlanishTry.bl_idname)
             self._tried(layout, active)
+        layout.operator(PlanishSheet.bl_idname)
+        layout.prop(scene.planish, "sheet")
+        for row in context.window_manager.planish_sheet:
+            box = layout.box().column(align=True)
+            box.operator(PlanishShow.bl_idname, text=row.name).name = row.name
+            box.label(text=row.figures)
 
     def _wide(self, layout, *known, **more):
         row = layout.row()

@@ -64,6 +64,9 @@ class PlanishScene(SurfaceSettings, bpy.types.PropertyGroup):
                ("cpu", "CPU", "All cores"), ("vulkan", "Vulkan", "The best Vulkan device")])
     program: bpy.props.StringProperty(
         name="Command", subtype="FILE_PATH", description="Where planish is; empty: on PATH")
+    sheet: bpy.props.StringProperty(
+        name="Sheet in", subtype="DIR_PATH",
+        description="Folder of the contact sheet; empty: one that goes when Blender is closed")
 
 
 def take_own(self, context):
