@@ -532,6 +532,186 @@ def test_sheet():
     assert pathlib.Path(bpy.app.tempdir, "planish_sheet", "index.html").exists()
 
 
+def follow(addon, seconds=60):
+    """Lets the timer run until live surfaces are up to date."""
+    bpy.context.view_layer.update()
+    end = time.monotonic() + seconds
+    while addon.live.tick() is not None:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    bpy.context.view_layer.update()
+
+
+def test_live(addon):
+    """A live surface follows its mesh, in place; what it does itself does not start it again."""
+    live, scene = addon.live, bpy.context.scene
+    scene.planish.creases = "use"
+    bpy.ops.mesh.primitive_cube_add(location=(1, 2, 3))
+    cube = bpy.context.object
+    cube.data.materials.append(bpy.data.materials.new("skin"))
+    cube.planish.live = True
+    assert bpy.app.timers.is_registered(live.tick)
+    follow(addon)
+    result = cube.planish.result
+    assert result.name == f"{cube.name}.planish" and result.hide_select
+    assert cube.display_type == "WIRE"
+    assert result.matrix_world == cube.matrix_world
+    at_vertices(result, coordinates(cube.data))
+    assert not live.changed, "its own change starts it again"
+    starts = []
+    start_job = live.start_job
+    live.start_job = lambda *given, **more: starts.append(0) or start_job(*given, **more)
+
+    def expect_follows(count=1):
+        starts.clear()
+        follow(addon)
+        assert len(starts) == count, starts
+        assert cube.planish.result == result
+        at_vertices(result, coordinates(cube.data))
+
+    # A vertex, in object and edit mode.
+    result.data.materials.append(bpy.data.materials.new("of its own"))
+    result.modifiers.new("its own", "DECIMATE")
+    cube.data.vertices[0].co = (-2, -2, -2)
+    cube.data.update()
+    expect_follows()
+    assert result.material_slots.keys() == [cube.data.materials[0].name, "of its own"]
+    assert "its own" in result.modifiers
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(cube.data)
+    edited.verts.ensure_lookup_table()
+    edited.verts[1].co = (-1.5, -1, 1)
+    bmesh.update_edit_mesh(cube.data)
+    starts.clear()
+    follow(addon)
+    assert len(starts) == 1 and bpy.context.mode == "EDIT_MESH"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    expect_follows(0)
+    # Moves of the object need no fit.
+    cube.location.x = 7
+    expect_follows(0)
+    assert result.matrix_world == cube.matrix_world
+    # Settings: the scene's, then its own.
+    scene.planish.level = 1
+    expect_follows()
+    assert len(result.data.polygons) == 6 * 4
+    cube.planish.own = True
+    expect_follows(0)
+    cube.planish.level = 2
+    expect_follows()
+    assert len(result.data.polygons) == 6 * 16
+    scene.planish.level = 2
+    expect_follows(0)
+    # Changes while the command is at work: it is finished, and begins again once.
+    starts.clear()
+    for step in range(3):
+        cube.data.vertices[2].co.x = -1.1 - 0.1 * step
+        cube.data.update()
+        bpy.context.view_layer.update()
+        live.tick()
+    follow(addon)
+    assert 2 <= len(starts) <= 3
+    at_vertices(result, coordinates(cube.data))
+    # A crease is drawn as one.
+    for edge in cube.data.edges[:4]:
+        edge.use_edge_sharp = True
+    cube.data.update()
+    expect_follows()
+    assert sum(edge.use_edge_sharp for edge in result.data.edges) == 4 * 4
+    # Undo makes other objects of all, with an older surface.
+    live.everything_changed(scene)
+    expect_follows()
+    # What is wrong is said, and mended by the next change.
+    scene.planish.program = "/nowhere/planish"
+    cube.data.vertices[0].co.x = -3
+    cube.data.update()
+    follow(addon)
+    assert "is not at /nowhere/planish" in live.messages[cube.name]
+    scene.planish.program = PROGRAM
+    cube.data.vertices[0].co.x = -2.5
+    cube.data.update()
+    expect_follows()
+    assert cube.name not in live.messages
+    # A duplicate has a surface of its own.
+    select_only(cube)
+    bpy.ops.object.duplicate()
+    other = bpy.context.object
+    assert other.planish.live and other.planish.result == result
+    live.request(other)
+    follow(addon)
+    assert other.planish.result not in (None, result) and cube.planish.result == result
+    # Without its mesh, a surface is an object as any other; without its surface a mesh is not live.
+    left = other.planish.result
+    bpy.ops.object.delete()
+    follow(addon)
+    assert not left.hide_select and left.planish.source is None and left.name in scene.objects
+    # Turned off, it stays as it is, and nothing follows.
+    cube.planish.live = False
+    assert cube.display_type == "TEXTURED" and cube.planish.result is None
+    assert not result.hide_select and result.parent is None and result.matrix_world == cube.matrix_world
+    cube.data.vertices[0].co.x = -4
+    cube.data.update()
+    starts.clear()
+    follow(addon)
+    assert not starts
+    cube.planish.live = True
+    follow(addon)
+    result = cube.planish.result
+    result.hide_select = False
+    select_only(result)
+    bpy.ops.object.delete()
+    follow(addon)
+    assert not cube.planish.live and cube.planish.result is None
+    live.start_job = start_job
+    scene.planish.creases = "choose"
+
+
+def test_live_with_armature(addon):
+    """A live surface follows a pose without a fit."""
+    armature = rig()
+    column = rigged_column(armature, by_modifier)
+    column.planish.live = True
+    follow(addon)
+    result = column.planish.result
+    places = at_vertices(result, coordinates(column.data))
+    start_job, starts = addon.live.start_job, []
+    addon.live.start_job = lambda *given, **more: starts.append(0) or start_job(*given, **more)
+    bone = armature.pose.bones["bone1"]
+    bone.rotation_mode, bone.rotation_euler = "XYZ", (0.7, 0, 0)
+    armature.location.x = 5
+    follow(addon)
+    assert not starts
+    assert np.abs(shown(result)[places] - shown(column)).max() < 1e-4
+    addon.live.start_job = start_job
+    column.planish.live = False
+    assert np.abs(shown(result)[places] - shown(column)).max() < 1e-4
+
+
+def test_files(addon):
+    """A file keeps own settings, and live surfaces follow in it."""
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    cube.name = "kept"
+    cube.planish.live = cube.planish.own = True
+    cube.planish.level = 1
+    follow(addon)
+    with tempfile.TemporaryDirectory() as folder:
+        name = str(pathlib.Path(folder, "scene.blend"))
+        bpy.ops.wm.save_as_mainfile(filepath=name)
+        bpy.ops.wm.read_homefile(use_empty=True)
+        assert not addon.live.live_objects()
+        bpy.ops.wm.open_mainfile(filepath=name)
+    cube = bpy.data.objects["kept"]
+    assert cube.planish.own and cube.planish.level == 1 and addon.live.changed
+    follow(addon)
+    assert len(cube.planish.result.data.polygons) == 6 * 4
+    cube.data.vertices[0].co = (-2, -2, -2)
+    cube.data.update()
+    follow(addon)
+    at_vertices(cube.planish.result, coordinates(cube.data))
+    cube.planish.live = False
+
+
 def test_errors(addon):
     settings = bpy.context.scene.planish
     bpy.ops.mesh.primitive_cube_add()
@@ -599,8 +779,11 @@ def main():
     test_own_settings()
     test_try()
     test_sheet()
+    test_live(addon)
+    test_live_with_armature(addon)
     test_errors(addon)
     test_progress_and_cancel(addon)
+    test_files(addon)
     addon.unregister()
     print("the add-on works in Blender", bpy.app.version_string)
 

@@ -5,11 +5,13 @@ of the 3-D view (N), under planish. The command `planish` does the work: it gets
 gives the surface as GLB, both through pipes.
 
 settings.py has what the panel sets, source.py takes meshes, exchange.py makes them texts and surfaces of
-bytes, job.py runs the command, result.py makes objects; operators.py and panel.py are what an artist sees.
+bytes, job.py runs the command, result.py makes objects; operators.py, live.py and panel.py are what an
+artist sees.
 """
 
 import bpy
 
+from . import live
 from .operators import OPERATORS, PlanishSheetRow
 from .panel import PlanishPanel
 from .settings import PlanishObject, PlanishScene
@@ -34,9 +36,11 @@ def register():
     bpy.types.Scene.planish = bpy.props.PointerProperty(type=PlanishScene)
     bpy.types.Object.planish = bpy.props.PointerProperty(type=PlanishObject)
     bpy.types.WindowManager.planish_sheet = bpy.props.CollectionProperty(type=PlanishSheetRow)
+    live.register()
 
 
 def unregister():
+    live.unregister()
     del bpy.types.WindowManager.planish_sheet
     del bpy.types.Object.planish
     del bpy.types.Scene.planish

@@ -106,6 +106,9 @@ class Given:
             for vertex in np.flatnonzero(sharpness):
                 self.tags.append("t corner 1/1/0 %d %.9g\n" % (vertex, sharpness[vertex]))
 
+    def bytes(self):
+        return b"".join([self.corners, self.sizes, self.slots, "".join(self.tags).encode()])
+
     def obj_text(self, positions, uvs=None, triples=None):
         """As OBJ with OpenSubdiv's tags. Materials are called after their slots. positions: (n, 3);
         uvs: of each corner, (corners, 2); triples: linear numbers of 0 to 1, (n, 3)."""
@@ -271,8 +274,28 @@ class Surface:
         self.firsts[self.vertices[::-1]] = np.arange(len(corners))[::-1]
 
 
-def fill_mesh(mesh, surface):
-    """Makes an empty Blender mesh a Surface, with its exact normals."""
+def mark_sharp_edges(mesh, surface):
+    """Marks edges beside which the surface's normals differ, as a crease has it."""
+    corners, vertices = surface.faces.ravel(), surface.vertices
+    sides = np.hstack([surface.normals[corners], vertices[:, None]])
+    if np.array_equal(sides[:, :3], sides[surface.firsts][vertices, :3]):
+        return
+    _, sides = unique_rows(sides)
+    after = np.roll(np.arange(len(corners)).reshape(surface.faces.shape), -1, axis=1).ravel()
+    is_up = vertices < vertices[after]
+    ends = np.stack([np.where(is_up, sides, sides[after]), np.where(is_up, sides[after], sides)], axis=1)
+    edges = read_all(mesh.loops, "edge_index", 0, np.int32)
+    known = np.empty((len(mesh.edges), 2), np.int64)
+    known[edges] = ends  # of one of its two faces
+    is_sharp = np.zeros(len(mesh.edges), bool)
+    is_sharp[edges[(known[edges] != ends).any(axis=1)]] = True
+    mesh.edges.foreach_set("use_edge_sharp", is_sharp)
+    mesh.use_auto_smooth, mesh.auto_smooth_angle = True, np.pi  # or Blender leaves the marks out
+
+
+def fill_mesh(mesh, surface, has_normals):
+    """Makes an empty Blender mesh a Surface: with its exact normals, or with Blender's own, which
+    takes a fifth of the time."""
     firsts, vertices = surface.firsts, surface.vertices
     count, size = surface.faces.shape
     corners = surface.faces.ravel()
@@ -298,5 +321,7 @@ def fill_mesh(mesh, surface):
         mesh.uv_layers.active_index = 0
     if surface.colors:
         mesh.color_attributes.active_color_index = 0
+    if not has_normals:
+        return mark_sharp_edges(mesh, surface)
     mesh.use_auto_smooth = True  # or Blender leaves custom normals out
     mesh.normals_split_custom_set(surface.normals[corners].tolist())

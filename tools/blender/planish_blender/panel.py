@@ -2,6 +2,7 @@
 
 import bpy
 
+from . import live
 from .operators import (PlanishDropTried, PlanishFit, PlanishKeep, PlanishSheet, PlanishShow, PlanishTry,
                         tried_of)
 from .settings import settings_of
@@ -26,6 +27,10 @@ class PlanishPanel(bpy.types.Panel):
         layout.prop(scene.planish, "program")
         layout.operator(PlanishFit.bl_idname)
         if active is not None:
+            self._wide(layout, active.planish, "live", toggle=True)
+            message = live.messages.get(active.name)
+            if message:
+                layout.label(text=message, icon="ERROR")
             layout.operator(PlanishTry.bl_idname)
             self._tried(layout, active)
         layout.operator(PlanishSheet.bl_idname)

@@ -75,24 +75,24 @@ def place_at(thing, source):
     thing.matrix_world = source.matrix_world
 
 
-def fill_result(thing, source, surface):
+def fill_result(thing, source, surface, has_normals=True):
     """Makes an object the surface, which had another one or none; its materials and modifiers stay."""
     mesh = thing.data
     if mesh.shape_keys is not None:
         thing.shape_key_clear()
     mesh.clear_geometry()
-    fill_mesh(mesh, surface)
+    fill_mesh(mesh, surface, has_normals)
     for slot in source.material_slots[len(mesh.materials):]:
         mesh.materials.append(slot.material)
     set_groups(thing, source, surface)
     add_keys(thing, surface, source.data.shape_keys)
 
 
-def add_result(context, source, surface, name=None):
+def add_result(context, source, surface, name=None, has_normals=True):
     """The surface as a new object in the source's collections."""
     name = name or result_name(source.name)
     result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    fill_result(result, source, surface)
+    fill_result(result, source, surface, has_normals)
     context.view_layer.update()  # where scripts have just moved the source
     for collection in source.users_collection or [context.collection]:
         collection.objects.link(result)

@@ -1,5 +1,9 @@
 """What is fitted of an object: its mesh at rest, with what rides on it and its shape keys."""
 
+import hashlib
+
+import numpy as np
+
 from .exchange import Given, Riders, vertex_positions
 from .job import Work
 from .settings import options_of, program_of
@@ -89,6 +93,14 @@ class Taken:
         if number < self.riders.file_count:
             return self.given.obj_text(self.positions, *self.riders.of_file(number))
         return self.given.obj_text(self.keys[number - self.riders.file_count])
+
+    def digest(self):
+        """Tells whether another one would give the same texts."""
+        parts = [self.positions, *self.keys, *(values for _, values in self.riders.uvs), *self.riders.triples]
+        digest = hashlib.blake2b(self.given.bytes())
+        for part in parts:
+            digest.update(np.ascontiguousarray(part))
+        return digest.digest()
 
 
 def take_source(context, source, with_keys=True):
