@@ -6,6 +6,7 @@ blender --background --factory-startup --python-exit-code 1 --python addon_test.
 import importlib.util
 import json
 import pathlib
+import subprocess
 import sys
 import tempfile
 import time
@@ -532,6 +533,38 @@ def test_sheet():
     assert pathlib.Path(bpy.app.tempdir, "planish_sheet", "index.html").exists()
 
 
+def test_creases_are_as_sharp_as_blenders(addon):
+    """The command's Catmull-Clark surface of creases is Blender's own of the same control points."""
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    for crease, edge in zip((0.2, 0.4, 0.5, 0.7, 0.9), cube.data.edges):
+        edge.crease = crease
+    creases = [edge.crease for edge in cube.data.edges]
+    taken = addon.source.take_source(bpy.context, cube)
+    with tempfile.TemporaryDirectory() as folder:
+        given, cage, surface = (pathlib.Path(folder, name) for name in ("given.obj", "cage.obj", "surface.glb"))
+        given.write_text(taken.text(0))
+        subprocess.run([PROGRAM, "fit", given, "-o", surface, "--cage", cage, "--scheme", "catmull-clark",
+                        "--creases", "use", "--levels", "3", "-q"], check=True)
+        control = [tuple(map(float, line.split()[1:4])) for line in cage.read_text().splitlines()
+                   if line.startswith("v ")]
+        made = addon.exchange.read_glb(surface.read_bytes())["positions"]
+    for vertex, place in zip(cube.data.vertices, control):
+        vertex.co = place
+    own = cube.modifiers.new("own", "SUBSURF")
+    own.levels, own.quality, own.use_limit_surface = 3, 10, True  # below, it stops before sharp creases do
+
+    def far():
+        bpy.context.view_layer.update()
+        places = coordinates(cube.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
+        return max(np.linalg.norm(places - place, axis=1).min() for place in made)
+
+    assert far() < 1e-5, far()
+    for edge, crease in zip(cube.data.edges, creases):
+        edge.crease = np.sqrt(crease)  # as if sharpness were 10 times the crease
+    assert far() > 1e-2, far()
+
+
 def follow(addon, seconds=60):
     """Lets the timer run until live surfaces are up to date."""
     bpy.context.view_layer.update()
@@ -779,6 +812,7 @@ def main():
     test_own_settings()
     test_try()
     test_sheet()
+    test_creases_are_as_sharp_as_blenders(addon)
     test_live(addon)
     test_live_with_armature(addon)
     test_errors(addon)

@@ -1,4 +1,4 @@
-"""A picture of the panel beside what it made; needs the command on PATH and a display:
+"""A picture of the panel beside the surfaces that it tried; needs the command on PATH and a display:
 
 xvfb-run -a -s "-screen 0 1280x800x24" blender --factory-startup --enable-event-simulate \
   --window-geometry 0 0 1280 800 --python make_picture.py -- planish_blender/__init__.py MESH.obj PICTURE.png
@@ -27,8 +27,7 @@ def make_scene():
     bpy.ops.wm.obj_import(filepath=MESH)
     source = bpy.context.selected_objects[0]
     bpy.context.view_layer.objects.active = source
-    bpy.ops.mesh.planish_fit()
-    bpy.context.object.location.x += 1.4 * source.dimensions.x
+    bpy.ops.mesh.planish_try()
 
 
 def arrange():
