@@ -83,7 +83,8 @@ void write_batch_sheet(const std::string& path, const std::vector<PlannedJob>& j
                        std::vector<JobOutcome>& outcomes, const PageOptions& options,
                        Console& console, bool overwrites, std::string_view kind);
 
-/// Schema planish.batch/1: the reports of all jobs, those that failed with their message.
+/// Schema planish.batch/1: the reports of all jobs, those that failed with their message, and their
+/// names as the contact sheet has them.
 [[nodiscard]] nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,
                                                 const std::vector<JobOutcome>& outcomes,
                                                 const std::vector<std::string>& arguments);
