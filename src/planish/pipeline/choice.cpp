@@ -1,7 +1,6 @@
 #include "planish/pipeline/choice.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>

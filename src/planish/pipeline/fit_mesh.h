@@ -161,8 +161,8 @@ struct FittedMesh : MeshToFit {
   /// Of the surface at level 1, where it was measured to choose it.
   std::optional<SurfaceQuality> level_one_quality;
   std::vector<PartSums> level_one_parts;  ///< the same of each part of the mesh
-  double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
-  std::int64_t rounded_count = 0;  ///< edges that were, for they fold a fair surface
+  double choose_milliseconds = 0;         ///< what measuring and a fit that was not taken cost
+  std::int64_t rounded_count = 0;         ///< edges that were, for they fold a fair surface
   /// Of a mesh whose vertices have moved since (edit/editor.h): where they were, for its rules stay
   /// those of that pose. Empty: `mesh`'s own.
   std::vector<glm::dvec3> rest_positions;

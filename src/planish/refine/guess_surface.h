@@ -64,9 +64,8 @@ class GuessSurface {
   GuessSurface(std::span<const glm::dvec3> positions, const MeshTopology& topology,
                std::span<const char> is_line, std::span<const char> is_sharp);
   [[nodiscard]] glm::dvec3 at(const FacePlace& place) const;
-  /// Leaves a face flat from now on.
-  void flatten(std::int32_t face) { is_flat_[face] = 1; }
-  void bend_again(std::int32_t face) { is_flat_[face] = 0; }
+  /// Leaves a face flat from now on, or no more.
+  void flatten(std::int32_t face, bool is_flat = true) { is_flat_[face] = is_flat ? 1 : 0; }
   /// Whether its three jets leave little in doubt and foretell one another's normals: then they
   /// are believed, however far the guess turns from the face.
   [[nodiscard]] bool is_told(std::int32_t face) const;

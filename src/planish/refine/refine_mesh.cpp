@@ -371,7 +371,7 @@ class EvenNet {
       after[i] =
           vertices[i] < given_count_ ? before[i] : guess_.at(places_[vertices[i] - given_count_]);
     if (cosine(after) > cosine(before)) return true;
-    for (const std::int32_t face : laid) guess_.bend_again(face);
+    for (const std::int32_t face : laid) guess_.flatten(face, false);
     return false;
   }
 
