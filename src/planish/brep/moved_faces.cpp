@@ -82,9 +82,9 @@ std::optional<QuadraticCurve> curve_near(std::vector<double> knots,
                                          const std::function<glm::dvec3(double)>& target,
                                          double tolerance) {
   constexpr std::size_t kMostSpans = 4096;
-  constexpr int kMostHalvings = 24;
+  constexpr int kMostRounds = 24;
   QuadraticCurve curve{.knots = std::move(knots)};
-  for (int round = 0; round <= kMostHalvings && curve.knots.size() <= kMostSpans; ++round) {
+  for (int round = 0; round <= kMostRounds && curve.knots.size() <= kMostSpans; ++round) {
     curve.points = quadratic_points(curve.knots, target);
     std::vector<double> halves;
     for (std::size_t i = 0; i + 1 < curve.knots.size(); ++i) {

@@ -51,9 +51,9 @@ class FacetNormals {
 
 }  // namespace
 
-using Part = PatchNumbering::Part;
-
 namespace {
+
+using Part = PatchNumbering::Part;
 
 // A row's sample as all the corners on its side of a cut see it.
 std::vector<FacetNormals::Sample> FacetNormals::samples_of(const PatchTile& tile,

@@ -109,18 +109,18 @@ template <class MakeEmitter>
 StencilTable build_rows(std::int32_t source_count, RowRange rows, Derivatives derivatives,
                         const MakeEmitter& make_emitter) {
   // Large enough to hide the cost of a piece, small enough to balance uneven rows.
-  constexpr std::int64_t kPieceRows = 8192;
+  constexpr std::int64_t kRowsAtOnce = 8192;
   const std::int64_t end_row = rows.first + rows.count;
   std::vector<StencilTable> pieces(
-      static_cast<std::size_t>((rows.count + kPieceRows - 1) / kPieceRows));
+      static_cast<std::size_t>((rows.count + kRowsAtOnce - 1) / kRowsAtOnce));
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
     auto emit = make_emitter();
     StencilRow row;
     std::size_t entry_count = 0;  // of the last piece: the next is much like it
     for (std::size_t p = begin; p < end; ++p) {
-      const std::int64_t first = rows.first + static_cast<std::int64_t>(p) * kPieceRows;
-      reserve(pieces[p], kPieceRows, entry_count, derivatives);
-      for (std::int64_t i = first; i < std::min(first + kPieceRows, end_row); ++i) {
+      const std::int64_t first = rows.first + static_cast<std::int64_t>(p) * kRowsAtOnce;
+      reserve(pieces[p], kRowsAtOnce, entry_count, derivatives);
+      for (std::int64_t i = first; i < std::min(first + kRowsAtOnce, end_row); ++i) {
         row.clear();
         emit(static_cast<std::int32_t>(i), row);
         row.finish();
