@@ -84,7 +84,7 @@ def test_no_row_is_forgotten():
 
 def test_words_and_defaults_of_blenders_panel_are_the_rows():
     """Its add-on cannot be imported without Blender, and gives flags by the names of its properties."""
-    addon = Path(__file__).parents[2] / "tools/blender/planish_blender/__init__.py"
+    addon = Path(__file__).parents[2] / "tools/blender/planish_blender/settings.py"
     rows, seen = schema_rows(), []
     for property_ in ast.walk(ast.parse(addon.read_text())):
         if not isinstance(property_, ast.AnnAssign) or property_.target.id not in rows:
