@@ -319,9 +319,11 @@ void CandidateMeter::measure(Candidate& candidate, const std::vector<CandidateFa
   const PartOfFaces in_parts{of_face, parts_.count};
   std::vector<PartSums> finer, hidden;
   if (std::ranges::any_of(own, is_fine)) measure_level_one(fitted, share_of(callbacks, 0, 0.5));
-  if (!std::ranges::all_of(own, is_fine))
-    finer = meter_of(fitted).parts_at(2, in_parts, share_of(callbacks, 0.5, 1)).parts;
-  if (may_hide_folds(fitted)) hidden = meter_of(fitted).parts_at(3, in_parts, {}).parts;
+  if (!std::ranges::all_of(own, is_fine)) {
+    const SurfaceMeter meter = meter_of(fitted);
+    finer = meter.parts_at(2, in_parts, share_of(callbacks, 0.5, 1)).parts;
+    if (may_hide_folds(fitted)) hidden = meter.parts_at(3, in_parts, {}).parts;
+  }
   std::vector<double> doubts(own.size(), 0.0), added_counts(own.size(), 0.0);
   for (const AddedVertex& added : fitted.added_vertices) {
     const std::int32_t part = parts_.of_vertex[added.vertices[0]];
