@@ -3,7 +3,6 @@
 blender --background --factory-startup --python-exit-code 1 --python addon_test.py -- ADDON PLANISH
 """
 
-import importlib.util
 import json
 import pathlib
 import subprocess
@@ -19,11 +18,10 @@ ADDON, PROGRAM = sys.argv[sys.argv.index("--") + 1 :]
 
 
 def load():
-    spec = importlib.util.spec_from_file_location("planish_blender", ADDON)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    sys.path.insert(0, str(pathlib.Path(ADDON).resolve().parents[1]))
+    import planish_blender
+
+    return planish_blender
 
 
 def coordinates(mesh):

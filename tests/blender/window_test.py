@@ -4,8 +4,8 @@ xvfb-run -a blender --factory-startup --enable-event-simulate --window-geometry 
   --python window_test.py -- ADDON PLANISH
 """
 
-import importlib.util
 import os
+import pathlib
 import sys
 import time
 import traceback
@@ -18,12 +18,11 @@ SECONDS = 200
 
 
 def load():
-    spec = importlib.util.spec_from_file_location("planish_blender", ADDON)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    module.register()
-    return module
+    sys.path.insert(0, str(pathlib.Path(ADDON).resolve().parents[1]))
+    import planish_blender
+
+    planish_blender.register()
+    return planish_blender
 
 
 def event(kind, value="PRESS", x=500, **keys):

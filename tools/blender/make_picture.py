@@ -4,7 +4,7 @@ xvfb-run -a -s "-screen 0 1280x800x24" blender --factory-startup --enable-event-
   --window-geometry 0 0 1280 800 --python make_picture.py -- planish_blender/__init__.py MESH.obj PICTURE.png
 """
 
-import importlib.util
+import pathlib
 import sys
 
 import bpy
@@ -13,12 +13,11 @@ ADDON, MESH, PICTURE = sys.argv[sys.argv.index("--") + 1 :]
 
 
 def load():
-    spec = importlib.util.spec_from_file_location("planish_blender", ADDON)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    module.register()
-    return module
+    sys.path.insert(0, str(pathlib.Path(ADDON).resolve().parents[1]))
+    import planish_blender
+
+    planish_blender.register()
+    return planish_blender
 
 
 def make_scene():

@@ -3,7 +3,7 @@
 blender --background --factory-startup --python measure_live.py -- planish_blender/__init__.py GOBLET.obj
 """
 
-import importlib.util
+import pathlib
 import resource
 import sys
 import time
@@ -15,12 +15,11 @@ ROUNDS = 7
 
 
 def load():
-    spec = importlib.util.spec_from_file_location("planish_blender", ADDON)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    module.register()
-    return module
+    sys.path.insert(0, str(pathlib.Path(ADDON).resolve().parents[1]))
+    import planish_blender
+
+    planish_blender.register()
+    return planish_blender
 
 
 def torus(around, across):
