@@ -14,9 +14,10 @@ if(NOT EXISTS ${EMSCRIPTEN_ROOT_PATH})
 endif()
 set(NODE_JS_EXECUTABLE node)
 
-# As native builds: nothing is fused, and no one asks for errno. Exceptions are the engine's own.
+# As native builds: nothing is fused, and no one asks for errno. Exceptions are the engine's own. libc++'s other kind of
+# std::function has two functions for each thing that one holds, or none, where the usual one has eight and a table.
 string(CONCAT planish_wasm_flags "-fwasm-exceptions -msimd128 -ffp-contract=off -fno-math-errno"
-       " -isystem ${planish_wasm}/prefix/include")
+       " -D_LIBCPP_ABI_OPTIMIZED_FUNCTION -isystem ${planish_wasm}/prefix/include")
 set(CMAKE_C_FLAGS_INIT "-fwasm-exceptions -msimd128")
 set(CMAKE_CXX_FLAGS_INIT ${planish_wasm_flags})
 set(CMAKE_C_FLAGS_RELEASE "-Oz -DNDEBUG" CACHE STRING "")
