@@ -1,6 +1,7 @@
 """Work goes on without Python's lock, tells how far it is, and stops when asked."""
 
 import _thread
+import signal
 import threading
 import time
 
@@ -120,12 +121,15 @@ def test_an_exception_of_cancelled_comes_through(grid):
 
 def test_keyboard_interrupt_stops_work(grid):
     arrays = grid(900)
+    # What a shell starts in the background ignores interruptions; then the work would never end.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.2, _thread.interrupt_main)
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         while True:  # however fast the machine is
             planish.fit(*arrays, method="fair")
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def test_other_threads_run_meanwhile(grid):
