@@ -278,6 +278,7 @@ TEST(Stop, EndsAParallelLoopOnAllThreads) {
 // The calling thread stays in its piece until long after the flag is set: only what the other
 // threads look at can keep them from beginning more pieces.
 TEST(Stop, OtherThreadsLookThemselves) {
+  if (oneapi::tbb::this_task_arena::max_concurrency() < 2) GTEST_SKIP() << "one thread";
   const oneapi::tbb::global_control threads(oneapi::tbb::global_control::max_allowed_parallelism,
                                             4);
   const std::thread::id own = std::this_thread::get_id();
