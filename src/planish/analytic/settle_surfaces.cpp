@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <map>
@@ -94,14 +95,24 @@ class Settler {
     find_contacts();
     const std::vector<AnalyticRegion> before = regions_.regions;
     put_all();
-    if (unknowns_ > 0 && unknowns_ <= kMostUnknowns) improve();
+    find_meetings();
+    drop_false_conditions();
+    if (unknowns_ > 0 && unknowns_ <= kMostUnknowns) {
+      const Unknowns first = unknowns_values();
+      improve();
+      for (int round = 0; round < kMostRounds && drop_pulling_conditions(before); ++round) {
+        take(first);
+        put_all();
+        improve();
+      }
+    }
     keep_near(before);
     return {std::move(is_tangent_)};
   }
 
  private:
   static constexpr std::int32_t kMostUnknowns = 3000;
-  static constexpr int kSteps = 8;
+  static constexpr int kSteps = 8, kMostRounds = 12;
 
   [[nodiscard]] std::vector<glm::dvec3> points_of(const AnalyticRegion& region) const {
     std::vector<std::int32_t> vertices;
@@ -529,8 +540,9 @@ class Settler {
       }
       normal.add(row, glm::dot(first.axis, second.axis), kFirm);
     }
-    for (const std::size_t c : contacts_) add_contact(normal, c, kFirm);
-    add_meetings(normal, kFirm);
+    const auto add = [&](const RowSum& row, double residual) { normal.add(row, residual, kFirm); };
+    for (const std::size_t c : contacts_) each_condition_of(borders_.chains[c], add);
+    for (const Meeting& meeting : meetings_) each_condition_of(meeting, add);
     return normal;
   }
 
@@ -551,9 +563,14 @@ class Settler {
     places_ = values.places;
   }
 
-  // Places of a chain: both distances are one there, and the normals' parts along it.
-  void add_contact(Normal& normal, std::size_t c, double weight) {
-    const BorderChain& chain = borders_.chains[c];
+  struct Meeting {
+    std::int32_t vertex = 0;
+    std::vector<std::size_t> regions;  // the first three tell the point
+  };
+  // Calls use(row, residual) for the conditions of a contact at places of its chain: both distances
+  // are one there, and the normals' parts along it.
+  template <class Use>
+  void each_condition_of(const BorderChain& chain, const Use& use) const {
     const std::int32_t a = chain.left, b = chain.right;
     const AnalyticRegion &first = regions_.regions[a], &second = regions_.regions[b];
     const double sign = first.side() * second.side();
@@ -567,9 +584,7 @@ class Settler {
       RowSum apart;
       apart.add(row_of(a, p), 1);
       apart.add(row_of(b, p), -sign);
-      normal.add(apart,
-                 signed_distance(first.surface, p) - sign * signed_distance(second.surface, p),
-                 weight);
+      use(apart, signed_distance(first.surface, p) - sign * signed_distance(second.surface, p));
       // The same a little further along the chain and back: what normals along it differ by.
       glm::dvec3 along = across.axis;
       along -= glm::dot(along, normal_a) * normal_a;
@@ -583,42 +598,66 @@ class Settler {
         turned.add(row_of(a, p + way * kStep * along), way * scale);
       for (const double way : {1.0, -1.0})
         turned.add(row_of(b, p + way * kStep * along), -sign * way * scale);
-      normal.add(turned, kReach * glm::dot(along, normal_a - sign * normal_b), weight);
+      use(turned, kReach * glm::dot(along, normal_a - sign * normal_b));
     }
   }
 
-  // Vertices where more than three surfaces meet: those beyond the three that tell the point best
-  // pass through it.
-  void add_meetings(Normal& normal, double weight) {
-    if (meetings_.empty()) find_meetings();
-    for (const Meeting& meeting : meetings_) {
-      std::vector<SidedSurface> three;
-      std::array<glm::dvec3, 3> normals;
-      const glm::dvec3 near = positions_[meeting.vertex];
-      for (std::size_t i = 0; i < 3; ++i)
-        three.push_back({&regions_.regions[meeting.regions[i]].surface, 1});
-      double reach = 0;
-      const glm::dvec3 p = common_point(near, three, {}, reach);
-      for (std::size_t i = 0; i < 3; ++i) normals[i] = normal_at(*three[i].surface, p);
-      const glm::dmat3 rows = glm::transpose(glm::dmat3(normals[0], normals[1], normals[2]));
-      if (!(std::abs(glm::determinant(rows)) > 1e-4)) continue;
-      const glm::dmat3 inverse = glm::inverse(rows);
-      for (std::size_t k = 3; k < meeting.regions.size(); ++k) {
-        const AnalyticSurface& other = regions_.regions[meeting.regions[k]].surface;
-        // The point moves by -inverse (changes of the three), so the fourth distance changes so.
-        const glm::dvec3 shares = glm::transpose(inverse) * normal_at(other, p);
-        RowSum moved;
-        moved.add(row_of(meeting.regions[k], p), 1);
-        for (int i = 0; i < 3; ++i)
-          moved.add(row_of(meeting.regions[static_cast<std::size_t>(i)], p), -shares[i]);
-        normal.add(moved, signed_distance(other, p), weight);
-      }
+  // Calls use(row, residual) for each surface of a meeting beyond the three that tell its point
+  // best: it passes through that.
+  template <class Use>
+  void each_condition_of(const Meeting& meeting, const Use& use) const {
+    std::vector<SidedSurface> three;
+    std::array<glm::dvec3, 3> normals;
+    const glm::dvec3 near = positions_[meeting.vertex];
+    for (std::size_t i = 0; i < 3; ++i)
+      three.push_back({&regions_.regions[meeting.regions[i]].surface, 1});
+    double reach = 0;
+    const glm::dvec3 p = common_point(near, three, {}, reach);
+    for (std::size_t i = 0; i < 3; ++i) normals[i] = normal_at(*three[i].surface, p);
+    const glm::dmat3 rows = glm::transpose(glm::dmat3(normals[0], normals[1], normals[2]));
+    if (!(std::abs(glm::determinant(rows)) > 1e-4)) return;
+    const glm::dmat3 inverse = glm::inverse(rows);
+    for (std::size_t k = 3; k < meeting.regions.size(); ++k) {
+      const AnalyticSurface& other = regions_.regions[meeting.regions[k]].surface;
+      // The point moves by -inverse (changes of the three), so the fourth distance changes so.
+      const glm::dvec3 shares = glm::transpose(inverse) * normal_at(other, p);
+      RowSum moved;
+      moved.add(row_of(meeting.regions[k], p), 1);
+      for (int i = 0; i < 3; ++i)
+        moved.add(row_of(meeting.regions[static_cast<std::size_t>(i)], p), -shares[i]);
+      use(moved, signed_distance(other, p));
     }
   }
-  struct Meeting {
-    std::int32_t vertex = 0;
-    std::vector<std::size_t> regions;  // the first three tell the point
-  };
+
+  // Conditions that more than chance speaks against are none: they would take all surfaces around
+  // from their vertices.
+  void drop_false_conditions() {
+    std::vector<double> deviation(static_cast<std::size_t>(unknowns_), 0);
+    const auto set = [&](std::int32_t first, std::int32_t count, double value) {
+      for (std::int32_t i = 0; first >= 0 && i < count; ++i) deviation[first + i] = value;
+    };
+    for (const Direction& direction : directions_) set(direction.first, 2, direction.deviation);
+    for (const Anchor& anchor : anchors_) set(anchor.first, 2, anchor.deviation);
+    for (const auto* lengths : {&lengths_, &slopes_, &places_})
+      for (const Length& length : *lengths) set(length.unknown, 1, length.deviation);
+    const auto is_false = [&](const auto& condition) {
+      bool result = false;
+      each_condition_of(condition, [&](const RowSum& row, double residual) {
+        constexpr double kMostTold = 1e-3;  // of the diagonal
+        double told = kLeastError;
+        for (std::size_t i = 0; i < row.unknowns.size(); ++i)
+          told += std::abs(row.values[i]) * deviation[row.unknowns[i]];
+        if (!(std::abs(residual) <= kTimes * told && told <= kMostTold)) result = true;
+      });
+      return result;
+    };
+    std::erase_if(contacts_, [&](std::size_t c) {
+      if (!is_false(borders_.chains[c])) return false;
+      is_tangent_[c] = 0;
+      return true;
+    });
+    std::erase_if(meetings_, is_false);
+  }
   // Whether a surface passes the point of the first three, as far as vertices tell: a vertex that
   // is a sample may be where two edges only come near each other.
   [[nodiscard]] bool passes_near(const Meeting& meeting, std::size_t region) const {
@@ -688,14 +727,75 @@ class Settler {
         if (length.unknown >= 0) length.value += by[length.unknown];
   }
 
+  // Of a region's vertices, from its surface: the largest.
+  [[nodiscard]] double error_of(std::size_t r) const {
+    double error = 0;
+    for (const glm::dvec3& p : points_[r])
+      error = std::max(error, std::abs(signed_distance(regions_.regions[r].surface, p)));
+    return error;
+  }
+  static double most_error(const AnalyticRegion& before) {
+    constexpr double kWorse = 2;
+    return std::max(kWorse * before.error, 10 * kLeastError);
+  }
+
+  // Where surfaces were taken from their vertices: of the conditions around each the one that pulls
+  // hardest, by what is left of it against its weight (Baarda's data snooping). Whether any was.
+  bool drop_pulling_conditions(const std::vector<AnalyticRegion>& before) {
+    std::vector<char> is_pulled(before.size(), 0);
+    for (std::size_t r = 0; r < before.size(); ++r)
+      is_pulled[r] = error_of(r) > most_error(before[r]) ? 1 : 0;
+    const auto force_of = [&](const auto& condition) {
+      double force = 0;
+      each_condition_of(condition, [&](const RowSum&, double residual) {
+        force = std::max(force, std::abs(residual));
+      });
+      return force;
+    };
+    struct Pull {
+      double force = 0;
+      std::ptrdiff_t contact = -1, meeting = -1;
+    };
+    std::map<std::size_t, Pull> hardest;  // by pulled region
+    const auto consider = [&](std::size_t r, const Pull& pull) {
+      if (is_pulled[r] != 0 && pull.force > hardest[r].force) hardest[r] = pull;
+    };
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      const BorderChain& chain = borders_.chains[contacts_[i]];
+      if (is_pulled[chain.left] == 0 && is_pulled[chain.right] == 0) continue;
+      const Pull pull{force_of(chain), static_cast<std::ptrdiff_t>(i), -1};
+      consider(chain.left, pull);
+      consider(chain.right, pull);
+    }
+    for (std::size_t i = 0; i < meetings_.size(); ++i) {
+      if (std::ranges::none_of(meetings_[i].regions,
+                               [&](std::size_t r) { return is_pulled[r] != 0; }))
+        continue;
+      const Pull pull{force_of(meetings_[i]), -1, static_cast<std::ptrdiff_t>(i)};
+      for (const std::size_t r : meetings_[i].regions) consider(r, pull);
+    }
+    std::vector<std::ptrdiff_t> contacts, meetings;
+    for (const auto& [region, pull] : hardest) {
+      if (pull.contact >= 0) contacts.push_back(pull.contact);
+      if (pull.meeting >= 0) meetings.push_back(pull.meeting);
+    }
+    for (auto* list : {&contacts, &meetings}) {
+      std::ranges::sort(*list, std::greater<>());
+      list->erase(std::ranges::unique(*list).begin(), list->end());
+    }
+    for (const std::ptrdiff_t i : contacts) {
+      is_tangent_[contacts_[static_cast<std::size_t>(i)]] = 0;
+      contacts_.erase(contacts_.begin() + i);
+    }
+    for (const std::ptrdiff_t i : meetings) meetings_.erase(meetings_.begin() + i);
+    return !contacts.empty() || !meetings.empty();
+  }
+
   // A surface that the conditions took from its vertices gets its own back.
   void keep_near(const std::vector<AnalyticRegion>& before) {
     for (std::size_t r = 0; r < before.size(); ++r) {
-      double error = 0;
-      for (const glm::dvec3& p : points_[r])
-        error = std::max(error, std::abs(signed_distance(regions_.regions[r].surface, p)));
-      constexpr double kWorse = 4;
-      if (error <= kWorse * std::max(before[r].error, 10 * kLeastError)) {
+      const double error = error_of(r);
+      if (error <= most_error(before[r])) {
         regions_.regions[r].error = error;
       } else {
         regions_.regions[r].surface = before[r].surface;
