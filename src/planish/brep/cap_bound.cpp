@@ -164,6 +164,18 @@ class JumpSearch {
         turned_by_rounding(longest(along.all()), longest(right.all()),
                            shortest(right_normal.all()));
     const bool is_clear = rounding < 0.5 * std::numbers::pi;
+    // A part of which neither end has a normal has none, as far as that can be told.
+    const auto has_normal = [&](const Curve<glm::dvec3>& side, const Curve<glm::dvec3>& normal,
+                                bool at_end) {
+      const auto length = [&](const Curve<glm::dvec3>& of) {
+        return glm::length(of.points[at_end ? of.degree : 0]);
+      };
+      return turned_by_rounding(length(along), length(side), length(normal)) <
+             0.25 * std::numbers::pi;
+    };
+    const auto has_normals = [&](bool at_end) {
+      return has_normal(left, left_normal, at_end) && has_normal(right, right_normal, at_end);
+    };
     double angle = 0.5 * std::numbers::pi;
     bool is_bounded = false;
     if (is_clear) {
@@ -192,9 +204,11 @@ class JumpSearch {
       for (const std::size_t k : {std::size_t{0}, left_normal.degree})
         seen = std::max(seen, angle_between(left_normal.points[k], right_normal.points[k]));
     const bool is_loose = angle > kMostLoose * seen + kSmallestJump;
-    const bool is_split = !is_bounded
-                              ? halvings < (is_clear ? kCoarseHalvings : kMostHalvings)
-                              : (is_loose || is_near(line.points[0])) && halvings < kMostHalvings;
+    const bool is_split =
+        !is_bounded
+            ? halvings < (is_clear || !(has_normals(false) || has_normals(true)) ? kCoarseHalvings
+                                                                                 : kMostHalvings)
+            : (is_loose || is_near(line.points[0])) && halvings < kMostHalvings;
     if (is_split) {
       look(0.5 * (from + to), to, halvings + 1);
       look(from, 0.5 * (from + to), halvings + 1);
