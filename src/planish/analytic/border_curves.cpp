@@ -134,9 +134,9 @@ glm::dvec3 point_at(const BorderCurve& curve, double t) {
       kBorderDegree, curve.knots, [&](std::size_t i) { return curve.points[i]; }, t);
 }
 
-// A spline on both surfaces: twice as many points until it is.
-std::optional<BorderCurve> spline_along(const BorderSides& sides,
-                                        std::span<const glm::dvec3> chain) {
+// A spline on both surfaces within a distance: twice as many points until it is.
+std::optional<BorderCurve> spline_along(const BorderSides& sides, std::span<const glm::dvec3> chain,
+                                        double within) {
   std::vector<double> length{0};
   for (std::size_t i = 1; i < chain.size(); ++i)
     length.push_back(length.back() + glm::length(chain[i] - chain[i - 1]));
@@ -152,7 +152,7 @@ std::optional<BorderCurve> spline_along(const BorderSides& sides,
       const double part = (wanted - length[piece - 1]) / (length[piece] - length[piece - 1]);
       double reach = 0;
       at.push_back(sides.point((1 - part) * chain[piece - 1] + part * chain[piece], reach));
-      if (!(reach <= kOnSurface)) return std::nullopt;
+      if (!(reach <= within)) return std::nullopt;
     }
     at.push_back(chain.back());
     std::vector<double> knots{0};
@@ -179,7 +179,7 @@ std::optional<BorderCurve> spline_along(const BorderSides& sides,
                         std::abs(signed_distance(*sides.right.surface, p))});
       }
     }
-    if (off <= kOnSurface) return curve;
+    if (off <= within) return curve;
   }
   return std::nullopt;
 }
@@ -217,29 +217,17 @@ std::vector<glm::dvec3> forward_of(const BorderSides& sides, std::span<const glm
   return kept;
 }
 
-}  // namespace
-
-bool comes_back(const BorderSides& sides, std::span<const glm::dvec3> chain) {
-  double length = 0, told = 0;
-  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
-    const double step = glm::length(chain[i + 1] - chain[i]);
-    length += step;
-    told += glm::length(tangent_at(sides, chain[i])) * step;
-  }
-  return told > kForward * length && std::abs(way_along(sides, chain)) < kForward * told;
-}
-
-std::optional<BorderCurve> curve_along(const BorderSides& sides,
-                                       std::span<const glm::dvec3> given) {
-  const std::vector<glm::dvec3> chain = forward_of(sides, given);
+// On both surfaces within a distance; none where there is none.
+std::optional<BorderCurve> curve_within(const BorderSides& sides, std::span<const glm::dvec3> chain,
+                                        double within) {
   const glm::dvec3 &from = chain.front(), &to = chain.back();
   // On both surfaces all along, and near the chain.
   const auto fits = [&](const BorderCurve& curve) {
     // A point where three surfaces touch one another is told by the square root of rounding.
     constexpr double kNear = 2e-3, kEnds = 5e-8;
     const auto on_surfaces = [&](const glm::dvec3& p) {
-      return std::abs(signed_distance(*sides.left.surface, p)) <= kOnSurface &&
-             std::abs(signed_distance(*sides.right.surface, p)) <= kOnSurface;
+      return std::abs(signed_distance(*sides.left.surface, p)) <= within &&
+             std::abs(signed_distance(*sides.right.surface, p)) <= within;
     };
     return distance_from(curve, from, to, from) <= kEnds &&
            distance_from(curve, from, to, to) <= kEnds &&
@@ -261,7 +249,28 @@ std::optional<BorderCurve> curve_along(const BorderSides& sides,
     turn_along(curve, chain);
     if (fits(curve)) return curve;
   }
-  return spline_along(sides, chain);
+  return spline_along(sides, chain, within);
+}
+
+}  // namespace
+
+bool comes_back(const BorderSides& sides, std::span<const glm::dvec3> chain) {
+  double length = 0, told = 0;
+  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+    const double step = glm::length(chain[i + 1] - chain[i]);
+    length += step;
+    told += glm::length(tangent_at(sides, chain[i])) * step;
+  }
+  return told > kForward * length && std::abs(way_along(sides, chain)) < kForward * told;
+}
+
+std::optional<BorderCurve> curve_along(const BorderSides& sides,
+                                       std::span<const glm::dvec3> given) {
+  const std::vector<glm::dvec3> chain = forward_of(sides, given);
+  // Surfaces that cannot agree with all around them have the curve that is nearest to both.
+  for (const double within : {kOnSurface, kOnAll})
+    if (auto curve = curve_within(sides, chain, within)) return curve;
+  return std::nullopt;
 }
 
 BorderCurve arc(const glm::dvec3& centre, const glm::dvec3& axis, const glm::dvec3& from) {

@@ -26,8 +26,11 @@ struct BorderCurve {
 };
 inline constexpr std::size_t kBorderDegree = 3;
 
-/// Of the diagonal: curves lie on their surfaces within this.
+/// Of the diagonal: curves lie on their surfaces within this, or within what their ends do.
 inline constexpr double kOnSurface = 1e-9;
+/// Of the diagonal: a point is the one that surfaces have in common. Those of a mesh of rounded
+/// coordinates may agree no better.
+inline constexpr double kOnAll = 7e-8;
 
 /// The curve along a chain: from its first point to its last, which lie on both surfaces, by those
 /// between, which are near and may go back and forth. None where the surfaces do not meet along it.

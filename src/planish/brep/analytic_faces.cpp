@@ -58,9 +58,9 @@ std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology
     }
     if (std::ranges::any_of(regions, [&](std::int32_t r) { return is_unsound[r] != 0; })) continue;
     try {
-      try_analytic_part(found, topology, regions);
-    } catch (const NotAnalytic& reason) {
-      if (reason.region >= 0) is_unsound[reason.region] = 1;
+      for (const std::int32_t r : regions_in_the_way(found, topology, regions)) is_unsound[r] = 1;
+    } catch (const NotAnalytic&) {
+      continue;  // nothing that could be left out would help
     }
   }
   return is_unsound;

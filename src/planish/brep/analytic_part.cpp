@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
@@ -48,14 +49,22 @@ class PartBuilder {
         freeform_(freeform),
         brep_(brep) {}
 
-  // Whether these regions can have faces, whatever B-spline faces they end at. Throws NotAnalytic.
-  void try_regions(std::span<const std::int32_t> regions) {
+  // The regions that are in the way of faces of these, whatever B-spline faces they end at; those
+  // that only others had shown may be left out. Throws NotAnalytic where no region is to blame.
+  [[nodiscard]] std::vector<std::int32_t> try_regions(std::span<const std::int32_t> regions) {
     is_trial_ = true;
     for (const std::int32_t r : regions) number_[r] = r;
     gather_chains(regions);
-    for (const std::int32_t r : regions) plan(r);
-    for (const std::int32_t c : chains_)
-      if (borders_.chains[c].right >= 0) make_edges(c);
+    if (in_the_way_.empty())
+      for (const std::int32_t r : regions) attempt({&r, 1}, [&] { plan(r); });
+    if (in_the_way_.empty())
+      for (const std::int32_t c : chains_)
+        if (borders_.chains[c].right >= 0) attempt(sides_of(c), [&] { make_edges(c); });
+    // The smaller half: with these the others may not be.
+    std::ranges::sort(in_the_way_, std::less<>(),
+                      [&](std::int32_t r) { return std::pair(area_of(r), r); });
+    in_the_way_.resize((in_the_way_.size() + 1) / 2);
+    return in_the_way_;
   }
   // Adds the faces of these regions, in their order, and behind them these B-spline faces. Throws
   // NotAnalytic, and the B-rep is to be forgotten then.
@@ -94,6 +103,25 @@ class PartBuilder {
     bool is_whole_torus = false;
   };
 
+  // In a trial what is in the way is noted, unless one of the regions that it is about is already:
+  // without that all may be well.
+  template <class Make>
+  void attempt(std::span<const std::int32_t> about, const Make& make) {
+    if (!is_trial_) return make();
+    if (std::ranges::any_of(about, [&](std::int32_t r) {
+          return std::ranges::find(in_the_way_, r) != in_the_way_.end();
+        }))
+      return;
+    try {
+      make();
+    } catch (const NotAnalytic& reason) {
+      if (reason.region < 0) throw;
+      in_the_way_.push_back(reason.region);
+    }
+  }
+  [[nodiscard]] std::array<std::int32_t, 2> sides_of(std::int32_t c) const {
+    return {borders_.chains[c].left, borders_.chains[c].right};
+  }
   [[nodiscard]] const AnalyticSurface& surface(std::int32_t region) const {
     return regions_.regions[region].surface;
   }
@@ -115,12 +143,19 @@ class PartBuilder {
     std::map<std::int32_t, std::vector<std::int32_t>> chains_at;
     for (const std::int32_t c : chains_) {
       const BorderChain& chain = borders_.chains[c];
-      if (chain.is_boundary) throw NotAnalytic{"it is open", chain.left};
+      if (chain.is_boundary)
+        attempt({&chain.left, 1}, [&] { throw NotAnalytic{"it is open", chain.left}; });
       if (chain.is_closed) continue;
       chains_at[chain.vertices.front()].push_back(c);
       chains_at[chain.vertices.back()].push_back(c);
     }
-    for (const auto& [vertex, chains] : chains_at) vertex_of_[vertex] = junction(vertex, chains);
+    for (const auto& [vertex, chains] : chains_at) {
+      std::vector<std::int32_t> around;
+      for (const std::int32_t c : chains)
+        for (const std::int32_t r : sides_of(c)) around.push_back(r);
+      attempt(around, [&] { vertex_of_[vertex] = junction(vertex, chains); });
+    }
+    if (!in_the_way_.empty()) return;
     join_junctions();
     for (const std::int32_t c : chains_) {
       const BorderChain& chain = borders_.chains[c];
@@ -133,21 +168,26 @@ class PartBuilder {
         plan_free_chain(c);
         continue;
       }
-      plan.sides = {sided(chain.left), sided(chain.right), settled_.is_tangent[c] != 0};
-      const std::size_t last = chain.vertices.size() - 1;
-      for (std::size_t i = 0; i <= last; ++i) {
-        const glm::dvec3& given = positions_[chain.vertices[i]];
-        if (i == last && chain.is_closed) {
-          plan.points.push_back(plan.points.front());
-        } else if ((i == 0 || i == last) && !chain.is_closed) {
-          plan.points.push_back(brep_.vertices[i == 0 ? plan.from : plan.to]);
-        } else {
-          double reach = 0;
-          plan.points.push_back(plan.sides.point(given, reach));
-          require_near(
-              reach, chain.vertices[i], plan.points.back(), plan.sides.is_tangent,
-              {"two surfaces do not meet where their faces do", smaller(chain.left, chain.right)});
-        }
+      attempt(sides_of(c), [&] { plan_chain(c); });
+    }
+  }
+  void plan_chain(std::int32_t c) {
+    const BorderChain& chain = borders_.chains[c];
+    ChainPlan& plan = plans_.at(c);
+    plan.sides = {sided(chain.left), sided(chain.right), settled_.is_tangent[c] != 0};
+    const std::size_t last = chain.vertices.size() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+      const glm::dvec3& given = positions_[chain.vertices[i]];
+      if (i == last && chain.is_closed) {
+        plan.points.push_back(plan.points.front());
+      } else if ((i == 0 || i == last) && !chain.is_closed) {
+        plan.points.push_back(brep_.vertices[i == 0 ? plan.from : plan.to]);
+      } else {
+        double reach = 0;
+        plan.points.push_back(plan.sides.point(given, reach));
+        require_near(
+            reach, kOnSurface, chain.vertices[i], plan.points.back(), plan.sides.is_tangent,
+            {"two surfaces do not meet where their faces do", smaller(chain.left, chain.right)});
       }
     }
   }
@@ -175,16 +215,15 @@ class PartBuilder {
   // Whether a point that surfaces have in common stands for a vertex: not much farther than its
   // edges reach, for noise moves these from one side of a border to the other, and farther where
   // surfaces touch.
-  void require_near(double reach, std::int32_t vertex, const glm::dvec3& to, bool is_tangent,
-                    const NotAnalytic& otherwise) const {
+  void require_near(double reach, double most, std::int32_t vertex, const glm::dvec3& to,
+                    bool is_tangent, const NotAnalytic& otherwise) const {
     constexpr double kMostMoved = 2e-3, kMost = 0.02;  // of the diagonal
     const glm::dvec3& from = positions_[vertex];
     double longest = is_tangent ? kMost : 0;
     for (const std::int32_t corner : topology_.corners_at(vertex))
       longest = std::max(
           longest, glm::length(positions_[topology_.vertex_of(topology_.next(corner))] - from));
-    if (!(reach <= kOnSurface) ||
-        !(glm::length(to - from) <= std::clamp(2 * longest, kMostMoved, kMost)))
+    if (!(reach <= most) || !(glm::length(to - from) <= std::clamp(2 * longest, kMostMoved, kMost)))
       throw otherwise;
   }
   [[nodiscard]] double area_of(std::int32_t region) const {
@@ -216,7 +255,7 @@ class PartBuilder {
     double reach = 0;
     const glm::dvec3 point = common_point(positions_[vertex], surfaces, touching, reach);
     require_near(
-        reach, vertex, point, !touching.empty(),
+        reach, kOnAll, vertex, point, !touching.empty(),
         {"surfaces that meet at a vertex have no point in common",
          *std::ranges::min_element(around, {}, [&](std::int32_t r) { return area_of(r); })});
     return add_vertex(point);
@@ -793,6 +832,7 @@ class PartBuilder {
   const FreeformFaces* freeform_;
   Brep& brep_;
   bool is_trial_ = false;
+  std::vector<std::int32_t> in_the_way_;
   std::optional<FreeformSide> free_;
   std::map<std::int32_t, std::int32_t> number_;  // of faces of the part, by region
   std::vector<std::int32_t> chains_;
@@ -804,10 +844,11 @@ class PartBuilder {
 
 }  // namespace
 
-void try_analytic_part(const AnalyticParts& found, const MeshTopology& topology,
-                       std::span<const std::int32_t> regions) {
+std::vector<std::int32_t> regions_in_the_way(const AnalyticParts& found,
+                                             const MeshTopology& topology,
+                                             std::span<const std::int32_t> regions) {
   Brep brep;
-  PartBuilder(found, topology, nullptr, brep).try_regions(regions);
+  return PartBuilder(found, topology, nullptr, brep).try_regions(regions);
 }
 
 Brep analytic_part(const AnalyticParts& found, const MeshTopology& topology,
