@@ -214,6 +214,86 @@ TEST(AnalyticParts, NoiseIsThatOfTheVertices) {
   }
 }
 
+// A prism between two polygons, above each edge of which lies one edge and its ends: below it may
+// have further vertices.
+PolygonMesh prism(const std::vector<glm::dvec2>& above, int times_below, double height) {
+  PolygonMesh mesh;
+  const auto count = static_cast<std::int32_t>(above.size()), below = times_below * count;
+  for (const glm::dvec2& p : above) mesh.positions.emplace_back(p, height);
+  for (std::int32_t i = 0; i < below; ++i) {
+    const double part = static_cast<double>(i % times_below) / times_below;
+    const glm::dvec2 from = above[i / times_below], to = above[(i / times_below + 1) % count];
+    mesh.positions.emplace_back((1 - part) * from + part * to, 0);
+  }
+  std::vector<std::int32_t> top, bottom;
+  for (std::int32_t i = 0; i < count; ++i) {
+    top.push_back(i);
+    std::vector<std::int32_t> side;
+    for (std::int32_t k = 0; k <= times_below; ++k)
+      side.push_back(count + (times_below * i + k) % below);
+    side.push_back((i + 1) % count);
+    side.push_back(i);
+    mesh.add_face(side);
+  }
+  for (std::int32_t i = below; i-- > 0;) bottom.push_back(count + i);
+  mesh.add_face(top);
+  mesh.add_face(bottom);
+  return mesh;
+}
+
+// Programs that know triangles only cut facets, not the cylinder: along the cut vertices lie inside
+// it, on some facets or on all.
+TEST(AnalyticParts, FacetsThatWereCutAreOfTheirCylinder) {
+  constexpr int kSides = 32;
+  constexpr double kRadius = 2, kFlat = 1.5;
+  std::vector<glm::dvec2> whole, cut;
+  for (int i = 0; i < kSides; ++i)
+    whole.emplace_back(kRadius * std::cos(2 * kPi * i / kSides),
+                       kRadius * std::sin(2 * kPi * i / kSides));
+  for (int i = 0; i < kSides; ++i) {
+    const glm::dvec2 p = whole[i], q = whole[(i + 1) % kSides];
+    if (p.x <= kFlat) cut.push_back(p);
+    if ((p.x - kFlat) * (q.x - kFlat) < 0) cut.push_back(p + (kFlat - p.x) / (q.x - p.x) * (q - p));
+  }
+  const double sag = kRadius * (1 - std::cos(kPi / kSides));
+  struct Case {
+    PolygonMesh mesh;
+    std::int64_t planes;
+    double least_sag;  // of the vertex that lies deepest
+  };
+  for (const auto& [mesh, planes, least_sag] :
+       {Case{prism(whole, 2, 5), 2, 0.999 * sag}, Case{prism(cut, 1, 5), 3, 0.05 * sag},
+        Case{prism(cut, 3, 5), 3, 0.8 * sag}}) {
+    SCOPED_TRACE(planes);
+    const AnalyticFaces made = analytic_faces_of(mesh);
+    EXPECT_EQ(made.freeform_parts, 0) << made.first_reason;
+    EXPECT_EQ(made.faces_by_kind, (Kinds{planes, 1, 0, 0, 0}));
+    ASSERT_EQ(made.radii.size(), 1u);
+    EXPECT_NEAR(made.radii[0], kRadius, 1e-9);
+    EXPECT_GT(made.largest_distance, least_sag);
+    EXPECT_LT(made.largest_distance, 1.001 * sag);
+    EXPECT_TRUE(check_brep(made.brep, placement_of(mesh).diagonal).is_valid());
+  }
+}
+
+// Two facets that go on as the planes beside them are a fillet, not if they meet these in edges.
+TEST(AnalyticParts, TwoFacetsBetweenPlanesAreAFillet) {
+  for (const bool touches : {true, false}) {
+    SCOPED_TRACE(touches);
+    std::vector<glm::dvec2> outline{{0, -3}, {touches ? 4 : 4.5, -3}};
+    for (const double angle : {0.0, 22.5, 45.0})
+      outline.emplace_back(3 + std::cos(angle * kDegree), 1 + std::sin(angle * kDegree));
+    outline.emplace_back(2, 2 + std::sqrt(2.0));
+    outline.emplace_back(0, 2 + std::sqrt(2.0));
+    const AnalyticFaces made = analytic_faces_of(prism(outline, 1, 3));
+    EXPECT_EQ(made.faces_by_kind[1], touches ? 1 : 0);
+    if (!touches) continue;
+    EXPECT_EQ(made.freeform_parts, 0) << made.first_reason;
+    EXPECT_EQ(made.faces_by_kind, (Kinds{7, 1, 0, 0, 0}));
+    EXPECT_NEAR(made.radii.at(0), 1, 1e-9);
+  }
+}
+
 TEST(AnalyticParts, WhatHasNoNameStaysFreeform) {
   PolygonMesh bumpy = capsule();
   for (glm::dvec3& p : bumpy.positions) p *= 1 + 0.05 * std::sin(3 * p.x) * std::cos(2 * p.y + p.z);

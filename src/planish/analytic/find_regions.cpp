@@ -9,7 +9,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "planish/analytic/cut_regions.h"
 #include "planish/analytic/face_patches.h"
+#include "planish/analytic/facet_clusters.h"
 #include "planish/analytic/spread_order.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/portable_math.h"
@@ -22,12 +24,6 @@ namespace {
 
 constexpr std::size_t kMostNeighbours = 8;
 
-// Faces in one plane.
-struct Cluster {
-  std::vector<std::int32_t> faces, neighbours;  // these across smooth edges that turn
-  Facet facet;
-};
-
 struct Candidate {
   AnalyticSurface surface;
   bool is_inward = false;
@@ -38,20 +34,21 @@ struct Candidate {
 class RegionFinder {
  public:
   RegionFinder(std::span<const glm::dvec3> positions, const MeshTopology& topology,
-               std::span<const char> is_sharp, double tolerance)
+               std::span<const char> is_sharp, const FacetClusters& made, double tolerance,
+               bool keeps_smooth)
       : positions_(positions),
         topology_(topology),
         is_sharp_(is_sharp),
         tolerance_(tolerance),
+        keeps_smooth_(keeps_smooth),
         parts_(face_components(topology)),
-        facets_(topology.face_count()),
-        doubt_(facets_.size()),
-        cluster_of_(facets_.size(), kNoRegion),
+        made_(made),
+        facets_(made.facets),
+        doubt_(made.doubt),
+        cluster_of_(made.cluster_of),
+        clusters_(made.clusters),
         seen_(facets_.size(), 0),
         patches_(positions, topology, is_sharp) {
-    measure();
-    make_clusters();
-    join_clusters();
     find_directions();
     given_back_.assign(clusters_.size(), 0);
     result_.region_of.assign(facets_.size(), kNoRegion);
@@ -67,6 +64,7 @@ class RegionFinder {
       take_all(is_last);
       if (rob()) take_all(is_last);
     }
+    is_cut_ = find_cut_regions(positions_, topology_, is_sharp_, made_, tolerance_, result_);
     take_known();
     take_slivers();
     take_planes();
@@ -79,78 +77,6 @@ class RegionFinder {
  private:
   [[nodiscard]] bool is_free(std::int32_t cluster) const {
     return result_.region_of[clusters_[cluster].faces.front()] == kNoRegion;
-  }
-
-  void measure() {
-    for (std::int32_t f = 0; f < topology_.face_count(); ++f) {
-      const auto vertices = topology_.face(f);
-      double longest = 0;
-      glm::dvec3 centre(0.0);
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const glm::dvec3 &from = positions_[vertices[i]],
-                         &to = positions_[vertices[(i + 1) % vertices.size()]];
-        longest = std::max(longest, glm::length(to - from));
-        centre += from / static_cast<double>(vertices.size());
-      }
-      const glm::dvec3 area = area_vector(positions_, vertices);
-      facets_[f] = {unit_or_zero(area), glm::length(area), centre};
-      // What an error of the vertices turns the normal by, at most.
-      const double height = longest > 0 ? 2 * facets_[f].area / longest : 0;
-      doubt_[f] =
-          height > 0 ? std::min(2 * tolerance_ / height, std::numbers::pi) : std::numbers::pi;
-    }
-  }
-
-  [[nodiscard]] double height_over(std::int32_t face, const glm::dvec3& origin,
-                                   const glm::dvec3& normal) const {
-    double largest = 0;
-    for (const std::int32_t v : topology_.face(face))
-      largest = std::max(largest, std::abs(glm::dot(positions_[v] - origin, normal)));
-    return largest;
-  }
-
-  void make_clusters() {
-    std::vector<std::int32_t> order(facets_.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, std::greater<>(),
-                             [&](std::int32_t f) { return facets_[f].area; });
-    for (const std::int32_t first : order) {
-      if (cluster_of_[first] != kNoRegion) continue;
-      const auto index = static_cast<std::int32_t>(clusters_.size());
-      Cluster cluster;
-      cluster.faces.push_back(first);
-      cluster_of_[first] = index;
-      const glm::dvec3 origin = positions_[topology_.face(first)[0]];
-      glm::dvec3 sum = facets_[first].area * facets_[first].normal;
-      for (std::size_t i = 0; i < cluster.faces.size(); ++i) {
-        patches_.each_neighbour(cluster.faces[i], [&](std::int32_t next) {
-          if (cluster_of_[next] != kNoRegion) return;
-          const Facet& facet = facets_[next];
-          const glm::dvec3 normal = sum / std::max(glm::length(sum), 1e-300);
-          const double turn = angle_between(normal, facet.normal);
-          if (turn > doubt_[next] + 1e-6 && facet.area > 0) return;
-          if (height_over(next, origin, normal) > tolerance_) return;
-          cluster_of_[next] = index;
-          cluster.faces.push_back(next);
-          sum += facet.area * facet.normal;
-        });
-      }
-      cluster.facet = {sum / std::max(glm::length(sum), 1e-300), glm::length(sum)};
-      clusters_.push_back(std::move(cluster));
-    }
-  }
-
-  void join_clusters() {
-    for (std::int32_t c = 0; c < std::ssize(clusters_); ++c) {
-      auto& neighbours = clusters_[c].neighbours;
-      for (const std::int32_t f : clusters_[c].faces)
-        patches_.each_neighbour(f, [&](std::int32_t other) {
-          if (cluster_of_[other] != c) neighbours.push_back(cluster_of_[other]);
-        });
-      std::ranges::sort(neighbours);
-      const auto rest = std::ranges::unique(neighbours);
-      neighbours.erase(rest.begin(), rest.end());
-    }
   }
 
   [[nodiscard]] std::vector<std::int32_t> faces_of(std::span<const std::int32_t> clusters) const {
@@ -657,11 +583,14 @@ class RegionFinder {
     return shared >= 2 && angle_between(facets_[face].normal, mean) < kMostTurn;
   }
 
-  // What no other surface took, and meets nothing of its size that none took smoothly.
+  // What no other surface took, and meets nothing of its size that none took smoothly. Facets that
+  // turn by more than samples of a smooth surface do are none, unless all of it is to be smooth.
   [[nodiscard]] bool is_plane(std::int32_t cluster) const {
-    constexpr double kSmall = 0.05;
+    constexpr double kSmall = 0.05, kMostTurn = 29 * kDegree;
+    const Facet& facet = clusters_[cluster].facet;
     return std::ranges::none_of(clusters_[cluster].neighbours, [&](std::int32_t c) {
-      return is_free(c) && clusters_[c].facet.area > kSmall * clusters_[cluster].facet.area;
+      return is_free(c) && clusters_[c].facet.area > kSmall * facet.area &&
+             (keeps_smooth_ || angle_between(clusters_[c].facet.normal, facet.normal) < kMostTurn);
     });
   }
   void take_planes() {
@@ -685,6 +614,7 @@ class RegionFinder {
     for (std::size_t r = 0; r < result_.regions.size(); ++r) {
       const AnalyticRegion& region = result_.regions[r];
       if (region.faces.empty()) continue;
+      if (r < is_cut_.size() && is_cut_[r] != 0) continue;
       const bool is_plane = region.surface.kind == AnalyticKind::Plane;
       if (is_plane && patches_.points_of(region.faces).size() > kFacet) continue;
       const bool is_small = clusters_of(region.faces).size() < kSmall;
@@ -844,16 +774,19 @@ class RegionFinder {
   const MeshTopology& topology_;
   std::span<const char> is_sharp_;
   double tolerance_;
+  bool keeps_smooth_;
   FaceComponents parts_;
-  std::vector<Facet> facets_;
-  std::vector<double> doubt_;  // radians, of their normals
-  std::vector<std::int32_t> cluster_of_;
-  std::vector<Cluster> clusters_;
+  const FacetClusters& made_;
+  const std::vector<Facet>& facets_;
+  const std::vector<double>& doubt_;
+  const std::vector<std::int32_t>& cluster_of_;
+  const std::vector<FacetCluster>& clusters_;
   std::vector<std::int32_t> given_back_;  // by cluster: how often
   std::vector<glm::dvec3> directions_;
   std::vector<std::int32_t> seen_;
   FacePatches patches_;
   std::int32_t round_ = 0;
+  std::vector<char> is_cut_;  // by region, of those until then
   AnalyticRegions result_;
 };
 
@@ -870,8 +803,9 @@ void remove_empty(AnalyticRegions& regions) {
 }
 
 AnalyticRegions find_regions(std::span<const glm::dvec3> positions, const MeshTopology& topology,
-                             std::span<const char> is_sharp, double tolerance) {
-  return RegionFinder(positions, topology, is_sharp, tolerance).find();
+                             std::span<const char> is_sharp, double tolerance, bool keeps_smooth) {
+  const FacetClusters made = make_facet_clusters(positions, topology, is_sharp, tolerance);
+  return RegionFinder(positions, topology, is_sharp, made, tolerance, keeps_smooth).find();
 }
 
 }  // namespace planish

@@ -16,6 +16,8 @@ struct AnalyticRegion {
   bool is_inward = false;  ///< faces look against the surface's normals
   std::vector<std::int32_t> faces;
   double error = 0;  ///< of its vertices, from the surface: at most
+  /// How deep inside the surface vertices may lie where its facets, not it, were cut by others.
+  double sag = 0;
 
   /// Of the surface on which its faces are: 1 where its normals point to, else -1.
   [[nodiscard]] double side() const { return is_inward ? -1 : 1; }
@@ -42,9 +44,12 @@ inline constexpr char kGroupBorder = 2;
 /// The regions of a mesh that planes, cylinders, cones, spheres and tori fit within `tolerance`,
 /// each as large as it can be. `is_sharp`: one per edge: 0, or 1 where it is sharp, which surfaces
 /// end at unless they are one on both sides, or kGroupBorder. A facet belongs to a curved one if
-/// its normal is near those at its vertices, too.
+/// its normal is near those at its vertices, too. `keeps_smooth`: what is not sharp is to be
+/// smooth, however far facets turn; else those that turn by 29 degrees and more and lie on nothing
+/// are planes.
 [[nodiscard]] AnalyticRegions find_regions(std::span<const glm::dvec3> positions,
                                            const MeshTopology& topology,
-                                           std::span<const char> is_sharp, double tolerance);
+                                           std::span<const char> is_sharp, double tolerance,
+                                           bool keeps_smooth);
 
 }  // namespace planish

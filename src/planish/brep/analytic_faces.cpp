@@ -50,7 +50,8 @@ std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology
       std::size_t off = 0, all = 0;
       for (const std::int32_t f : region.faces) {
         for (const std::int32_t v : topology.face(f)) {
-          if (!(std::abs(signed_distance(region.surface, found.positions[v])) <= most)) ++off;
+          if (!(std::abs(signed_distance(region.surface, found.positions[v])) <= most + region.sag))
+            ++off;
           ++all;
         }
       }
@@ -148,7 +149,8 @@ AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, std::optional<double
       is_sharp[e] = kGroupBorder;
   }
   const double exact = std::min(kExactTolerance, tolerance.value_or(kExactTolerance));
-  AnalyticRegions regions = find_regions(found.positions, topology, is_sharp, exact);
+  AnalyticRegions regions =
+      find_regions(found.positions, topology, is_sharp, exact, mesh.keeps_smooth);
   found.parts = face_components(topology);
   found.tolerances = find_noisy_regions(found.positions, topology, is_sharp, found.parts, tolerance,
                                         exact, mesh.places, regions);

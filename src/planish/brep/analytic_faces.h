@@ -30,6 +30,7 @@ struct AnalyticMesh {
   std::span<const std::int32_t> groups;   ///< one per face, or none
   double diagonal = 1;
   VertexPlaces places = VertexPlaces::OnEdges;
+  bool keeps_smooth = true;  ///< what is not sharp is to be smooth: see find_regions()
 };
 
 /// What of a mesh lies on surfaces that have a name, part by part: faces that edges join.

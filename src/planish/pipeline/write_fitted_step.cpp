@@ -225,6 +225,7 @@ std::unique_ptr<const GivenParts> parts_of(const PolygonMesh& mesh,
   }
   AnalyticMesh analytic = parts->mesh();
   analytic.is_sharp = is_sharp;
+  analytic.keeps_smooth = !fitted.finds_features;
   parts->found =
       find_analytic_parts(analytic, options.settings.analytic_tolerance, options.callbacks);
   return parts;
