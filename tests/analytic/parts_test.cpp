@@ -272,6 +272,8 @@ TEST(AnalyticParts, FacetsThatWereCutAreOfTheirCylinder) {
     EXPECT_NEAR(made.radii[0], kRadius, 1e-9);
     EXPECT_GT(made.largest_distance, least_sag);
     EXPECT_LT(made.largest_distance, 1.001 * sag);
+    const double below = 0.9 * least_sag / placement_of(mesh).diagonal;
+    EXPECT_EQ(analytic_faces_of(mesh, {}, {}, below).faces_by_kind[1], 0);
     EXPECT_TRUE(check_brep(made.brep, placement_of(mesh).diagonal).is_valid());
   }
 }

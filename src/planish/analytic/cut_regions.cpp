@@ -26,6 +26,11 @@ struct FacetGap {
 
 constexpr double kLarger = 4;  // times a facet's area: no facet of the same surface
 
+// Edges between facets lie on these from end to end.
+bool has_rulings(AnalyticKind kind) {
+  return kind == AnalyticKind::Cylinder || kind == AnalyticKind::Cone;
+}
+
 struct Growth {
   AnalyticSurface surface;
   double sign = 1;
@@ -123,48 +128,25 @@ class CutFinder {
     const double away = glm::length(from - glm::dot(from, s.axis) * s.axis);
     return away * std::sqrt(1 + s.slope * s.slope);
   }
-  // Of the facets that clusters are: by the turn from one to the next on cylinders and cones, else
-  // by the middles of edges.
+  // Of the facets that clusters are, by the turn from one to the next.
   [[nodiscard]] FacetGap gap_of(const AnalyticSurface& surface,
-                                std::span<const std::int32_t> clusters, double sign) const {
+                                std::span<const std::int32_t> clusters) const {
     constexpr double kSlack = 1.02, kAngle = 0.5 * kDegree;
-    FacetGap gap;
-    if (surface.kind == AnalyticKind::Cylinder || surface.kind == AnalyticKind::Cone) {
-      std::vector<double> turns;
-      double radius = 0;
-      for (const std::int32_t c : clusters)
-        each_border(c, [&](std::int32_t corner, std::int32_t other) {
-          if (!std::ranges::binary_search(clusters, other)) return;
-          turns.push_back(
-              angle_between(made_.clusters[c].facet.normal, made_.clusters[other].facet.normal));
-          radius = std::max(
-              {radius, radius_at(surface, start_of(corner)), radius_at(surface, end_of(corner))});
-        });
-      if (turns.empty()) return gap;
-      const auto middle = turns.begin() + std::ssize(turns) / 2;
-      std::ranges::nth_element(turns, middle);
-      gap.turn = *middle / 2;
-      gap.depth = radius * (1 - portable::cos(gap.turn));
-    } else {
-      for (const std::int32_t c : clusters) {
-        for (const std::int32_t f : made_.clusters[c].faces) {
-          for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
-            const std::int32_t corner = topology_.first_corner(f) + i;
-            const glm::dvec3& p = start_of(corner);
-            if (std::abs(signed_distance(surface, p)) > tolerance_) continue;
-            gap.turn = std::max(
-                gap.turn, angle_between(sign * made_.facets[f].normal, normal_at(surface, p)) -
-                              made_.doubt[f]);
-            if (std::abs(signed_distance(surface, end_of(corner))) <= tolerance_)
-              gap.depth = std::max(gap.depth,
-                                   std::abs(signed_distance(surface, 0.5 * (p + end_of(corner)))));
-          }
-        }
-      }
-    }
-    gap.depth = kSlack * gap.depth + tolerance_;
-    gap.turn = kSlack * gap.turn + kAngle;
-    return gap;
+    std::vector<double> turns;
+    double radius = 0;
+    for (const std::int32_t c : clusters)
+      each_border(c, [&](std::int32_t corner, std::int32_t other) {
+        if (!std::ranges::binary_search(clusters, other)) return;
+        turns.push_back(
+            angle_between(made_.clusters[c].facet.normal, made_.clusters[other].facet.normal));
+        radius = std::max(
+            {radius, radius_at(surface, start_of(corner)), radius_at(surface, end_of(corner))});
+      });
+    if (turns.empty()) return {};
+    const auto middle = turns.begin() + std::ssize(turns) / 2;
+    std::ranges::nth_element(turns, middle);
+    const double turn = *middle / 2;
+    return {kSlack * radius * (1 - portable::cos(turn)) + tolerance_, kSlack * turn + kAngle};
   }
 
   // Whether a cluster is a facet of a surface, whole or cut.
@@ -172,7 +154,7 @@ class CutFinder {
     const AnalyticSurface& s = of.surface;
     const auto is_inside = [&](const glm::dvec3& p) {
       const double d = signed_distance(s, p);
-      return d >= -of.gap.depth && d <= (s.kind == AnalyticKind::Torus ? of.gap.depth : tolerance_);
+      return d >= -of.gap.depth && d <= tolerance_;
     };
     for (const std::int32_t f : made_.clusters[cluster].faces) {
       for (std::int32_t i = 0; i < topology_.face_size(f); ++i) {
@@ -197,8 +179,7 @@ class CutFinder {
       const std::size_t before = growth.clusters.size(), enough = before + before / 2 + 2;
       for (std::size_t i = 0; i < growth.clusters.size() && growth.clusters.size() < enough; ++i) {
         for (const std::int32_t other : made_.clusters[growth.clusters[i]].neighbours) {
-          if (seen_[other] == round_ || !is_free(other)) continue;
-          if (!is_facet(other, growth)) continue;
+          if (seen_[other] == round_ || !is_free(other) || !is_facet(other, growth)) continue;
           seen_[other] = round_;
           growth.clusters.push_back(other);
         }
@@ -214,13 +195,13 @@ class CutFinder {
 
   void widen(std::size_t r) {
     AnalyticRegion& region = regions_.regions[r];
-    if (region.faces.empty() || region.surface.kind == AnalyticKind::Plane) return;
+    if (region.faces.empty() || !has_rulings(region.surface.kind)) return;
     Growth growth{region.surface, region.side(), {}, {}};
     for (const std::int32_t f : region.faces) growth.clusters.push_back(made_.cluster_of[f]);
     std::ranges::sort(growth.clusters);
     growth.clusters.erase(std::ranges::unique(growth.clusters).begin(), growth.clusters.end());
     const std::vector<std::int32_t> own = growth.clusters;
-    growth.gap = gap_of(region.surface, growth.clusters, region.side());
+    growth.gap = gap_of(region.surface, growth.clusters);
     grow(growth);
     if (growth.clusters.size() == own.size()) return;
     region.surface = growth.surface;
@@ -349,7 +330,7 @@ class CutFinder {
       turn += glm::dot(facet.normal, normal_at(growth.surface, facet.centre));
     }
     growth.sign = turn < 0 ? -1 : 1;
-    growth.gap = gap_of(growth.surface, growth.clusters, growth.sign);
+    growth.gap = gap_of(growth.surface, growth.clusters);
     // Prisms of six sides and fewer are no cylinders.
     constexpr double kMostTurn = 28 * kDegree;
     if (!(growth.gap.turn <= kMostTurn)) return std::nullopt;

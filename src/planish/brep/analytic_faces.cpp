@@ -151,6 +151,12 @@ AnalyticParts find_analytic_parts(const AnalyticMesh& mesh, std::optional<double
   const double exact = std::min(kExactTolerance, tolerance.value_or(kExactTolerance));
   AnalyticRegions regions =
       find_regions(found.positions, topology, is_sharp, exact, mesh.keeps_smooth);
+  if (tolerance) {
+    std::vector<char> is_deep;
+    for (const AnalyticRegion& region : regions.regions)
+      is_deep.push_back(region.sag > *tolerance ? 1 : 0);
+    drop_regions(is_deep, regions);
+  }
   found.parts = face_components(topology);
   found.tolerances = find_noisy_regions(found.positions, topology, is_sharp, found.parts, tolerance,
                                         exact, mesh.places, regions);
