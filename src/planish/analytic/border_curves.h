@@ -26,7 +26,8 @@ struct BorderCurve {
 };
 inline constexpr std::size_t kBorderDegree = 3;
 
-/// Of the diagonal: curves lie on their surfaces within this, or within what their ends do.
+/// Of the diagonal: curves lie on their surfaces within this, or within kOnAll where they
+/// have no such curve.
 inline constexpr double kOnSurface = 1e-9;
 /// Of the diagonal: a point is the one that surfaces have in common. Those of a mesh of rounded
 /// coordinates may agree no better.

@@ -13,7 +13,6 @@
 #include "planish/core/portable_math.h"
 #include "planish/core/vectors.h"
 #include "planish/mesh/face_geometry.h"
-#include "planish/mesh/mesh_parts.h"
 
 namespace planish {
 namespace {
@@ -41,15 +40,15 @@ struct Growth {
 class CutFinder {
  public:
   CutFinder(std::span<const glm::dvec3> positions, const MeshTopology& topology,
-            std::span<const char> is_sharp, const FacetClusters& made, double tolerance,
-            AnalyticRegions& regions)
+            std::span<const char> is_sharp, const FacetClusters& made, const FaceComponents& parts,
+            double tolerance, AnalyticRegions& regions)
       : positions_(positions),
         topology_(topology),
         is_sharp_(is_sharp),
         made_(made),
         tolerance_(tolerance),
         regions_(regions),
-        parts_(face_components(topology)),
+        parts_(parts),
         seen_(made.clusters.size(), 0) {}
 
   std::vector<char> find() && {
@@ -287,7 +286,8 @@ class CutFinder {
       });
     });
   }
-  // Whether facets beside it go on smoothly without lying on it: a piece of another surface.
+  // Whether facets beside what was grown last go on smoothly without lying on it: a piece of
+  // another surface.
   [[nodiscard]] bool goes_on(const Growth& growth) const {
     constexpr double kPart = 0.1;
     double around = 0, smooth = 0;  // lengths of its border
@@ -331,9 +331,7 @@ class CutFinder {
     }
     growth.sign = turn < 0 ? -1 : 1;
     growth.gap = gap_of(growth.surface, growth.clusters);
-    // Prisms of six sides and fewer are no cylinders.
-    constexpr double kMostTurn = 28 * kDegree;
-    if (!(growth.gap.turn <= kMostTurn)) return std::nullopt;
+    if (!(growth.gap.turn <= kMostFacetTurn)) return std::nullopt;
     if (!std::ranges::all_of(seeds, [&](std::int32_t c) { return is_facet(c, growth); }))
       return std::nullopt;
     grow(growth);
@@ -345,7 +343,6 @@ class CutFinder {
   }
 
   [[nodiscard]] std::optional<Growth> best_through(std::int32_t cluster) {
-    constexpr std::size_t kMostNeighbours = 8;
     std::vector<std::int32_t> beside;
     for (const std::int32_t c : made_.clusters[cluster].neighbours)
       if (is_free(c)) beside.push_back(c);
@@ -372,9 +369,9 @@ class CutFinder {
   const FacetClusters& made_;
   double tolerance_;
   AnalyticRegions& regions_;
-  FaceComponents parts_;
-  std::vector<char> is_cut_;  // by region
-  std::vector<std::int32_t> seen_;
+  const FaceComponents& parts_;
+  std::vector<char> is_cut_;        // by region
+  std::vector<std::int32_t> seen_;  // by cluster: the round that last grew over it
   std::int32_t round_ = 0;
 };
 
@@ -382,9 +379,9 @@ class CutFinder {
 
 std::vector<char> find_cut_regions(std::span<const glm::dvec3> positions,
                                    const MeshTopology& topology, std::span<const char> is_sharp,
-                                   const FacetClusters& made, double tolerance,
-                                   AnalyticRegions& regions) {
-  return CutFinder(positions, topology, is_sharp, made, tolerance, regions).find();
+                                   const FacetClusters& made, const FaceComponents& parts,
+                                   double tolerance, AnalyticRegions& regions) {
+  return CutFinder(positions, topology, is_sharp, made, parts, tolerance, regions).find();
 }
 
 }  // namespace planish

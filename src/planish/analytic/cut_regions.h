@@ -6,6 +6,7 @@
 
 #include "planish/analytic/facet_clusters.h"
 #include "planish/analytic/find_regions.h"
+#include "planish/mesh/mesh_parts.h"
 #include "planish/mesh/mesh_topology.h"
 
 namespace planish {
@@ -19,7 +20,8 @@ namespace planish {
 [[nodiscard]] std::vector<char> find_cut_regions(std::span<const glm::dvec3> positions,
                                                  const MeshTopology& topology,
                                                  std::span<const char> is_sharp,
-                                                 const FacetClusters& made, double tolerance,
+                                                 const FacetClusters& made,
+                                                 const FaceComponents& parts, double tolerance,
                                                  AnalyticRegions& regions);
 
 }  // namespace planish

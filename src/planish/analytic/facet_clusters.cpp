@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "planish/analytic/face_patches.h"
 #include "planish/core/vectors.h"
 #include "planish/mesh/face_geometry.h"
 
@@ -18,7 +19,10 @@ class ClusterMaker {
  public:
   ClusterMaker(std::span<const glm::dvec3> positions, const MeshTopology& topology,
                std::span<const char> is_sharp, double tolerance)
-      : positions_(positions), topology_(topology), is_sharp_(is_sharp), tolerance_(tolerance) {}
+      : positions_(positions),
+        topology_(topology),
+        tolerance_(tolerance),
+        patches_(positions, topology, is_sharp) {}
 
   FacetClusters make() && {
     measure();
@@ -48,13 +52,6 @@ class ClusterMaker {
     }
   }
 
-  template <class Use>
-  void each_neighbour(std::int32_t face, const Use& use) const {
-    for (std::int32_t i = 0; i < topology_.face_size(face); ++i) {
-      const std::int32_t corner = topology_.first_corner(face) + i, twin = topology_.twin(corner);
-      if (twin >= 0 && is_sharp_[topology_.edge_of(corner)] == 0) use(topology_.face_of(twin));
-    }
-  }
   [[nodiscard]] double height_over(std::int32_t face, const glm::dvec3& origin,
                                    const glm::dvec3& normal) const {
     double largest = 0;
@@ -80,7 +77,7 @@ class ClusterMaker {
       const glm::dvec3 origin = positions_[topology_.face(first)[0]];
       glm::dvec3 sum = facets[first].area * facets[first].normal;
       for (std::size_t i = 0; i < cluster.faces.size(); ++i) {
-        each_neighbour(cluster.faces[i], [&](std::int32_t next) {
+        patches_.each_neighbour(cluster.faces[i], [&](std::int32_t next) {
           if (cluster_of[next] >= 0) return;
           const Facet& facet = facets[next];
           const glm::dvec3 normal = sum / std::max(glm::length(sum), 1e-300);
@@ -102,7 +99,7 @@ class ClusterMaker {
     for (std::int32_t c = 0; c < std::ssize(result_.clusters); ++c) {
       auto& neighbours = result_.clusters[c].neighbours;
       for (const std::int32_t f : result_.clusters[c].faces)
-        each_neighbour(f, [&](std::int32_t other) {
+        patches_.each_neighbour(f, [&](std::int32_t other) {
           if (result_.cluster_of[other] != c) neighbours.push_back(result_.cluster_of[other]);
         });
       std::ranges::sort(neighbours);
@@ -113,8 +110,8 @@ class ClusterMaker {
 
   std::span<const glm::dvec3> positions_;
   const MeshTopology& topology_;
-  std::span<const char> is_sharp_;
   double tolerance_;
+  FacePatches patches_;
   FacetClusters result_;
 };
 

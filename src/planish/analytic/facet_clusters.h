@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -16,6 +17,11 @@ struct FacetCluster {
   std::vector<std::int32_t> neighbours;  ///< other clusters across smooth edges, ascending
   Facet facet;
 };
+
+/// Of the facets that a cluster's surface is looked for among: more beside it tell none.
+inline constexpr std::size_t kMostNeighbours = 8;
+/// A facet turns by no more from its surface: prisms of six sides and fewer are no cylinders.
+inline constexpr double kMostFacetTurn = 28 * kDegree;
 
 struct FacetClusters {
   std::vector<Facet> facets;  ///< by face

@@ -22,8 +22,6 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kMostNeighbours = 8;
-
 struct Candidate {
   AnalyticSurface surface;
   bool is_inward = false;
@@ -64,7 +62,8 @@ class RegionFinder {
       take_all(is_last);
       if (rob()) take_all(is_last);
     }
-    is_cut_ = find_cut_regions(positions_, topology_, is_sharp_, made_, tolerance_, result_);
+    is_cut_ =
+        find_cut_regions(positions_, topology_, is_sharp_, made_, parts_, tolerance_, result_);
     take_known();
     take_slivers();
     take_planes();
@@ -99,8 +98,7 @@ class RegionFinder {
       if (!(std::abs(signed_distance(surface, p)) <= tolerance_)) return false;
       if (!is_apex(p)) mean += normal_at(surface, p);
     }
-    // Prisms of six sides and fewer are no cylinders.
-    constexpr double kMostSpread = 28 * kDegree, kSlack = 0.5 * kDegree, kMostTurn = 45 * kDegree;
+    constexpr double kSlack = 0.5 * kDegree, kMostTurn = 45 * kDegree;
     const double length = glm::length(mean);
     if (!(length > 0.5)) return false;
     mean /= length;
@@ -108,7 +106,7 @@ class RegionFinder {
     for (const std::int32_t v : vertices)
       if (!is_apex(positions_[v]))
         spread = std::max(spread, angle_between(normal_at(surface, positions_[v]), mean));
-    if (spread > kMostSpread) return false;
+    if (spread > kMostFacetTurn) return false;
     // Between the vertices, too: a disc whose border lies on a torus, which touches it there, does
     // not.
     double longest = 0;

@@ -61,7 +61,7 @@ std::vector<char> unsound_regions(const AnalyticParts& found, const MeshTopology
     try {
       for (const std::int32_t r : regions_in_the_way(found, topology, regions)) is_unsound[r] = 1;
     } catch (const NotAnalytic&) {
-      continue;  // nothing that could be left out would help
+      // Nothing that could be left out would help.
     }
   }
   return is_unsound;
